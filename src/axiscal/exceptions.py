@@ -1,0 +1,80 @@
+"""Every failure raised on purpose: one class each, the message built in one place.
+
+The command line turns any `AxiscalError` into one paragraph on stderr and exit status 1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class AxiscalError(Exception):
+    """Base of every failure that axiscal raises on purpose."""
+
+
+class InputError(AxiscalError):
+    """Something a person wrote cannot be used: where it stands, what is wrong, what would be right.
+
+    what : the fault, with the offending value quoted
+    remedy : what would be right
+    file, line : where it stands, as far as known
+    """
+
+    def __init__(self, what: str, remedy: str, file: str | Path | None = None, line: int | None = None) -> None:
+        self.what, self.remedy, self.file, self.line = what, remedy, file, line
+        place = "" if file is None else f"{file}: " if line is None else f"{file}, line {line}: "
+        super().__init__(f"{place}{what.rstrip('.')}. {remedy.rstrip('.')}.")
+
+    def at(self, file: str | Path | None, line: int | None = None) -> InputError:
+        """Return the same failure of the same class, placed in a file and line."""
+        placed = type(self).__new__(type(self))
+        InputError.__init__(placed, self.what, self.remedy, file, line)
+        return placed
+
+
+class UnitError(InputError):
+    """A quantity without a unit, with an unknown unit, or of the wrong dimension."""
+
+
+class DescriptionError(InputError):
+    """A machine or campaign description that cannot be used."""
+
+
+class ChainError(DescriptionError):
+    """A kinematic chain that does not follow ISO 10791-6."""
+
+
+class ReadingError(InputError):
+    """A reading that cannot be used: not a number, outside the travel, of an unknown set-up."""
+
+
+class RecordError(InputError):
+    """A campaign record that cannot be opened, or a step that does not fit its state."""
+
+
+class SourceError(InputError):
+    """A source of readings that died, stalled or answered nonsense."""
+
+
+class TableError(InputError):
+    """A compensation table that the controller cannot hold or would read differently."""
+
+
+class EvaluationError(InputError):
+    """Readings from which a standard's figures cannot be computed."""
+
+
+class TargetError(InputError):
+    """A target that cannot be reached, or targets that contradict each other."""
+
+
+class KnotError(AxiscalError, ValueError):
+    """Spline knots that are not finite, not increasing, or too few."""
+
+
+class CovarianceError(AxiscalError, ValueError):
+    """A covariance that is not finite, not symmetric or not positive semidefinite."""
+
+
+class ShapeError(AxiscalError, ValueError):
+    """An array whose shape, or whose values, do not fit the call."""
