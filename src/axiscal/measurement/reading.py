@@ -1,0 +1,25 @@
+"""One reading: what an instrument said at one position of the machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A deviation, actual minus commanded, of the TCP relative to the workpiece along (about) the set-up's direction.
+
+    setup : name of the set-up
+    pose : (n_axes,) m or rad, in chain order
+    approach : (n_axes,) +1 or -1 where the direction of the last motion is known, else 0
+    value : m or rad
+    std : standard deviation of this reading in the unit of the value; None takes the set-up's noise
+    line : line of the file it came from, if it came from one
+    """
+
+    setup: str
+    pose: tuple[float, ...]
+    approach: tuple[int, ...]
+    value: float
+    std: float | None = None
+    line: int | None = None

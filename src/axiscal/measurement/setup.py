@@ -1,0 +1,49 @@
+"""A set-up: one instrument, mounted in one way, that reads along (or about) one direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Approach = Literal["both", "+", "-"]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A quantity of the set-up itself that is estimated along with the machine.
+
+    name : "zero" (constant offset of every reading, m or rad) or "slope" (rad; times the distance of the moving
+        linear axis from the middle of its travel)
+    std : prior standard deviation in the same unit
+    """
+
+    name: str
+    std: float
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """How one instrument stands on the machine.
+
+    direction : unit vector in the workpiece frame, along which a length or about which an angle is read
+    moves : indices of the axes that may move, in chain order
+    park : (n_axes,) m or rad, where the axes stand that do not move; middle of travel for those that do
+    noise : standard deviation of one reading, m or rad
+    setup_time, settle, reading_time : s
+    raster : (n_axes,) m or rad, positions are multiples of it; 0 is continuous
+    approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
+    """
+
+    name: str
+    instrument: str
+    direction: Vector
+    moves: tuple[int, ...]
+    park: tuple[float, ...]
+    noise: float
+    unknowns: tuple[Unknown, ...]
+    setup_time: float
+    settle: float
+    reading_time: float
+    raster: tuple[float, ...]
+    approach: Approach
