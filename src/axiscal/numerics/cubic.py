@@ -1,0 +1,355 @@
+"""Cubic splines as linear maps of their control values: natural, cyclic, and the constant (B&H eq. 2-12).
+
+Inside an interval of length h the value is held in Schoenberg's form, with A = (t_{i+1} - t)/h, B = (t - t_i)/h and
+s = S'' at the knots:  S = A a_i + B a_{i+1} - h²/6 A B ((1 + A) s_i + (1 + B) s_{i+1}).  Nothing in it cancels near a
+knot, which the power form of B&H eq. 2 does not promise near t_{i+1}; s solves a diagonally dominant system.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from axiscal.exceptions import KnotError, ShapeError
+from axiscal.numerics import Array
+
+_VALUES = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
+_MIXED = np.array([[-2 / 15, -7 / 60], [-7 / 60, -2 / 15]])
+_BENDS = np.array([[8 / 105, 31 / 420], [31 / 420, 8 / 105]])
+_SHAPES_GRAM = np.block([[_VALUES, _MIXED], [_MIXED, _BENDS]])
+"""∫ f fᵀ dB over [0, 1] of the four shapes f = (A, B, A³ - A, B³ - B)."""
+_SHAPES_ROOT = np.linalg.cholesky(_SHAPES_GRAM).T
+_LINES_ROOT = np.linalg.cholesky(_VALUES).T
+
+
+class Spline(Protocol):
+    """A function on a stretch of an axis that is linear in its control values: S(t) = m(t)ᵀ a (B&H eq. 18)."""
+
+    @property
+    def knots(self) -> Array:
+        """Positions of the control points, both ends included, shape (n,), m or rad; read-only."""
+
+    @property
+    def size(self) -> int:
+        """Number of control values."""
+
+    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
+        """Return m(t)ᵀ, or its derivative of order 0 to 3, for each position in `t`: (m, size)."""
+
+    def gram(self) -> Array:
+        """Return ∫ m mᵀ dt over the knots, (size, size)."""
+
+    def curvature(self) -> Array:
+        """Return K with ∫ S''² dt = aᵀ K a, (size, size)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cubic:
+    knots: Array
+    second: Array = field(init=False, repr=False)
+    """S'' at the knots from the control values, shape (n, size), 1/m² or 1/rad²."""
+
+    def __post_init__(self) -> None:
+        knots = _checked_knots(self.knots, self._fewest())
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            second = self._second_derivatives(np.diff(knots))
+        if not np.isfinite(second).all():
+            raise KnotError("knots lie so close together, or so far apart, that the spline overflows")
+        second.setflags(write=False)
+        object.__setattr__(self, "knots", knots)
+        object.__setattr__(self, "second", second)
+
+    @property
+    def size(self) -> int:
+        """Number of control values."""
+        return int(self.second.shape[1])
+
+    @property
+    def slope_matrix(self) -> Array:
+        """M1 of B&H eq. 11, shape (n - 1, size): slopes b at the left ends of the intervals (B&H eq. 4, 8)."""
+        h = np.diff(self.knots)[:, None]
+        return self._steps() / h - h / 6 * (2 * self.second[:-1] + self.second[1:])
+
+    @property
+    def curvature_matrix(self) -> Array:
+        """M2 of B&H eq. 11, shape (n - 1, size): halved second derivatives c (B&H eq. 5, 9)."""
+        return self.second[:-1] / 2
+
+    @property
+    def cubic_matrix(self) -> Array:
+        """M3 of B&H eq. 11, shape (n - 1, size): cubic coefficients d (B&H eq. 6, 10)."""
+        return np.diff(self.second, axis=0) / (6 * np.diff(self.knots)[:, None])
+
+    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
+        """Return m(t)ᵀ of B&H eq. 18-19, or its derivative of order 0 to 3.
+
+        t : (m,) or scalar, m or rad; at a knot the interval on its right counts
+        returns : (m, size)
+        raises ShapeError : a position is not finite, or the order is not 0 to 3
+        """
+        position = _checked_positions(t, derivative)
+        inside = self._inside(position)
+        i = np.searchsorted(self.knots[1:-1], inside, side="right")
+        left, right = self.knots[i], self.knots[i + 1]
+        h = right - left
+        weights = _WEIGHTS[derivative](h, (right - inside) / h, (inside - left) / h)
+        return self._continued(self._combined(i, weights), position - inside, derivative)
+
+    def gram(self) -> Array:
+        """Return ∫ m mᵀ dt over the knots in closed form (the integral in B&H eq. 25): (size, size), m or rad."""
+        h = np.diff(self.knots)[:, None]
+        scale = np.stack([np.ones_like(h), np.ones_like(h), h**2 / 6, h**2 / 6], axis=1)
+        ends = self._ends()
+        shapes = scale * np.stack([*ends, self.second[:-1], self.second[1:]], axis=1)
+        root = (np.sqrt(h)[:, :, None] * (_SHAPES_ROOT @ shapes)).reshape(-1, self.size)
+        return root.T @ root
+
+    def curvature(self) -> Array:
+        """Return K with ∫ S''² dt = aᵀ K a, the bending energy that a spline makes least (B&H eq. 12): (size, size)."""
+        lines = np.stack([self.second[:-1], self.second[1:]], axis=1)
+        root = (np.sqrt(np.diff(self.knots))[:, None, None] * (_LINES_ROOT @ lines)).reshape(-1, self.size)
+        return root.T @ root
+
+    def _combined(self, i: NDArray[np.intp], weights: tuple[Array, Array, Array, Array]) -> Array:
+        """Return the rows that give a_i, a_{i+1}, s_i, s_{i+1} these weights: (m, size)."""
+        rows = weights[2][:, None] * self.second[i]
+        rows += weights[3][:, None] * self.second[i + 1]
+        m = np.arange(len(i))
+        rows[m, i] += weights[0]
+        rows[m, (i + 1) % self.size] += weights[1]
+        return rows
+
+    def _ends(self) -> tuple[Array, Array]:
+        """Return the rows of the values at the left and the right end of every interval, each (n - 1, size)."""
+        i, eye = np.arange(len(self.knots) - 1), np.eye(self.size)
+        return eye[i], eye[(i + 1) % self.size]
+
+    def _steps(self) -> Array:
+        left, right = self._ends()
+        return right - left
+
+    def _fewest(self) -> int:
+        raise NotImplementedError
+
+    def _second_derivatives(self, h: Array) -> Array:
+        raise NotImplementedError
+
+    def _inside(self, position: Array) -> Array:
+        raise NotImplementedError
+
+    def _continued(self, rows: Array, beyond: Array, derivative: int) -> Array:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NaturalSpline(_Cubic):
+    """Natural cubic spline, S'' = 0 at both ends (B&H eq. 3-6); a beam bent at its supports (B&H eq. 13-14).
+
+    knots : (n,) increasing, n >= 2; m or rad. Two knots make a straight line.
+    Beyond its knots it goes on as the straight line that the unloaded beam would be.
+    raises KnotError : knots are too few, not finite, not increasing
+    """
+
+    def _fewest(self) -> int:
+        return 2
+
+    def _second_derivatives(self, h: Array) -> Array:
+        n = len(h) + 1
+        second = np.zeros((n, n))
+        if n > 2:
+            i = np.arange(n - 2)
+            system, load = np.zeros((n - 2, n)), np.zeros((n - 2, n))
+            _fill(system, load, i, (i, i + 1, i + 2), h[:-1], h[1:])
+            second[1:-1] = np.linalg.solve(system[:, 1:-1], load)
+        return second
+
+    def _inside(self, position: Array) -> Array:
+        return np.clip(position, self.knots[0], self.knots[-1])
+
+    def _continued(self, rows: Array, beyond: Array, derivative: int) -> Array:
+        if not beyond.any():
+            return rows
+        outside = beyond != 0
+        if derivative > 1:
+            rows[outside] = 0.0
+        elif derivative == 0:
+            end = np.where(beyond[outside] > 0, self.knots[-1], self.knots[0])
+            rows[outside] += beyond[outside, None] * self.rows(end, 1)
+        return rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CyclicSpline(_Cubic):
+    """Cyclic cubic spline: value, slope and curvature agree where the ends meet (B&H eq. 7-10).
+
+    knots : (n,) increasing, n >= 3, both ends of the turn included, so n - 1 control values; m or rad.
+    Positions are taken modulo the turn; the last knot is the first one.
+    raises KnotError : knots are too few, not finite, not increasing
+    """
+
+    def _fewest(self) -> int:
+        return 3
+
+    def _second_derivatives(self, h: Array) -> Array:
+        size = len(h)
+        i = np.arange(size)
+        system, load = np.zeros((size, size)), np.zeros((size, size))
+        _fill(system, load, i, ((i - 1) % size, i, (i + 1) % size), np.roll(h, 1), h)
+        second = np.linalg.solve(system, load)
+        return np.vstack([second, second[:1]])
+
+    def _inside(self, position: Array) -> Array:
+        start, stop = self.knots[0], self.knots[-1]
+        turned = np.minimum(start + np.mod(position - start, stop - start), np.nextafter(stop, start))
+        return np.where((position >= start) & (position < stop), position, turned)
+
+    def _continued(self, rows: Array, beyond: Array, derivative: int) -> Array:
+        return rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constant:
+    """The spline of one control point: an offset or a location error, 1 everywhere.
+
+    start, stop : the stretch over which `gram` integrates; m or rad
+    raises KnotError : the stretch is not finite or not increasing
+    """
+
+    start: float = 0.0
+    stop: float = 1.0
+
+    def __post_init__(self) -> None:
+        _checked_knots([self.start, self.stop], 2)
+
+    @property
+    def knots(self) -> Array:
+        """Both ends of the stretch, (2,)."""
+        return np.array([self.start, self.stop])
+
+    @property
+    def size(self) -> int:
+        """One control value."""
+        return 1
+
+    @property
+    def slope_matrix(self) -> Array:
+        """M1 of B&H eq. 11: zero."""
+        return np.zeros((1, 1))
+
+    @property
+    def curvature_matrix(self) -> Array:
+        """M2 of B&H eq. 11: zero."""
+        return np.zeros((1, 1))
+
+    @property
+    def cubic_matrix(self) -> Array:
+        """M3 of B&H eq. 11: zero."""
+        return np.zeros((1, 1))
+
+    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
+        """Return ones, or zeros for a derivative: (m, 1)."""
+        return np.full((len(_checked_positions(t, derivative)), 1), 1.0 if derivative == 0 else 0.0)
+
+    def gram(self) -> Array:
+        """Return the length of the stretch, (1, 1), m or rad."""
+        return np.array([[self.stop - self.start]])
+
+    def curvature(self) -> Array:
+        """Return zero: a constant does not bend, (1, 1)."""
+        return np.zeros((1, 1))
+
+
+def even_knots(start: float, stop: float, n: int) -> Array:
+    """Return `n` evenly spaced knots from `start` to `stop`, (n,). Raises KnotError."""
+    if n < 2:
+        raise KnotError(f"{n} knots: at least 2 are needed")
+    return _checked_knots(np.linspace(start, stop, n), 2)
+
+
+def spacing_limit(width: float, curvature: float) -> float:
+    """Return the widest knot spacing of a spline that stays in a band: sqrt(6 width / curvature) (B&H eq. 15).
+
+    width : of the band, m; curvature : the largest |S''|, 1/m
+    An upper limit: a sine gets just under two points a wave.
+    raises ShapeError : not finite and positive
+    """
+    if not (0 < width < math.inf and 0 < curvature < math.inf):
+        raise ShapeError(f"band width {width!r} and curvature {curvature!r}: both must be positive and finite")
+    return math.sqrt(6 * width / curvature)
+
+
+def safer_spacing(wavelength: float) -> float:
+    """Return a quarter of the shortest wavelength, where B&H eq. 15 allows 0.55 of it. Raises ShapeError."""
+    if not 0 < wavelength < math.inf:
+        raise ShapeError(f"wavelength {wavelength!r}: must be positive and finite")
+    return wavelength / 4
+
+
+def quadrature(spline: Spline) -> tuple[Array, Array]:
+    """Return nodes and weights, each (5 (n - 1),), exact for degree 9 per interval; for a constant the midpoint."""
+    if isinstance(spline, Constant):
+        return np.array([(spline.start + spline.stop) / 2]), np.array([spline.stop - spline.start])
+    node, weight = np.polynomial.legendre.leggauss(5)
+    half = np.diff(spline.knots)[:, None] / 2
+    return (spline.knots[:-1, None] + half * (node + 1)).ravel(), (half * weight).ravel()
+
+
+def _values(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+    bend = -(h**2) / 6 * a * b
+    return a, b, bend * (1 + a), bend * (1 + b)
+
+
+def _slopes(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+    return -1 / h, 1 / h, h / 6 * (1 - 3 * a**2), h / 6 * (3 * b**2 - 1)
+
+
+def _curvatures(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+    return np.zeros_like(h), np.zeros_like(h), a, b
+
+
+def _cubics(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+    return np.zeros_like(h), np.zeros_like(h), -1 / h, 1 / h
+
+
+_WEIGHTS = (_values, _slopes, _curvatures, _cubics)
+"""Weights of a_i, a_{i+1}, s_i, s_{i+1} in S, S', S'', S'''."""
+
+
+def _fill(
+    system: Array, load: Array, i: NDArray[np.intp], at: tuple[NDArray[np.intp], ...], before: Array, after: Array
+) -> None:
+    """Add the equations of continuous slope, each divided by the length of its two intervals (B&H eq. 5, 9)."""
+    both = before + after
+    for column, value in zip(at, (before / both, np.full_like(both, 2.0), after / both), strict=True):
+        system[i, column] += value
+    left, right = 6 / (before * both), 6 / (after * both)
+    for column, value in zip(at, (left, -(left + right), right), strict=True):
+        load[i, column] += value
+
+
+def _checked_knots(knots: ArrayLike, fewest: int) -> Array:
+    """Return the knots as a read-only copy. Raises KnotError."""
+    checked = np.array(knots, dtype=np.float64)
+    if checked.ndim != 1 or len(checked) < fewest:
+        raise KnotError(f"knots of shape {checked.shape}: at least {fewest} in a row are needed")
+    if not np.isfinite(checked).all():
+        raise KnotError("knots must be finite")
+    if not (checked[1:] > checked[:-1]).all():
+        first = int(np.argmin(checked[1:] > checked[:-1]))
+        raise KnotError(f"knots must increase: {checked[first]:g} is followed by {checked[first + 1]:g}")
+    checked.setflags(write=False)
+    return checked
+
+
+def _checked_positions(t: ArrayLike, derivative: int) -> Array:
+    """Return the positions as a vector. Raises ShapeError."""
+    position = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if position.ndim != 1 or not np.isfinite(position).all():
+        raise ShapeError(f"positions must be finite and one in a row, got shape {position.shape}")
+    if derivative not in (0, 1, 2, 3):
+        raise ShapeError(f"derivative {derivative!r}: a cubic spline has orders 0 to 3")
+    return position
