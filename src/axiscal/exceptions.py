@@ -78,3 +78,7 @@ class CovarianceError(AxiscalError, ValueError):
 
 class ShapeError(AxiscalError, ValueError):
     """An array whose shape, or whose values, do not fit the call."""
+
+
+class SummaryError(AxiscalError, ValueError):
+    """Figures for the report that are not finite, or whose lengths do not fit together."""
