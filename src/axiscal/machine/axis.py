@@ -1,0 +1,89 @@
+"""One linear or rotary axis of a machine (ISO 841 letters)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from axiscal.exceptions import DescriptionError
+
+LINEAR_LETTERS = "XYZUVWPQR"
+ROTARY_LETTERS = "ABC"
+_UNIT_VECTORS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+LINEAR_SPEED = 10.0 / 60.0
+"""Traverse of a linear axis where the description names none: 10 m/min, in m/s."""
+LINEAR_ACCELERATION = 1.0
+"""m/s²."""
+ROTARY_SPEED = math.radians(60.0)
+"""Traverse of a rotary axis where the description names none: 10 rpm, in rad/s."""
+ROTARY_ACCELERATION = math.radians(360.0)
+"""rad/s²."""
+
+
+def letter_direction(letter: str) -> int:
+    """Return 0, 1 or 2: the machine direction x, y, z that an axis letter moves along or turns about (ISO 841)."""
+    letters = ROTARY_LETTERS if letter in ROTARY_LETTERS else LINEAR_LETTERS
+    return letters.index(letter) % 3
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """An axis as the maker built it.
+
+    name : "X", "U2", "C"; letter : its kind, the name without the digit
+    direction : unit vector in the machine frame, along the travel or the axis line
+    workpiece_side : primed in the chain, it carries the workpiece
+    travel : (lowest, highest) coordinate, m or rad; speed m/s or rad/s; acceleration m/s² or rad/s²
+    origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
+    """
+
+    name: str
+    letter: str
+    rotary: bool
+    direction: tuple[float, float, float]
+    workpiece_side: bool
+    travel: tuple[float, float]
+    speed: float
+    acceleration: float
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def named(
+        cls,
+        name: str,
+        workpiece_side: bool,
+        travel: tuple[float, float],
+        speed: float | None = None,
+        acceleration: float | None = None,
+        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> Axis:
+        """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
+
+        Raises DescriptionError for a name that is not an ISO 841 letter with an optional digit.
+        """
+        letter = name[:1]
+        if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
+            raise DescriptionError(
+                f'"{name}" is not an axis name', "axis names begin with one of X Y Z U V W P Q R A B C"
+            )
+        rotary = letter in ROTARY_LETTERS
+        speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
+        acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
+        direction = _UNIT_VECTORS[letter_direction(letter)]
+        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin)
+
+    @property
+    def sign(self) -> int:
+        """+1 on the tool side, −1 on the workpiece side: s_k of the error model (conventions, Errors)."""
+        return -1 if self.workpiece_side else 1
+
+    @property
+    def length(self) -> float:
+        """Length of the travel, m or rad."""
+        return self.travel[1] - self.travel[0]
+
+    @property
+    def cyclic(self) -> bool:
+        """Whether the axis is rotary and its travel is one full turn, to 1e-9 rad."""
+        return self.rotary and abs(self.length - math.tau) <= 1e-9

@@ -1,0 +1,99 @@
+"""What is known beforehand about one error: an entry of the [errors] table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from axiscal.exceptions import DescriptionError
+from axiscal.machine.axis import Axis
+from axiscal.machine.names import ErrorName, Kind, parse_error_name
+
+DEFAULT_KNOTS = 7
+FEWEST_INTERVALS = 4
+FEWEST_CYCLIC_KNOTS = 4
+MOST_KNOTS = 400
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorEntry:
+    """The prior of one error.
+
+    name : canonical, "EXX", "C0Y", "EXX_reversal"; std : prior standard deviation, m or rad
+    knots, spacing : as written, spacing in m or rad; at most one of them
+    length : correlation length in the axis' unit, m or rad; None for independent control values
+    rest : standard deviation of what the spline cannot follow, m or rad; rest_estimated : to be learnt from the readings
+    """
+
+    name: str
+    std: float
+    knots: int | None = None
+    spacing: float | None = None
+    length: float | None = None
+    rest: float | None = None
+    rest_estimated: bool = False
+    line: int | None = None
+
+    @property
+    def parts(self) -> ErrorName:
+        """The name taken apart."""
+        return parse_error_name(self.name)
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis whose error this is."""
+        return self.parts.axis
+
+    @property
+    def kind(self) -> Kind:
+        """ "motion", "location" or "reversal"."""
+        return self.parts.kind
+
+    @property
+    def component(self) -> int:
+        """0…5 for displacements along x y z and rotations about x y z."""
+        return self.parts.component
+
+    @property
+    def constant(self) -> bool:
+        """Whether the error is one number: a location error, or a reversal value without knots."""
+        return self.kind == "location" or (self.kind == "reversal" and self.knots is None and self.spacing is None)
+
+    def knot_count(self, axis: Axis) -> int:
+        """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.
+
+        `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: intervals not longer than half
+        the correlation length, at least four; without a correlation length 7 knots, as in the paper (B&H section V).
+        Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
+        """
+        if self.constant:
+            return 1
+        count = self._wanted_knots(axis)
+        fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
+        if not fewest <= count <= MOST_KNOTS:
+            turn = " over a full turn" if axis.cyclic else ""
+            raise DescriptionError(
+                f"{self.name}: {count:.0f} knots{turn} are too {'few' if count < fewest else 'many'}",
+                f"{fewest} to {MOST_KNOTS} knots are possible; give knots, spacing or length accordingly",
+            )
+        return int(count)
+
+    def knot_positions(self, axis: Axis) -> tuple[float, ...]:
+        """Return the knots over the travel of the axis, m or rad, both ends included; empty for a constant."""
+        intervals = self.knot_count(axis) - 1
+        low, high = axis.travel
+        return tuple(low + (high - low) * i / intervals for i in range(intervals)) + ((high,) if intervals else ())
+
+    def _wanted_knots(self, axis: Axis) -> float:
+        if self.knots is not None:
+            return self.knots
+        if self.spacing is not None:
+            return 1 + max(1, _intervals(axis.length, self.spacing))
+        if self.length is not None:
+            return 1 + max(FEWEST_INTERVALS, _intervals(axis.length, self.length / 2))
+        return DEFAULT_KNOTS
+
+
+def _intervals(travel: float, longest: float) -> int:
+    """Return how many equal intervals, none longer than `longest`, fill the travel."""
+    return math.ceil(travel / longest - 1e-9)

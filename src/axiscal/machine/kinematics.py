@@ -1,0 +1,97 @@
+"""The nominal chain and its exact deviation: where each axis frame and the TCP are in the workpiece frame.
+
+Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md).
+On the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor; on the workpiece side,
+read in this direction, the other way round.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array, rigid
+
+
+class Frames(NamedTuple):
+    """Axis frames and TCP in the workpiece frame.
+
+    rotations : (q, m, 3, 3) R_k; origins : (q, m, 3) m; tcp : (m, 3) m
+    """
+
+    rotations: Array
+    origins: Array
+    tcp: Array
+
+
+class SmallMotions(NamedTuple):
+    """What each axis frame does beside its nominal motion, at each pose, in the axis frame.
+
+    displacement : (q, m, 3) m; rotation : (q, m, 3) rad
+    tilt : (q, m, 3) rad, turn of the direction of travel of a linear axis
+    """
+
+    displacement: Array
+    rotation: Array
+    tilt: Array
+
+
+def frames(machine: Machine, poses: Array) -> Frames:
+    """Return the nominal axis frames and TCP.  poses : (m, q) m or rad."""
+    motion = rigid.identity(len(poses))
+    rotations, origins = [], []
+    for axis, coordinate in zip(machine.axes, poses.T, strict=True):
+        motion = _to_frame(axis, motion, coordinate, None)
+        rotations.append(motion.rotation)
+        origins.append(motion.translation)
+        motion = _from_frame(axis, motion, coordinate, None)
+    return Frames(np.stack(rotations), np.stack(origins), motion.apply(_tool(machine)))
+
+
+def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:
+    """Return orientation and TCP of the tool in the workpiece frame, exactly, nothing linearised.
+
+    On the tool side an axis frame moves by E; on the workpiece side the workpiece does, so the chain sees E⁻¹.
+    """
+    motion = rigid.identity(len(poses))
+    for k, (axis, coordinate) in enumerate(zip(machine.axes, poses.T, strict=True)):
+        tilt = rigid.rotation(small.tilt[k])
+        turn = rigid.rotation(small.rotation[k])
+        motion = _to_frame(axis, motion, coordinate, tilt)
+        if axis.workpiece_side:
+            motion = motion.then(np.swapaxes(turn, 1, 2)).moved(-small.displacement[k])
+        else:
+            motion = motion.moved(small.displacement[k]).then(turn)
+        motion = _from_frame(axis, motion, coordinate, tilt)
+    return motion.moved(_tool(machine))
+
+
+def _tool(machine: Machine) -> Array:
+    return np.array([0.0, 0.0, -machine.tool])
+
+
+def _to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    if axis.rotary:
+        motion = motion.moved(np.array(axis.origin))
+        return motion.then(_turn(axis, coordinate)) if axis.workpiece_side else motion
+    return motion if axis.workpiece_side else motion.moved(_travel(axis, coordinate, tilt))
+
+
+def _from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    if axis.rotary:
+        motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
+        return motion.moved(-np.array(axis.origin))
+    return motion.moved(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
+
+
+def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
+    straight = np.outer(coordinate, axis.direction)
+    turned: Array = straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
+    return turned
+
+
+def _turn(axis: Axis, coordinate: Array) -> Array:
+    return rigid.rotation(np.outer(coordinate, axis.direction))

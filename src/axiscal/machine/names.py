@@ -1,0 +1,64 @@
+"""Names of errors after ISO 230-1: EXX, C0Y, EXX_reversal, and the spellings that people use for them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from axiscal.exceptions import DescriptionError
+
+Kind = Literal["motion", "location", "reversal"]
+COMPONENTS = "XYZABC"
+
+_AXIS = r"[XYZUVWPQRABC][1-9]?"
+_MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{_AXIS})(?P<reversal>_reversal)?")
+_LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{_AXIS})\))(?P<axis>{_AXIS})")
+_REMEDY = "component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal"
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorName:
+    """The parts of an error's name.
+
+    canonical : "EXX", "C0Y", "EXX_reversal"; axis : name of the axis it belongs to
+    component : 0…5 for x y z a b c; reference : the axis X of "C(0X)Y", where it was written
+    """
+
+    canonical: str
+    axis: str
+    kind: Kind
+    component: int
+    reference: str | None = None
+
+    @property
+    def angular(self) -> bool:
+        """Whether the error is an angle (rad) rather than a displacement (m)."""
+        return self.component >= 3
+
+
+def parse_error_name(text: str) -> ErrorName:
+    """Return the parts of an ISO 230-1 error name; "EC0Y", "C(0X)Y", "EC(0X)Y" and "COY" are read as "C0Y".
+
+    Raises DescriptionError for anything else, with the likely name where there is one.
+    """
+    if found := _LOCATION.fullmatch(text):
+        component, axis = found["component"], found["axis"]
+        return ErrorName(f"{component}0{axis}", axis, "location", COMPONENTS.index(component), found["reference"])
+    if found := _MOTION.fullmatch(text):
+        component, axis, reversal = found["component"], found["axis"], found["reversal"] or ""
+        kind: Kind = "reversal" if reversal else "motion"
+        return ErrorName(f"E{component}{axis}{reversal}", axis, kind, COMPONENTS.index(component))
+    raise DescriptionError(f'"{text[:60]}" is not the name of an error', _likely(text) or _REMEDY)
+
+
+def _likely(text: str) -> str | None:
+    """Return a hint when only the case, or blanks, stand between the text and a name."""
+    bare = "".join(text.split()).upper().replace("_REVERSAL", "_reversal").replace("-REVERSAL", "_reversal")
+    if bare != text and (_LOCATION.fullmatch(bare) or _MOTION.fullmatch(bare)):
+        return f"did you mean {bare}? Names are written in capitals"
+    if bare.endswith("_reversal") and _LOCATION.fullmatch(bare.removesuffix("_reversal")):
+        return (
+            "a location error is a constant and has no reversal value; only component errors such as EXX_reversal have"
+        )
+    return None
