@@ -1,0 +1,81 @@
+"""Events to and from the JSON text in which the record keeps them; floats survive to the last bit."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from axiscal.campaign.events import Asked, Created, Event, Finished, Recorded, Skipped, Undone
+
+KINDS: Mapping[str, type[Event]] = {
+    kind.__name__.lower(): kind for kind in (Created, Asked, Recorded, Skipped, Undone, Finished)
+}
+
+
+class PayloadError(ValueError):
+    """Text in a record that is not an event."""
+
+
+def encode(event: Event) -> tuple[str, str]:
+    """Return kind and JSON text; raise ValueError if a number is not finite."""
+    text = json.dumps(asdict(event), allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    return type(event).__name__.lower(), text
+
+
+def decode(kind: str, text: str) -> Event:
+    """Return the event; raise PayloadError if this is none."""
+    try:
+        fields = json.loads(text)
+        return _READ[kind](fields)
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a finite number")
+    return float(value)
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{value!r} is not a whole number")
+    return value
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{value!r} is not text")
+    return value
+
+
+def _position(fields: Mapping[str, Any]) -> tuple[tuple[float, ...], tuple[int, ...]]:
+    position = tuple(_number(value) for value in fields["position"])
+    approach = tuple(_whole(value) for value in fields["approach"])
+    if len(position) != len(approach) or not set(approach) <= {-1, 0, 1}:
+        raise ValueError(f"position {position} and approach {approach} do not belong together")
+    return position, approach
+
+
+def _created(fields: Mapping[str, Any]) -> Created:
+    versions = {_text(name): _text(value) for name, value in fields["versions"].items()}
+    machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
+    return Created(machine, campaign, _text(fields["machine_source"]), _text(fields["campaign_source"]), versions)
+
+
+def _recorded(fields: Mapping[str, Any]) -> Recorded:
+    std = None if fields["std"] is None else _number(fields["std"])
+    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std)
+
+
+_READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
+    "created": _created,
+    "asked": lambda fields: Asked(_whole(fields["reading"]), _text(fields["setup"]), *_position(fields)),
+    "recorded": _recorded,
+    "skipped": lambda fields: Skipped(_text(fields["reason"])),
+    "undone": lambda fields: Undone(_whole(fields["event"])),
+    "finished": lambda fields: Finished(_text(fields["because"])),
+}
