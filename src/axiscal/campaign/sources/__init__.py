@@ -1,0 +1,56 @@
+"""Where readings come from: `sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from axiscal.campaign.sources.simulated import Simulator
+from axiscal.campaign.sources.source import Answer, Request, Skip, Source
+from axiscal.exceptions import SourceError
+
+__all__ = ["Answer", "Request", "Simulator", "Skip", "Source", "open_source"]
+
+TRUTH_SEED = 0
+"""Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
+
+
+def open_source(text: str, simulator: Simulator, timeout: float | None = None, taken: int = 0) -> Source:
+    """Return the source that `text` names.
+
+    simulator : makes the virtual machines of `sim` and `truth`
+    timeout : s that an `exec` command may take over one reading
+    taken : number of readings that an earlier run has had from this source
+    Raises SourceError for an unknown kind, InputError for a file that cannot be used.
+    """
+    kind, colon, rest = text.partition(":")
+    if kind == "sim":
+        return _simulated(simulator, rest, bool(colon))
+    if kind in ("truth", "csv", "exec") and not rest.strip():
+        raise SourceError(f"the source '{text}' names nothing after '{kind}:'", _KINDS)
+    if kind == "truth":
+        from axiscal.campaign.sources.simulated import SimulatedSource
+
+        return SimulatedSource(simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED)
+    if kind == "csv":
+        from axiscal.campaign.sources.csv import CsvSource
+
+        source = CsvSource(Path(rest))
+        source.pass_over(taken)
+        return source
+    if kind == "exec":
+        from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
+
+        return ExecSource(rest, TIMEOUT if timeout is None else timeout)
+    raise SourceError(f"'{text}' is not a source", _KINDS)
+
+
+_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND"
+
+
+def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
+    from axiscal.campaign.sources.simulated import SimulatedSource
+
+    if named and not (seed.isascii() and seed.isdigit() and len(seed) <= 18):
+        raise SourceError(f"'{seed}' is not a seed", "Write a whole number from 0, as in sim:7")
+    number = int(seed) if named else 0
+    return SimulatedSource(simulator.drawn(number), number)

@@ -1,0 +1,113 @@
+"""`csv:FILE`: readings that exist already, given in the order in which they are asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from axiscal.campaign.sources.source import SIGNS, Answer, Request
+from axiscal.exceptions import SourceError
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.readers.table import Column, Row, Table, read_table
+from axiscal.units import dimension_of, from_unit
+
+_SAME = {False: 1e-6, True: math.radians(1e-5)}
+"""How far a row may stand from the position asked for: 1 um, or 1e-5 deg for a rotary axis."""
+
+
+class CsvSource:
+    """A table with a column `value_um` or `value_urad`, one row per reading.
+
+    Further columns of READINGS.csv (setup, X_mm, approach) may be there; a row that does not agree with what is asked
+    for is refused, not answered. Raises ReadingError for a file that is no such table.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._table = read_table(path)
+        self._rows: Iterator[Row] = iter(self._table.rows)
+        self._columns = _Columns(self._table)
+
+    def read(self, request: Request) -> Answer:
+        """Return the next row's value; raises SourceError when there is none or it is of another position."""
+        row = next(self._rows, None)
+        if row is None:
+            what = f"there are {len(self._table.rows)} readings in it, and reading {request.reading} was asked for"
+            raise SourceError(what, "Add readings, or ask for fewer by the target `readings`", self._table.file)
+        self._columns.refuse_other_place(row, request)
+        return self._columns.answer(row, request)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def pass_over(self, count: int) -> None:
+        """Leave out rows that an earlier run has used; raises SourceError if there are not so many."""
+        for _ in range(count):
+            if next(self._rows, None) is None:
+                what = f"it has fewer readings than the {count} that the record has taken from it"
+                raise SourceError(what, "Give the file the record was begun with", self._table.file)
+
+
+class _Columns:
+    """Which column of the table says what."""
+
+    def __init__(self, table: Table) -> None:
+        self.values, self.stds = table.all_of("value"), table.all_of("std")
+        texts = {column.stem: column for column in table.columns if column.unit is None}
+        self.setup, self.approach = texts.pop("setup", None), texts.pop("approach", None)
+        self.places = [c for c in table.columns if c.unit is not None and c.stem not in ("value", "std")]
+        if not self.values:
+            raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
+        if texts:
+            known = "setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
+            raise table.fail(f"column '{next(iter(texts))}' is not known", f"Known are {known}")
+
+    def answer(self, row: Row, request: Request) -> Answer:
+        column = row.only_filled(self.values)
+        if column is None:
+            raise row.fail("there is no value", "Write the number that was read, or take out the line")
+        _refuse_other_dimension(row, column, request)
+        spread = row.only_filled(self.stds)
+        if spread is None:
+            return Answer(row.quantity(column))
+        _refuse_other_dimension(row, spread, request)
+        if (std := row.quantity(spread)) <= 0:
+            raise row.fail(f"{spread.name} {row.text(spread)} is not positive", "Give a std above 0, or leave it empty")
+        return Answer(row.quantity(column), std)
+
+    def refuse_other_place(self, row: Row, request: Request) -> None:
+        if self.setup and row.text(self.setup) not in ("", request.setup.name):
+            raise _other(row, f"set-up '{row.text(self.setup)}'", f"'{request.setup.name}'", request)
+        for column in self.places:
+            self._refuse_other_coordinate(row, column, request)
+        if self.approach and (text := row.text(self.approach)) and text not in (asked := _approaches(request)):
+            raise _other(row, f"approach {text}", " or ".join(asked) or "none", request)
+
+    def _refuse_other_coordinate(self, row: Row, column: Column, request: Request) -> None:
+        names = [axis.name for axis in request.axes]
+        if column.stem not in names:
+            raise row.fail(f"there is no axis '{column.stem}'", f"The machine has {', '.join(names)}")
+        if not row.text(column):
+            return
+        axis, asked = request.axes[names.index(column.stem)], request.pose[names.index(column.stem)]
+        if abs(row.quantity(column) - asked) > _SAME[axis.rotary]:
+            unit = column.unit or ""
+            wanted = asked / from_unit(1.0, unit)
+            raise _other(row, f"{column.name} = {row.text(column)}", f"{axis.name} = {wanted:.9g} {unit}", request)
+
+
+def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
+    reads = INSTRUMENTS[request.setup.instrument].reads
+    if dimension_of(column.unit or "") != reads:
+        what = f"'{column.name}' is filled, but the {request.setup.instrument} reads a {reads}"
+        raise row.fail(what, f"Give the value as {'value_um' if reads == 'length' else 'value_urad'}")
+
+
+def _approaches(request: Request) -> list[str]:
+    return [axis.name + SIGNS[s] for axis, s in zip(request.axes, request.approach, strict=True) if s]
+
+
+def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:
+    what = f"this row is of {found}, but reading {request.reading} is asked for at {asked}"
+    remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal estimate`"
+    return SourceError(what, remedy, row.file, row.line)

@@ -1,0 +1,219 @@
+"""`exec:COMMAND`: any instrument behind a program that answers one JSON line per JSON line."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import queue
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from typing import IO, Any
+
+from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.exceptions import SourceError, UnitError
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.units import dimension_of, from_unit
+
+TIMEOUT = 600.0
+"""Seconds that a command may take over one reading."""
+GRACE = 2.0
+"""Seconds that a command has to end by itself when no more readings are wanted."""
+LONGEST = 100_000
+"""Characters in one answer."""
+
+_REMEDY = 'Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}'
+
+
+class ExecSource:
+    """A command, started once without a shell; its stderr is passed through.
+
+    command : split as a shell would, but not run by one; timeout : s for each answer
+    Raises SourceError if the command cannot be started.
+    """
+
+    def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
+        self._command, self._timeout = command, timeout
+        self._process = _start(command)
+        self._lines: queue.Queue[str] = queue.Queue()
+        self._last_words: deque[str] = deque(maxlen=3)
+        self._listeners = [self._listen(self._hear), self._listen(self._pass_on)]
+
+    def read(self, request: Request) -> Answer | Skip:
+        """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
+        self._refuse_unasked()
+        self._send(json.dumps(request.message(), ensure_ascii=False))
+        return self._understood(self._next_line(), request)
+
+    def close(self) -> None:
+        """End the command: its input is closed, and if that does not move it, it is terminated."""
+        with contextlib.suppress(OSError):
+            _pipe(self._process.stdin).close()
+        for farewell in (signal.SIGTERM, signal.SIGKILL):
+            try:
+                self._process.wait(GRACE)
+                break
+            except subprocess.TimeoutExpired:
+                _signal(self._process, farewell)
+        self._process.wait()
+        for listener in self._listeners:
+            listener.join(GRACE)
+
+    def _listen(self, hear: Any) -> threading.Thread:
+        thread = threading.Thread(target=hear, daemon=True)
+        thread.start()
+        return thread
+
+    def _hear(self) -> None:
+        with _pipe(self._process.stdout) as stream:
+            while line := stream.readline(LONGEST + 1):
+                self._lines.put(line)
+        self._lines.put("")
+
+    def _pass_on(self) -> None:
+        with _pipe(self._process.stderr) as stream:
+            for line in stream:
+                self._last_words.append(line.strip())
+                sys.stderr.write(line)
+                sys.stderr.flush()
+
+    def _refuse_unasked(self) -> None:
+        with contextlib.suppress(queue.Empty):
+            line = self._lines.get_nowait()
+            if not line:
+                raise self._died()
+            raise self._failure(f"said {_quoted(line)} without being asked", "Answer each line with exactly one line")
+
+    def _send(self, line: str) -> None:
+        stream = _pipe(self._process.stdin)
+        try:
+            stream.write(line + "\n")
+            stream.flush()
+        except (OSError, ValueError):
+            raise self._died() from None
+
+    def _next_line(self) -> str:
+        try:
+            line = self._lines.get(timeout=self._timeout)
+        except queue.Empty:
+            remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
+            raise self._failure(f"has not answered within {self._timeout:g} s", remedy) from None
+        if not line:
+            self._lines.put("")
+            raise self._died()
+        return line
+
+    def _died(self) -> SourceError:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(GRACE)
+        self._listeners[1].join(GRACE)
+        status = self._process.returncode
+        ending = "closed its output" if status is None else f"ended with status {status}"
+        words = f'; its last words were "{" / ".join(self._last_words)}"' if self._last_words else ""
+        return self._failure(f"{ending} before it answered{words}", "Mend it, then go on with --resume")
+
+    def _failure(self, what: str, remedy: str) -> SourceError:
+        return SourceError(f"the command `{self._command}` {what}", remedy)
+
+    def _understood(self, line: str, request: Request) -> Answer | Skip:
+        try:
+            answer = json.loads(line) if len(line) <= LONGEST else None
+        except (ValueError, RecursionError):
+            answer = None
+        if not isinstance(answer, dict):
+            raise self._failure(f"answered {_quoted(line)}, which is not a JSON object", _REMEDY)
+        if answer.get("reading", request.reading) != request.reading:
+            asked = f"reading {request.reading} was asked for"
+            raise self._failure(f"answered {_quoted(line)}, but {asked}", "Answer the readings in their order")
+        if "skip" in answer:
+            return self._skip(answer, line)
+        return self._answer(answer, line, request)
+
+    def _skip(self, answer: dict[str, Any], line: str) -> Skip:
+        reason = answer["skip"]
+        if not isinstance(reason, str) or not reason.strip() or "value" in answer:
+            raise self._failure(f"answered {_quoted(line)}, which is no reason to skip", _REMEDY)
+        return Skip(reason.strip())
+
+    def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
+        unit = self._unit(answer.get("unit"), line, request)
+        value = self._number(answer.get("value"), unit, line)
+        if answer.get("std") is None:
+            return Answer(value)
+        std = self._number(answer["std"], unit, line)
+        if std <= 0:
+            raise self._failure(f"answered {_quoted(line)}, whose std is not positive", "Give a std above 0, or none")
+        return Answer(value, std)
+
+    def _unit(self, unit: object, line: str, request: Request) -> str:
+        reads = INSTRUMENTS[request.setup.instrument].reads
+        remedy = f'The {request.setup.instrument} reads a {reads}: give a unit such as "{_EXAMPLE[reads]}"'
+        if not isinstance(unit, str):
+            raise self._failure(f"answered {_quoted(line)} without a unit", remedy)
+        try:
+            fits = dimension_of(unit) == reads
+        except UnitError:
+            fits = False
+        if not fits:
+            raise self._failure(f"answered {_quoted(line)} in a unit that does not fit", remedy)
+        return unit
+
+    def _number(self, number: object, unit: str, line: str) -> float:
+        if not isinstance(number, int | float) or isinstance(number, bool):
+            raise self._failure(f"answered {_quoted(line)}, in which a number is missing", _REMEDY)
+        value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
+        if not math.isfinite(value):
+            remedy = 'Answer {"skip": "reason"} when there is no reading'
+            raise self._failure(f"answered {_quoted(line)}, which is not a finite number", remedy)
+        return value
+
+
+_EXAMPLE = {"length": "um", "angle": "urad"}
+
+
+def _start(command: str) -> subprocess.Popen[str]:
+    remedy = "Write the source as exec:COMMAND with a program that can be started, such as exec:./instrument.py"
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise SourceError(f"the command `{command}` cannot be split: {error}", remedy) from None
+    if not words:
+        raise SourceError("exec: names no command", remedy)
+    try:
+        return subprocess.Popen(
+            words,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            start_new_session=True,  # Ctrl-C is for us: the command gets to finish its answer
+        )
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SourceError(f"the command `{command}` cannot be started: {reason}", remedy) from None
+
+
+def _pipe(stream: IO[str] | None) -> IO[str]:
+    assert stream is not None  # all three were asked for
+    return stream
+
+
+def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if os.name == "posix":
+            os.killpg(process.pid, number)
+        else:
+            process.send_signal(number)
+
+
+def _quoted(line: str) -> str:
+    text = line.strip()
+    text = text if len(text) <= 80 else text[:77] + "..."
+    return "".join(c if c.isprintable() else "?" for c in text) or "an empty line"

@@ -1,0 +1,73 @@
+"""What a source of readings is: it is asked for one reading at a time, and answers it or says why it cannot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+from axiscal.machine import Axis
+from axiscal.measurement.setup import Setup
+from axiscal.units import to_unit
+
+SIGNS = {1: "+", -1: "-"}
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A reading that is wanted.
+
+    reading : its number from 1; axes : of the machine, in chain order
+    pose : (n_axes,) m or rad; approach : (n_axes,) +1, -1, or 0 where it does not matter
+    """
+
+    reading: int
+    setup: Setup
+    axes: tuple[Axis, ...]
+    pose: tuple[float, ...]
+    approach: tuple[int, ...]
+
+    def message(self) -> dict[str, object]:
+        """Return the request as the document that is sent to an `exec:` command: positions in mm and deg."""
+        units = {axis.name: "deg" if axis.rotary else "mm" for axis in self.axes}
+        places = {axis.name: shown_coordinate(value, axis) for axis, value in zip(self.axes, self.pose, strict=True)}
+        return {
+            "reading": self.reading,
+            "setup": self.setup.name,
+            "instrument": self.setup.instrument,
+            "direction": list(self.setup.direction),
+            "position": places,
+            "approach": {axis.name: SIGNS[s] for axis, s in zip(self.axes, self.approach, strict=True) if s},
+            "units": units,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The reading: value in m or rad; its standard deviation likewise, or None for the set-up's noise."""
+
+    value: float
+    std: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Skip:
+    """The reading cannot be taken, and why."""
+
+    reason: str
+
+
+class Source(Protocol):
+    """Something that takes readings. `read` raises SourceError when it cannot go on at all."""
+
+    def read(self, request: Request) -> Answer | Skip:
+        """Return the reading asked for."""
+
+    def close(self) -> None:
+        """Let go of whatever it holds; may be called twice."""
+
+
+def shown_coordinate(value: float, axis: Axis) -> float:
+    """Return a coordinate in mm or deg, without the digits that the conversion left."""
+    converted = to_unit(value, "deg" if axis.rotary else "mm")
+    return round(converted, 9) + 0.0 if math.isfinite(converted) else converted
