@@ -1,0 +1,237 @@
+"""Positioning of one axis evaluated by ISO 230-2: accuracy A, deviation E, repeatability R, reversal B, mean range M.
+
+`_up` is the approach in the positive direction, `_down` in the negative one; a figure that needs a direction that was
+not measured is None.  No figure holds a coverage factor of ours: the standard's own ±2s is part of A and R.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows, read_positioning
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+_FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PositioningTest:
+    """Deviations of one axis: targets (n,), up and down (n, runs), all m or rad; a direction not measured is None."""
+
+    targets: Array
+    up: Array | None
+    down: Array | None
+    rotary: bool = False
+    file: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TargetFigures:
+    """The figures of one target position, m or rad."""
+
+    target: float
+    mean_up: float | None
+    mean_down: float | None
+    s_up: float | None
+    s_down: float | None
+    B_i: float | None
+    mean: float | None
+    R_up_i: float | None
+    R_down_i: float | None
+    R_i: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Positioning:
+    """The figures of one axis, m or rad, with what falls short of the standard's test in plain words."""
+
+    A: float | None
+    A_up: float | None
+    A_down: float | None
+    E: float | None
+    E_up: float | None
+    E_down: float | None
+    R: float | None
+    R_up: float | None
+    R_down: float | None
+    B: float | None
+    B_mean: float | None
+    M: float | None
+    per_target: tuple[TargetFigures, ...]
+    rotary: bool
+    warnings: tuple[str, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
+        unit, target_unit = ("arcsec", "deg") if self.rotary else ("um", "mm")
+        figures = {name: _shown(getattr(self, name), unit) for name in _FIGURES}
+        per_target = [
+            {f.name: _shown(getattr(row, f.name), target_unit if f.name == "target" else unit) for f in fields(row)}
+            for row in self.per_target
+        ]
+        head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
+        return head | figures | {"per_target": per_target, "warnings": list(self.warnings)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Direction:
+    """One direction of approach: mean and standard deviation (n,) at each target, number of runs."""
+
+    mean: Array
+    s: Array
+    runs: int
+
+    @property
+    def high(self) -> Array:
+        return self.mean + 2 * self.s
+
+    @property
+    def low(self) -> Array:
+        return self.mean - 2 * self.s
+
+
+def read_iso230(path: str | Path) -> PositioningTest:
+    """Read a test of one axis in which every run visits every target; raises ReadingError."""
+    readings = read_positioning(path)
+    targets = sorted({row.target for row in readings.rows})
+    up, down = (_passes(readings, targets, direction) for direction in (1, -1))
+    return PositioningTest(np.array(targets), up, down, readings.rotary, readings.file)
+
+
+def evaluate(test: PositioningTest) -> Positioning:
+    """Compute the figures of ISO 230-2; raises EvaluationError when a direction has fewer than two runs."""
+    up, down = (_direction(test, runs) for runs in (test.up, test.down))
+    measured = [side for side in (up, down) if side is not None]
+    if not measured:
+        raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
+    both = (up, down) if up is not None and down is not None else None
+    A, A_up, A_down = _accuracy(up, down, both)
+    E, E_up, E_down = _deviation(up, down, both)
+    R, R_up, R_down = _repeatability(up, down, both)
+    B, B_mean, M = _reversal(both)
+    per_target = tuple(_at_target(test, up, down, i) for i in range(len(test.targets)))
+    warnings = tuple(_shortfalls(test, min(side.runs for side in measured), both is not None))
+    return Positioning(
+        A, A_up, A_down, E, E_up, E_down, R, R_up, R_down, B, B_mean, M, per_target, test.rotary, warnings
+    )  # fmt: skip
+
+
+_Both = tuple[_Direction, _Direction] | None
+_Three = tuple[float | None, float | None, float | None]
+
+
+def _accuracy(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
+    """A, A_up, A_down: the spread of mean ± 2s."""
+    joint = _range(np.r_[both[0].high, both[1].high], np.r_[both[0].low, both[1].low]) if both else None
+    return joint, _range(up.high, up.low) if up else None, _range(down.high, down.low) if down else None
+
+
+def _deviation(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
+    """E, E_up, E_down: the spread of the means."""
+    joint = _range(np.r_[both[0].mean, both[1].mean]) if both else None
+    return joint, _range(up.mean) if up else None, _range(down.mean) if down else None
+
+
+def _repeatability(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
+    """R, R_up, R_down: the largest of the targets' own."""
+    joint = float(np.max(_bidirectional_repeatability(*both))) if both else None
+    return joint, float(np.max(4 * up.s)) if up else None, float(np.max(4 * down.s)) if down else None
+
+
+def _reversal(both: _Both) -> _Three:
+    """B, B_mean, M: largest and mean reversal, range of the mean of both directions."""
+    if both is None:
+        return None, None, None
+    reversal = both[0].mean - both[1].mean
+    return float(np.max(np.abs(reversal))), float(np.mean(reversal)), _range((both[0].mean + both[1].mean) / 2)
+
+
+def _bidirectional_repeatability(up: _Direction, down: _Direction) -> Array:
+    """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), (n,)."""
+    joined = 2 * up.s + 2 * down.s + np.abs(up.mean - down.mean)
+    return np.maximum(joined, np.maximum(4 * up.s, 4 * down.s))
+
+
+def _range(high: Array, low: Array | None = None) -> float:
+    return float(np.max(high) - np.min(high if low is None else low))
+
+
+def _at_target(test: PositioningTest, up: _Direction | None, down: _Direction | None, i: int) -> TargetFigures:
+    mean_up, s_up = (float(up.mean[i]), float(up.s[i])) if up else (None, None)
+    mean_down, s_down = (float(down.mean[i]), float(down.s[i])) if down else (None, None)
+    B_i = mean = R_i = None
+    if up and down:
+        B_i, mean = float(up.mean[i] - down.mean[i]), float(up.mean[i] + down.mean[i]) / 2
+        R_i = float(_bidirectional_repeatability(up, down)[i])
+    R_up_i, R_down_i = (None if s is None else 4 * s for s in (s_up, s_down))
+    return TargetFigures(float(test.targets[i]), mean_up, mean_down, s_up, s_down, B_i, mean, R_up_i, R_down_i, R_i)
+
+
+def _direction(test: PositioningTest, runs: Array | None) -> _Direction | None:
+    """Mean and standard deviation (n - 1) of each target over the runs (n, runs)."""
+    if runs is None:
+        return None
+    if runs.shape[1] < 2:
+        remedy = "repeat the run: the standard deviation needs two at least, ISO 230-2 asks for five"
+        raise EvaluationError("a direction was run only once", remedy, test.file)
+    return _Direction(np.mean(runs, axis=1), np.std(runs, axis=1, ddof=1), runs.shape[1])
+
+
+def _passes(readings: PositioningRows, targets: list[float], direction: int) -> Array | None:
+    """Arrange one direction as (targets, runs), None if not measured; raises ReadingError for a missing target."""
+    runs: dict[int, dict[float, PositioningRow]] = {}
+    for row in readings.rows:
+        if row.direction == direction:
+            runs.setdefault(row.run, {})[row.target] = row
+    for number, rows in runs.items():
+        for target in targets:
+            if target not in rows:
+                raise _left_out(readings, target, direction, number, next(iter(rows.values())).line)
+    return np.array([[rows[t].deviation for rows in runs.values()] for t in targets]) if runs else None
+
+
+def _left_out(readings: PositioningRows, target: float, direction: int, run: int, line: int) -> ReadingError:
+    shown = f"{to_unit(target, 'deg'):.6g} deg" if readings.rotary else f"{to_unit(target, 'mm'):.6g} mm"
+    what = f"run {run} in direction {'+' if direction > 0 else '-'}, which starts here, has no reading at {shown}"
+    remedy = "every run must visit every target: add the reading or take out the run"
+    return ReadingError(what, remedy, readings.file, line)
+
+
+def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
+    """Say what ISO 230-2 asks for and this test does not have."""
+    n, asked = len(test.targets), _targets_asked(test)
+    if n < asked:
+        yield f"ISO 230-2 asks for {asked} targets on this travel; there are {n}."
+    if runs < 5 and not _is_long(test):
+        yield f"ISO 230-2 asks for five runs in each direction; there are {runs}."
+    if not both:
+        yield "Only one direction was measured: reversal and the bidirectional figures are not known."
+    gaps = np.diff(test.targets)
+    if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
+        yield "The targets are equally spaced: an error that repeats with this spacing stays unseen."
+
+
+def _span(test: PositioningTest) -> float:
+    return float(test.targets[-1] - test.targets[0])
+
+
+def _is_long(test: PositioningTest) -> bool:
+    return not test.rotary and _span(test) > 2.0
+
+
+def _targets_asked(test: PositioningTest) -> int:
+    """Number of targets by ISO 230-2: 5 per metre and 5 in all; each 250 mm beyond 2 m; rotary 3, 5, 8."""
+    span = _span(test) * (1 - 1e-9)
+    if test.rotary:
+        return 3 if span <= np.pi / 2 else 5 if span <= np.pi else 8
+    return int(np.ceil(span / 0.25)) + 1 if _is_long(test) else max(5, int(np.ceil(5 * span)))
+
+
+def _shown(value: float | None, unit: str) -> float | None:
+    return None if value is None else round(to_unit(value, unit), 9)

@@ -1,0 +1,79 @@
+"""Rows of an ISO 230-2 test: `target_mm,direction,run,deviation_um`, or `target_deg` and `deviation_arcsec`."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
+
+STEMS = frozenset({"target", "direction", "run", "deviation"})
+_LAYOUT = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
+
+
+@dataclass(frozen=True, slots=True)
+class PositioningRow:
+    """One reading: target (m, rad), direction +1 or -1, run, deviation actual minus target (m, rad), line."""
+
+    target: float
+    direction: int
+    run: int
+    deviation: float
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class PositioningRows:
+    """The readings of one axis, in the order of the file."""
+
+    file: str
+    rotary: bool
+    rows: tuple[PositioningRow, ...]
+
+
+def read_positioning(path: str | Path) -> PositioningRows:
+    """Read the readings of one axis; raises ReadingError."""
+    return positioning_rows(read_table(path))
+
+
+def positioning_rows(table: Table) -> PositioningRows:
+    """Interpret a table as readings of one axis; raises ReadingError, also for a reading given twice."""
+    table.allow(_LAYOUT)
+    target, direction = table.one_of("target", "target_mm"), table.one_of("direction", "direction")
+    run, deviation = table.one_of("run", "run"), table.one_of("deviation", "deviation_um")
+    rotary = _is_rotary(table, target, deviation)
+    seen: dict[tuple[float, int, int], int] = {}
+    rows = []
+    for row in table.rows:
+        key = (row.quantity(target), _direction(row, direction), _run(row, run))
+        if key in seen:
+            where = f"target {row.text(target)}, direction {row.text(direction)}, run {key[2]}"
+            raise row.fail(f"{where} was read in line {seen[key]} already", "give each reading its own run number")
+        seen[key] = row.line
+        rows.append(PositioningRow(*key, row.quantity(deviation), row.line))
+    return PositioningRows(table.file, rotary, tuple(rows))
+
+
+def _is_rotary(table: Table, target: Column, deviation: Column) -> bool:
+    kinds = {column.dimension for column in (target, deviation)}
+    if len(kinds) > 1:
+        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
+        raise table.fail(f"'{target.name}' and '{deviation.name}' mix a length and an angle", remedy)
+    return kinds == {"angle"}
+
+
+def _direction(row: Row, column: Column) -> int:
+    signs = {"+": 1, "-": -1}
+    text = row.text(column)
+    if text not in signs:
+        remedy = "write + for the approach in the positive direction, - for the negative one"
+        raise row.fail(f"direction {text!r} is not known", remedy)
+    return signs[text]
+
+
+def _run(row: Row, column: Column) -> int:
+    text = row.text(column)
+    if not re.fullmatch(r"[0-9]{1,9}", text):
+        raise row.fail(f"run {text!r} is not a whole number", "number the runs 1, 2, 3, ...")
+    return int(text)

@@ -1,0 +1,255 @@
+"""ISO 230-2 figures: against published evaluations of real tests, a naive twin, and the standard's own definitions."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.evaluation import Positioning, PositioningTest, evaluate, read_iso230
+from axiscal.exceptions import EvaluationError, ReadingError
+
+SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "axis_iso230"
+REAL = ["ess_target_x", "ess_muts_x", "ess_muts_y"]
+ROUNDING = 2e-5  # mm, of the published figures
+
+needs_data = pytest.mark.skipif(not SHARED.is_dir(), reason="the measured data are not beside this checkout")
+
+GOOD = """# one axis
+target_mm,direction,run,deviation_um
+0,+,1,1.0
+100,+,1,2.0
+0,-,1,0.0
+100,-,1,3.0
+0,+,2,1.5
+100,+,2,2.5
+0,-,2,0.5
+100,-,2,3.5
+"""
+
+
+def written(tmp_path: Path, text: str | bytes) -> Path:
+    path = tmp_path / "test.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def evaluated(tmp_path: Path, text: str) -> Positioning:
+    return evaluate(read_iso230(written(tmp_path, text)))
+
+
+@needs_data
+@pytest.mark.parametrize("name", REAL)
+def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
+    expected = json.loads((SHARED / f"{name}.expected.json").read_text())
+    document = evaluate(read_iso230(SHARED / f"{name}.csv")).as_json()
+    published = expected["reported_by_source"]
+    figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
+        "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
+    }  # fmt: skip
+    wanted = {ours: published[theirs] for ours, theirs in figures.items()}
+    wanted |= {"R": expected["iso_R"], "E": expected["iso_E"]}
+    for figure, value in wanted.items():
+        shown = document[figure]
+        assert isinstance(shown, float)
+        assert shown / 1e3 == pytest.approx(value, abs=ROUNDING), figure
+
+
+@needs_data
+@pytest.mark.parametrize("name", REAL)
+def test_every_published_iso_figure_of_each_target(name: str) -> None:
+    expected = json.loads((SHARED / f"{name}.expected.json").read_text())
+    published = expected["reported_by_source"]
+    document = json.loads(json.dumps(evaluate(read_iso230(SHARED / f"{name}.csv")).as_json()))
+    columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
+        "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
+    }  # fmt: skip
+    assert [row["target"] for row in document["per_target"]] == expected["target_mm"]
+    for ours, theirs in columns.items():
+        assert [row[ours] / 1e3 for row in document["per_target"]] == pytest.approx(published[theirs], abs=ROUNDING)
+
+
+def naive(up: list[list[float]], down: list[list[float]]) -> dict[str, float]:
+    """The definitions of ISO 230-2 written out one target at a time."""
+    ups = [(statistics.mean(x), statistics.stdev(x)) for x in up]
+    downs = [(statistics.mean(x), statistics.stdev(x)) for x in down]
+    high = [m + 2 * s for m, s in ups], [m + 2 * s for m, s in downs]
+    low = [m - 2 * s for m, s in ups], [m - 2 * s for m, s in downs]
+    means = [m for m, _ in ups], [m for m, _ in downs]
+    B = [a - b for a, b in zip(*means, strict=True)]
+    R = [
+        max(2 * a[1] + 2 * b[1] + abs(c), 4 * a[1], 4 * b[1])
+        for a, b, c in zip(ups, downs, B, strict=True)
+    ]  # fmt: skip
+    centre = [(a + b) / 2 for a, b in zip(*means, strict=True)]
+    return {
+        "A": max(*high[0], *high[1]) - min(*low[0], *low[1]),
+        "A_up": max(high[0]) - min(low[0]),
+        "A_down": max(high[1]) - min(low[1]),
+        "E": max(*means[0], *means[1]) - min(*means[0], *means[1]),
+        "E_up": max(means[0]) - min(means[0]),
+        "E_down": max(means[1]) - min(means[1]),
+        "R": max(R),
+        "R_up": max(4 * s for _, s in ups),
+        "R_down": max(4 * s for _, s in downs),
+        "B": max(abs(b) for b in B),
+        "B_mean": statistics.mean(B),
+        "M": max(centre) - min(centre),
+    }
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_agrees_with_the_definitions_written_out(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    up, down = rng.normal(0, 5e-6, (2, 7, 5))
+    figures = evaluate(PositioningTest(np.arange(7.0), up, down))
+    for name, value in naive(up.tolist(), down.tolist()).items():
+        assert getattr(figures, name) == pytest.approx(value, rel=1e-12), name
+
+
+def test_one_direction_leaves_the_bidirectional_figures_open(tmp_path: Path) -> None:
+    text = "".join(line for line in GOOD.splitlines(keepends=True) if ",-," not in line)
+    figures = evaluated(tmp_path, text)
+    assert figures.A_up == pytest.approx((1.0 + 4 * 0.5 / 2**0.5) * 1e-6)
+    assert figures.E_up == pytest.approx(1e-6)
+    assert [figures.A, figures.A_down, figures.E, figures.R, figures.R_down, figures.B, figures.B_mean] == [None] * 7
+    assert figures.per_target[0].B_i is None
+    assert any("one direction" in warning for warning in figures.warnings)
+
+
+def test_rotary_axes_are_told_in_arcsec(tmp_path: Path) -> None:
+    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_arcsec")
+    document = evaluated(tmp_path, text).as_json()
+    assert document["unit"] == "arcsec"
+    assert document["target_unit"] == "deg"
+    assert document["E_up"] == pytest.approx(1.0)
+    assert document["per_target"][1]["target"] == pytest.approx(100.0)  # type: ignore[index]
+
+
+def test_microradians_are_the_same_test_as_arcseconds(tmp_path: Path) -> None:
+    text = GOOD.replace("target_mm", "target_deg").replace("deviation_um", "deviation_urad")
+    document = evaluated(tmp_path, text).as_json()
+    assert document["E_up"] == pytest.approx(1.0 / 4.8481368, rel=1e-7)
+
+
+def test_column_order_comments_bom_and_line_ends_do_not_matter(tmp_path: Path) -> None:
+    lines = [line for line in GOOD.splitlines() if not line.startswith("#")]
+    turned = ["\ufeffrun, deviation_um ,direction,target_mm"]
+    for line in lines[1:]:
+        target, direction, run, deviation = line.split(",")
+        turned += ["", " # pause", f'"{run}",{deviation},{direction} ,{target}e0']
+    assert evaluated(tmp_path, "\r\n".join(turned)) == evaluated(tmp_path, GOOD)
+
+
+def test_the_document_is_plain_json_with_all_names_of_the_contract(tmp_path: Path) -> None:
+    document = evaluated(tmp_path, GOOD).as_json()
+    names = {"schema", "unit", "A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M"}
+    assert names | {"per_target"} <= set(json.loads(json.dumps(document)))
+    assert document["schema"] == "axiscal-iso230/1"
+
+
+def test_what_falls_short_of_the_standard_is_said(tmp_path: Path) -> None:
+    warnings = evaluated(tmp_path, GOOD).warnings
+    assert any("5 targets" in warning and "there are 2" in warning for warning in warnings)
+    assert any("five runs" in warning and "there are 2" in warning for warning in warnings)
+
+
+def test_nothing_is_said_of_a_test_that_follows_the_standard() -> None:
+    rng = np.random.default_rng(1)
+    targets = np.sort(np.arange(6) * 0.2 + rng.uniform(-0.01, 0.01, 6))
+    up, down = rng.normal(0, 1e-6, (2, 6, 5))
+    assert evaluate(PositioningTest(targets, up, down)).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("span", "rotary", "asked"),
+    [
+        (0.1, False, 5),
+        (1.0, False, 5),
+        (1.01, False, 6),
+        (2.0, False, 10),
+        (3.0, False, 13),
+        (np.pi / 2, True, 3),
+        (np.pi, True, 5),
+        (2 * np.pi, True, 8),
+    ],
+)
+def test_number_of_targets_that_the_standard_asks_for(span: float, rotary: bool, asked: int) -> None:
+    def said(n: int) -> bool:
+        zeros = np.zeros((n, 5))
+        test = PositioningTest(np.linspace(0, span, n), zeros, zeros, rotary)
+        return any(f"asks for {asked} targets" in warning for warning in evaluate(test).warnings)
+
+    assert said(asked - 1)
+    assert not said(asked)
+
+
+def test_equal_spacing_is_pointed_out() -> None:
+    zeros = np.zeros((5, 5))
+    said = evaluate(PositioningTest(np.linspace(0, 0.4, 5), zeros, zeros)).warnings
+    assert len(said) == 1
+    assert "equally spaced" in said[0]
+
+
+def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
+    text = "".join(line for line in GOOD.splitlines(keepends=True) if ",2," not in line)
+    with pytest.raises(EvaluationError, match=r"run only once.*repeat the run") as caught:
+        evaluated(tmp_path, text)
+    assert caught.value.file == str(tmp_path / "test.csv")
+
+
+def test_no_direction_at_all_is_refused() -> None:
+    with pytest.raises(EvaluationError, match="no readings"):
+        evaluate(PositioningTest(np.zeros(2), None, None))
+
+
+BAD: dict[str, tuple[str | bytes, str, int | None]] = {
+    "missing column": (GOOD.replace(",run", "").replace(",1,", ",").replace(",2,", ","), "no column 'run'", 2),
+    "unknown column": (GOOD.replace("deviation_um", "deviaton_um"), "did you mean 'deviation_um'", 2),
+    "no unit": (GOOD.replace("deviation_um", "deviation"), "has no unit", 2),
+    "length and angle": (GOOD.replace("target_mm", "target_deg"), "mix a length and an angle", 2),
+    "same column in two units": (GOOD.replace("direction,run", "target_um,direction"), "say the same", 2),
+    "NaN": (GOOD.replace("2.5", "NaN"), "'NaN' is not finite", 8),
+    "infinite": (GOOD.replace("2.5", "1e999"), "'1e999' is not finite", 8),
+    "empty cell": (GOOD.replace("2.5", ""), "deviation_um is empty", 8),
+    "decimal comma": (GOOD.replace("2.5", '"2,5"'), r"decimal comma. write a decimal point: 2\.5", 8),
+    "decimal comma unquoted": (GOOD.replace("2.5", "2,5"), "5 cells, the header 4 columns.*1.5, not 1,5", 8),
+    "number with unit": (GOOD.replace("2.5", "2.5 um"), "'2.5 um' is not a number.*unit stands in the header", 8),
+    "python number": (GOOD.replace("2.5", "2_5"), "'2_5' is not a number", 8),
+    "duplicate": (GOOD + "100,-,2,9\n", "target 100, direction -, run 2 was read in line 10 already", 11),
+    "left out": (GOOD.replace("100,+,2,2.5\n", ""), r"run 2 in direction \+, .* has no reading at 100 mm", 7),
+    "direction": (GOOD.replace("100,+,2", "100,up,2"), "direction 'up' is not known", 8),
+    "run": (GOOD.replace("100,+,2", "100,+,two"), "run 'two' is not a whole number", 8),
+    "run fraction": (GOOD.replace("100,+,2", "100,+,2.0"), "run '2.0' is not a whole number", 8),
+    "header only": (GOOD.splitlines()[1], "a header but no data", 1),
+    "empty": ("", "no header and no data", None),
+    "comments only": ("# nothing\n\n", "no header and no data", None),
+    "semicolons": (GOOD.replace(",", ";"), "semicolons", 2),
+    "doubled column": (GOOD.replace("run", "direction"), "'direction' is named twice", 2),
+    "nameless column": (GOOD.replace("run", ""), "column 3 has no name", 2),
+    "open quote": (GOOD.replace("2.5", '"2.5'), "not CSV", 8),
+    "UTF-16": (GOOD.encode("utf-16"), "UTF-16", None),
+    "UTF-16 without mark": (GOOD.encode("utf-16-le"), "UTF-16", None),
+    "Latin-1": (GOOD.replace("one axis", "für").encode("latin-1"), "0xfc is not UTF-8", 1),
+    "binary": (b"\x7fELF\x00\x00", "binary", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_bad_input_says_file_line_fault_and_remedy(fault: str, tmp_path: Path) -> None:
+    text, message, line = BAD[fault]
+    with pytest.raises(ReadingError, match=message) as caught:
+        read_iso230(written(tmp_path, text))
+    assert caught.value.file == str(tmp_path / "test.csv")
+    assert caught.value.line == line
+    assert caught.value.remedy
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["no_such.csv", ".", "a\0b"])
+def test_a_file_that_cannot_be_opened(name: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadingError):
+        read_iso230(tmp_path / name)
