@@ -1,0 +1,68 @@
+# Everything is set up in .venv inside the checkout; nothing else on the machine is touched.
+PYTHON ?=
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
+	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
+
+.PHONY: help demo test check bench lock clean distclean
+
+help:
+	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
+	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
+	@echo "make bench      measure the figures that the README states"
+	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
+	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
+
+demo: .venv/run.stamp
+	$(BIN)/axiscal demo --out demo-out
+
+test check: .venv/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -n 2
+
+bench: .venv/dev.stamp
+	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
+
+lock: | .venv/bin/pip-compile
+	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/run.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
+
+clean:
+	rm -rf build out demo-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
+	find src tests benchmarks examples -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean
+	rm -rf .venv src/*.egg-info
+
+.venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
+	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
+	@$(PIP) install --require-hashes -r requirements/run.txt
+	@$(PIP) install --no-deps --no-build-isolation -e .
+	@touch $@
+
+.venv/dev.stamp: requirements/dev.txt pyproject.toml | .venv/bin/pip
+	@echo "axiscal: installing the locked packages and the test tools into .venv (a minute or two the first time)"
+	@$(PIP) install --require-hashes -r requirements/dev.txt
+	@$(PIP) install --no-deps --no-build-isolation -e .
+	@touch .venv/run.stamp $@
+
+.venv/bin/pip-compile: | .venv/bin/pip
+	@$(PIP) install --require-hashes -r requirements/dev.txt
+
+.venv/bin/pip:
+	@for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11; do \
+	    if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
+	done; \
+	if [ -z "$$found" ]; then \
+	    echo "axiscal needs Python 3.11 or later and found none; on Debian or Ubuntu: sudo apt-get install python3 python3-venv" >&2; \
+	    exit 1; \
+	fi; \
+	if ! $$found -c 'import ensurepip, venv' 2>/dev/null; then \
+	    echo "axiscal needs Python's venv, which this Python lacks; on Debian or Ubuntu: sudo apt-get install python3-venv" >&2; \
+	    exit 1; \
+	fi; \
+	$$found -m venv .venv

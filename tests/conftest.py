@@ -1,0 +1,42 @@
+"""Rules of the whole suite: reproducible examples, and no silent skips where everything must be there."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True)
+settings.register_profile("explore", deadline=None, max_examples=2000)
+settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
+
+
+def _skipped(config: pytest.Config) -> list[str]:
+    """Return one line per skipped test; empty in the workers of a distributed run."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    reports = reporter.stats.get("skipped", []) if reporter is not None else []
+    return sorted({f"{report.nodeid}: {_reason(report.longrepr)}" for report in reports})
+
+
+def _reason(longrepr: object) -> str:
+    """Return the sentence given to the skip."""
+    text = longrepr[2] if isinstance(longrepr, tuple) else longrepr
+    return str(text).removeprefix("Skipped: ")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail a run in which a test was skipped, where AXISCAL_NO_SKIPS=1 says that nothing may be missing."""
+    if os.environ.get("AXISCAL_NO_SKIPS") == "1" and _skipped(session.config) and session.exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """List what was skipped as the failure that it is."""
+    skipped = _skipped(terminalreporter.config)
+    if os.environ.get("AXISCAL_NO_SKIPS") != "1" or not skipped:
+        return
+    terminalreporter.section("skipped, and AXISCAL_NO_SKIPS=1 allows no skip", red=True)
+    for line in skipped:
+        terminalreporter.line(line)

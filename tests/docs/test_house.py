@@ -1,0 +1,114 @@
+"""The house as built agrees with the house as drawn."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "axiscal"
+LINES = 400
+
+# Spelt in halves, so that this file does not contain what it looks for.
+REGISTRIES = [
+    "files.python" + "hosted",
+    "py" + "pi.org",
+    "registry.npm" + "js",
+    "deb.deb" + "ian.org",
+    "--index" + "-url",
+]
+WORKPLACE = [r"(?<![\w.~-])/wo" + r"rk/", "/opt/" + "wheels", "/opt/py" + "pi", "/root" + "/", r"/home" + r"/\w+"]
+FORBIDDEN = re.compile("|".join([re.escape(name) for name in REGISTRIES] + WORKPLACE))
+
+
+def _stations() -> list[str]:
+    """Return the names of the modules and packages directly in the package."""
+    modules = [path.stem for path in PACKAGE.glob("*.py") if path.stem not in {"__init__", "__main__"}]
+    packages = [path.parent.name for path in PACKAGE.glob("*/__init__.py")]
+    return sorted(modules + packages)
+
+
+def _committed() -> list[Path]:
+    """Return the files under version control, or every text source where there is no git."""
+    try:
+        listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        places = ("src", "tests", "docs", "requirements", "benchmarks", "examples")
+        return [path for place in places for path in (ROOT / place).rglob("*") if path.is_file()]
+    return [path for name in listing.decode().split("\0") if name and (path := ROOT / name).is_file()]
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file; empty for a binary one."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return ""
+
+
+@pytest.mark.parametrize("station", _stations())
+def test_every_station_is_drawn(station: str) -> None:
+    assert f"`{station}`" in (ROOT / "docs" / "architecture.md").read_text()
+
+
+def test_the_drawn_order_is_the_order_that_is_held() -> None:
+    picture = (ROOT / "docs" / "architecture.md").read_text()
+    drawn = re.findall(r"^ {4,}([a-z_]+(?: \| [a-z_]+)*)$", picture, flags=re.MULTILINE)
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    layers = next(contract["layers"] for contract in contracts if contract["type"] == "layers")
+    assert drawn == [re.sub(r"[()]", "", layer) for layer in layers]
+
+
+def test_files_stay_small() -> None:
+    lengths = {path.relative_to(ROOT): len(_text(path).splitlines()) for path in PACKAGE.rglob("*.py")}
+    assert {path: length for path, length in lengths.items() if length > LINES} == {}
+
+
+def test_nothing_names_a_registry_or_a_workplace() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {match.group()}"
+        for path in _committed()
+        for number, line in enumerate(_text(path).splitlines(), start=1)
+        if (match := FORBIDDEN.search(line))
+    ]
+    assert found == []
+
+
+def test_forbidden_names_would_be_found() -> None:
+    examples = ["https://py" + "pi.org/simple", "see /wo" + "rk/main", "-f /opt/" + "wheels", "a,/home" + "/someone/x"]
+    assert all(FORBIDDEN.search(example) for example in examples)
+    assert not FORBIDDEN.search("src/frame" + "/wo" + "rk/x")
+
+
+@pytest.mark.parametrize("lock", ["run.txt", "dev.txt"])
+def test_every_requirement_is_pinned_and_hashed(lock: str) -> None:
+    text = (ROOT / "requirements" / lock).read_text().replace("\\\n", " ")
+    requirements = [line for line in text.splitlines() if line.strip() and not line.strip().startswith("#")]
+    assert requirements
+    assert [line for line in requirements if not re.match(r"[a-z0-9-]+==\S+ .*--hash=sha256:[0-9a-f]{64}", line)] == []
+
+
+def test_both_locks_agree() -> None:
+    pins = [
+        dict(re.findall(r"^([a-z0-9-]+)==(\S+)", (ROOT / "requirements" / name).read_text(), flags=re.MULTILINE))
+        for name in ("run.txt", "dev.txt")
+    ]
+    assert pins[0].items() <= pins[1].items()
+
+
+def test_every_dependency_has_its_reason_on_a_page() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    pages = " ".join(path.stem for path in (ROOT / "docs" / "decisions").glob("*.md"))
+    names = [re.split(r"[<>=]", requirement)[0] for requirement in project["dependencies"]]
+    assert [name for name in names if name not in pages] == []
+
+
+@pytest.mark.parametrize("page", sorted(path.name for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]))
+def test_links_between_pages_lead_somewhere(page: str) -> None:
+    path = next(path for path in (ROOT / page, ROOT / "docs" / page) if path.is_file())
+    targets = re.findall(r"\]\((?!https?:|#|mailto:)([^)#]+)", path.read_text())
+    assert [target for target in targets if not (path.parent / target).exists()] == []
