@@ -110,23 +110,21 @@ class Table:
 
     def allow(self, layout: Mapping[str, tuple[str, ...]]) -> Table:
         """Return the table if each column is in `layout` (stem -> units, TEXT for text); raises ReadingError if not."""
-        names = [f"{stem}_{unit}" for stem, units in layout.items() for unit in units]
-        names += [stem for stem, units in layout.items() if not units]
         for column in self.columns:
             if column.stem not in layout or (column.unit or "") not in (layout[column.stem] or ("",)):
-                raise self._unknown(column, layout, names)
+                raise self._unknown(column, layout)
         return self
 
-    def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]], names: list[str]) -> ReadingError:
-        units = layout.get(column.stem)
-        if units and column.unit is None:
-            return self.fail(f"column '{column.name}' has no unit", f"write it as '{column.stem}_{units[0]}'")
-        if units:
-            choices = ", ".join(f"'{column.stem}_{unit}'" for unit in units)
-            return self.fail(f"column '{column.name}' has a unit of the wrong kind", f"it can be {choices}")
-        near = difflib.get_close_matches(column.name, names, n=1)
-        choices = f"did you mean '{near[0]}'" if near else "known are " + ", ".join(dict.fromkeys(names))
-        return self.fail(f"column '{column.name}' is not known", f"{choices}; take out what is not needed")
+    def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]]) -> ReadingError:
+        spelt = {stem: [f"{stem}_{unit}" for unit in units] or [stem] for stem, units in layout.items()}
+        if layout.get(column.stem):
+            fault = "has no unit" if column.unit is None else "has a unit of the wrong kind"
+            return self.fail(f"column '{column.name}' {fault}", "it can be " + ", ".join(spelt[column.stem]))
+        known = [name for names in spelt.values() for name in names]
+        near = [name for name in known if name.lower() == column.name.lower()]
+        near = near or difflib.get_close_matches(column.name, known, n=1)
+        choice = f"did you mean '{near[0]}'" if near else "known are " + ", ".join(names[0] for names in spelt.values())
+        return self.fail(f"column '{column.name}' is not known", f"{choice}; take out what is not needed")
 
 
 def read_table(path: str | Path) -> Table:

@@ -1,0 +1,44 @@
+"""Axis columns `X_mm … C_deg` and the column `approach`, as readings and poses share them."""
+
+from __future__ import annotations
+
+import re
+
+from axiscal.measurement.readers.table import ANGLES, LENGTHS, Row, Table
+
+_AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
+_APPROACH = re.compile(r"([XYZUVWPQRABC][1-9]?)([+-])")
+
+
+def axis_names(table: Table) -> tuple[str, ...]:
+    """Return the axes that have a column, in the order of the header."""
+    return tuple(dict.fromkeys(column.stem for column in table.columns if _AXIS.fullmatch(column.stem)))
+
+
+def axis_layout(table: Table) -> dict[str, tuple[str, ...]]:
+    """Return which columns may name an axis, with the units of each: the usual axes and those of this table."""
+    return {name: ANGLES if name[0] in "ABC" else LENGTHS for name in (*"XYZABC", *axis_names(table))}
+
+
+def read_position(table: Table, row: Row) -> dict[str, float]:
+    """Return the coordinates (m or rad) that a line gives, by axis; an empty cell gives none.  Raises ReadingError."""
+    position = {}
+    for name in axis_names(table):
+        column = row.only_filled(table.all_of(name))
+        if column is not None:
+            position[name] = row.quantity(column)
+    return position
+
+
+def read_approach(table: Table, row: Row) -> dict[str, int]:
+    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`; raises ReadingError."""
+    columns = table.all_of("approach")
+    approach: dict[str, int] = {}
+    for word in re.split(r"[\s;]+", row.text(columns[0]).strip(" ;")) if columns else []:
+        found = _APPROACH.fullmatch(word)
+        if word and (found is None or found[1] in approach):
+            what = f"approach {row.text(columns[0])!r} cannot be read"
+            raise row.fail(what, "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty")
+        if found:
+            approach[found[1]] = 1 if found[2] == "+" else -1
+    return approach

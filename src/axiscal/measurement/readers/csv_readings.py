@@ -1,0 +1,84 @@
+"""READINGS.csv: `setup,X_mm,…,B_deg,approach,value_um[,std_um]`, or the columns of an ISO 230-2 test.
+
+Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
+does know it checks the names of set-ups and axes, and whether a position lies within the travel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
+from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
+from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
+
+_LAYOUT = {"setup": TEXT, "approach": TEXT, "value": LENGTHS + ANGLES, "std": LENGTHS + ANGLES}
+
+
+@dataclass(frozen=True, slots=True)
+class RawReading:
+    """One reading as written, in SI units.
+
+    setup : name of the set-up; "" in an ISO 230-2 file
+    position : coordinate (m or rad) by axis; an axis left out is parked; {"": target} in an ISO 230-2 file, whose only
+        moving axis is not named
+    approach : +1 or -1 by axis, absent where the direction of approach is not known; {"": ±1} in an ISO 230-2 file
+    value : deviation, actual minus commanded, m or rad as `dimension` says
+    std : standard deviation of the value, None if not said
+    line : line of the file
+    """
+
+    setup: str
+    position: Mapping[str, float]
+    approach: Mapping[str, int]
+    value: float
+    std: float | None
+    dimension: Literal["length", "angle"]
+    line: int
+
+
+def read_readings(path: str | Path) -> tuple[RawReading, ...]:
+    """Read the readings of a file of either kind, in its order; raises ReadingError."""
+    table = read_table(path)
+    if {column.stem for column in table.columns} >= STEMS:
+        return _of_positioning(positioning_rows(table))
+    table.allow(_LAYOUT | axis_layout(table))
+    setup = table.one_of("setup", "setup")
+    if not table.all_of("value"):
+        table.one_of("value", "value_um")
+    return tuple(_reading(table, row, setup) for row in table.rows)
+
+
+def _of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
+    dimension: Literal["length", "angle"] = "angle" if test.rotary else "length"
+    return tuple(
+        RawReading("", {"": row.target}, {"": row.direction}, row.deviation, None, dimension, row.line)
+        for row in test.rows
+    )
+
+
+def _reading(table: Table, row: Row, setup: Column) -> RawReading:
+    column = row.only_filled(table.all_of("value"))
+    if column is None:
+        raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
+    if not row.text(setup):
+        raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
+    value, std = row.quantity(column), _std(table, row, column)
+    position, approach = read_position(table, row), read_approach(table, row)
+    return RawReading(row.text(setup), position, approach, value, std, column.dimension, row.line)
+
+
+def _std(table: Table, row: Row, value: Column) -> float | None:
+    column = row.only_filled(table.all_of("std"))
+    if column is None:
+        return None
+    if column.dimension != value.dimension:
+        raise row.fail(f"'{column.name}' does not fit '{value.name}'", f"write it as 'std_{value.unit}'")
+    std = row.quantity(column)
+    if std <= 0:
+        remedy = "a standard deviation is greater than zero; leave it empty to take the set-up's noise"
+        raise row.fail(f"{column.name} is {row.text(column)}", remedy)
+    return std
