@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from pathlib import Path
 
+from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 
-__all__ = ["ErrorEntry", "Machine"]
+__all__ = ["ErrorEntry", "Machine", "builtin_names", "load_machine", "machine_from_text"]
+
+_LIBRARY = Path(__file__).parent / "library"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +36,43 @@ class Machine:
         names = [axis.name for axis in self.axes]
         if axis_name not in names:
             raise DescriptionError(
-                f'there is no axis "{axis_name[:60]}" on the machine "{self.name}"', f"its axes are {', '.join(names)}"
+                f'there is no axis "{axis_name[:60]}" on the machine "{self.name}"', f"Its axes are {', '.join(names)}"
             )
         return names.index(axis_name)
 
     def axis(self, name: str) -> Axis:
         """Return the axis of that name; raises DescriptionError when there is none."""
         return self.axes[self.index(name)]
+
+
+def builtin_names() -> tuple[str, ...]:
+    """Return the names of the built-in machines."""
+    return tuple(sorted(path.stem for path in _LIBRARY.glob("*.toml")))
+
+
+def load_machine(source: str | Path) -> Machine:
+    """Return the machine in a file, or the built-in one of that name.
+
+    source : a path, or a name of `builtin_names`, which goes before a file of the same name without an ending
+    Raises DescriptionError, ChainError or UnitError with file, line, what is wrong and what would be right.
+    """
+    if isinstance(source, str) and source in builtin_names():
+        return _built(Document.read(_LIBRARY / f"{source}.toml"))
+    path = Path(source)
+    if path.suffix != ".toml" and len(path.parts) == 1 and not os.path.exists(path):
+        near = nearest(str(source), builtin_names())
+        hint = f"Perhaps {near} is meant" if near else f"The built-in machines are {', '.join(builtin_names())}"
+        raise DescriptionError(f"{shown(str(source))} is neither a file nor a built-in machine", hint)
+    return _built(Document.read(path))
+
+
+def machine_from_text(text: str, source_name: str | Path = "machine.toml") -> Machine:
+    """Return the machine in a TOML text; `source_name` is what failures call it. Raises as `load_machine`."""
+    return _built(Document.parse(text, source_name))
+
+
+def _built(document: Document) -> Machine:
+    from axiscal.machine.assembly import assemble
+
+    parts = assemble(document)
+    return Machine(parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text)

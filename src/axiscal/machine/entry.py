@@ -22,7 +22,8 @@ class ErrorEntry:
     name : canonical, "EXX", "C0Y", "EXX_reversal"; std : prior standard deviation, m or rad
     knots, spacing : as written, spacing in m or rad; at most one of them
     length : correlation length in the axis' unit, m or rad; None for independent control values
-    rest : standard deviation of what the spline cannot follow, m or rad; rest_estimated : to be learnt from the readings
+    rest : standard deviation of what the spline cannot follow, m or rad
+    rest_estimated : the rest is to be learnt from the readings
     """
 
     name: str
@@ -74,7 +75,7 @@ class ErrorEntry:
             turn = " over a full turn" if axis.cyclic else ""
             raise DescriptionError(
                 f"{self.name}: {count:.0f} knots{turn} are too {'few' if count < fewest else 'many'}",
-                f"{fewest} to {MOST_KNOTS} knots are possible; give knots, spacing or length accordingly",
+                f"Between {fewest} and {MOST_KNOTS} knots are possible; give knots, spacing or length accordingly",
             )
         return int(count)
 

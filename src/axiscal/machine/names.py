@@ -14,7 +14,7 @@ COMPONENTS = "XYZABC"
 _AXIS = r"[XYZUVWPQRABC][1-9]?"
 _MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{_AXIS})(?P<reversal>_reversal)?")
 _LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{_AXIS})\))(?P<axis>{_AXIS})")
-_REMEDY = "component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal"
+_REMEDY = "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +56,9 @@ def _likely(text: str) -> str | None:
     """Return a hint when only the case, or blanks, stand between the text and a name."""
     bare = "".join(text.split()).upper().replace("_REVERSAL", "_reversal").replace("-REVERSAL", "_reversal")
     if bare != text and (_LOCATION.fullmatch(bare) or _MOTION.fullmatch(bare)):
-        return f"did you mean {bare}? Names are written in capitals"
+        return f"Perhaps {bare} is meant; names are written in capitals"
     if bare.endswith("_reversal") and _LOCATION.fullmatch(bare.removesuffix("_reversal")):
         return (
-            "a location error is a constant and has no reversal value; only component errors such as EXX_reversal have"
+            "A location error is a constant and has no reversal value; only component errors such as EXX_reversal have"
         )
     return None

@@ -1,0 +1,20 @@
+"""A TOML document that knows its lines, so that every fault in it can be shown where it stands."""
+
+from axiscal.document.model import Angle, Length, QuantityOf, QuantityText, Time, model_fault, read_model
+from axiscal.document.source import Document
+from axiscal.document.wording import dotted, nearest, quantity_text, shown
+
+__all__ = [
+    "Angle",
+    "Document",
+    "Length",
+    "QuantityOf",
+    "QuantityText",
+    "Time",
+    "dotted",
+    "model_fault",
+    "nearest",
+    "quantity_text",
+    "read_model",
+    "shown",
+]

@@ -1,0 +1,63 @@
+"""How values and keys of a document are shown to the person who wrote them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from axiscal.exceptions import UnitError
+from axiscal.units import EXAMPLES, Dimension
+
+Key = str | int
+
+
+def quantity_text(value: object, dimension: Dimension | None = None) -> str:
+    """Return the text of a quantity; raises UnitError for anything that is not text, a bare number above all."""
+    if isinstance(value, str):
+        return value
+    example = EXAMPLES[dimension or "length"]
+    remedy = f'Write a number with its unit in quotes, such as "{example}"'
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        raise UnitError(f"{shown(value)} has no unit (missing unit)", remedy)
+    raise UnitError(f"{shown(value)} is not a quantity", remedy)
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """Return the known word that was probably meant, if any is near."""
+    from difflib import get_close_matches
+
+    words = list(known)
+    same = [candidate for candidate in words if candidate.casefold() == word.casefold()]
+    near = same or get_close_matches(word[:80], words, 1, 0.6)
+    return near[0] if near else None
+
+
+def shown(value: object) -> str:
+    """Return a value of a document as its writer would recognise it, shortened to one line."""
+    return _shortened(_written(value, 3), 60)
+
+
+def dotted(keys: tuple[Key, ...]) -> str:
+    """Return a key path as people write it: setups[2].noise, list entries counted from 1."""
+    text = ""
+    for key in keys:
+        text += f"[{key + 1}]" if isinstance(key, int) else f".{key}" if text else key
+    return _shortened(text, 120)
+
+
+def _written(value: object, depth: int) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = …" for key in list(value)[:6]) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_written(entry, depth - 1) if depth else "…" for entry in value[:6]) + "]"
+    if isinstance(value, int) and abs(value) > 10**18:
+        return "an integer of more than 18 digits"
+    return str(value)
+
+
+def _shortened(text: str, most: int) -> str:
+    text = text if len(text) <= most else text[: most - 3] + "..."
+    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)

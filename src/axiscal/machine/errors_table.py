@@ -1,0 +1,114 @@
+"""The [errors] table: what is known beforehand about each error, checked against the axes."""
+
+from __future__ import annotations
+
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
+from axiscal.machine.limits import Keys, within
+from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name
+from axiscal.machine.schema import ErrorTable
+from axiscal.units import Dimension
+
+LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+"""m or rad."""
+
+
+def error_entries(document: Document, tables: dict[str, ErrorTable], axes: dict[str, Axis]) -> tuple[ErrorEntry, ...]:
+    """Return the prior of every error; each error is there once, whatever its spelling."""
+    if not tables:
+        remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
+        raise document.fault(DescriptionError("no error is named", remedy), "errors")
+    entries: dict[str, ErrorEntry] = {}
+    for key, table in tables.items():
+        entry = _entry(document, key, table, axes)
+        if (first := entries.get(entry.name)) is not None:
+            what = f"{key} is {entry.name}, which is there already in line {first.line}"
+            raise document.fault(DescriptionError(what, "Keep one of them"), "errors", key)
+        entries[entry.name] = entry
+    return tuple(entries.values())
+
+
+def _entry(document: Document, key: str, table: ErrorTable, axes: dict[str, Axis]) -> ErrorEntry:
+    keys: Keys = ("errors", key)
+    try:
+        name = parse_error_name(key)
+        axis = _axis_of(name, axes)
+        _check_location(name, axis)
+        _check_keys(name, table)
+    except InputError as fault:
+        raise document.fault(fault, *keys) from None
+    value: Dimension = "angle" if name.angular else "length"
+    position: Dimension = "angle" if axis.rotary else "length"
+    estimated = table.rest is not None and table.rest.strip() == "estimate"
+    rest = None if table.rest is None or estimated else _error_size(document, (*keys, "rest"), table.rest, value)
+    spacing, length = (
+        None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
+        for of, text in (("spacing", table.spacing), ("length", table.length))
+    )
+    std = _std(document, keys, table, value)
+    entry = ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, document.line(*keys))
+    try:
+        entry.knot_count(axis)
+    except InputError as fault:
+        raise document.fault(fault, *keys) from None
+    return entry
+
+
+def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:
+    """Return the axis that an error belongs to; it, and the axis it is measured from, must be in the chain."""
+    for wanted in (name.axis, name.reference):
+        if wanted is not None and wanted not in axes:
+            raise DescriptionError(f'there is no axis "{wanted}" in the chain', f"The axes are {', '.join(axes)}")
+    if name.reference == name.axis:
+        raise DescriptionError(f"{name.axis} cannot be its own reference", "Name another axis behind the 0")
+    return axes[name.axis]
+
+
+def _check_location(name: ErrorName, axis: Axis) -> None:
+    """Raise DescriptionError for a location error that a linear axis does not have (conventions, Errors)."""
+    if name.kind != "location" or axis.rotary:
+        return
+    along = 3 + letter_direction(axis.letter)
+    possible = " and ".join(f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along)
+    remedy = f"The location errors of the linear axis {axis.name} are {possible}"
+    if name.component == along:
+        what = f"a turn about {axis.name}'s own direction does not change its direction of travel"
+        raise DescriptionError(what, f"{remedy}; a constant roll is part of E{COMPONENTS[along]}{axis.name}")
+    if not name.angular:
+        what = f"a linear axis has no location error {name.canonical}: shifting it shifts only its zero"
+        raise DescriptionError(what, remedy)
+
+
+def _check_keys(name: ErrorName, table: ErrorTable) -> None:
+    """Raise DescriptionError unless the keys of an entry fit each other and the kind of error."""
+    given = [key for key, value in table if value is not None]
+    for one, other, words in (
+        ("std", "band", "the band is four standard deviations"),
+        ("knots", "spacing", "one gives the other"),
+    ):
+        if one in given and other in given:
+            raise DescriptionError(f"both {one} and {other} are given", f"Keep one of them: {words}")
+    if "std" not in given and "band" not in given:
+        raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
+    extra = [key for key in given if key not in ("std", "band")]
+    curve = name.kind == "motion" or (name.kind == "reversal" and ("knots" in given or "spacing" in given))
+    if extra and not curve:
+        remedy = "Take it out, or give knots as well" if name.kind == "reversal" else "It has only std or band"
+        raise DescriptionError(
+            f"{extra[0]} = {shown(getattr(table, extra[0]))}: {name.canonical} is a constant", remedy
+        )
+    if table.knots is not None and not 2 <= table.knots <= MOST_KNOTS:
+        raise DescriptionError(f"knots = {shown(table.knots)} is not possible", f"Write 2 to {MOST_KNOTS}")
+
+
+def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float:
+    """Return the prior standard deviation, m or rad; a band is four of them."""
+    if table.std is not None:
+        return _error_size(document, (*keys, "std"), table.std, dimension)
+    return _error_size(document, (*keys, "band"), table.band or "", dimension) / 4
+
+
+def _error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
+    return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)

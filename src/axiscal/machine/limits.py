@@ -1,0 +1,31 @@
+"""A quantity of the description between limits, outside of which a unit was confused."""
+
+from __future__ import annotations
+
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError, UnitError
+from axiscal.units import Dimension, format_quantity, parse_quantity
+
+Keys = tuple[str | int, ...]
+
+_SHOWN_IN: dict[Dimension, str] = {
+    "length": "mm",
+    "angle": "deg",
+    "speed": "m/min",
+    "rotation_speed": "rpm",
+    "acceleration": "m/s^2",
+    "rotation_acceleration": "deg/s^2",
+}
+
+
+def within(document: Document, keys: Keys, text: str, dimension: Dimension, least: float, most: float) -> float:
+    """Return a quantity in SI units; raises UnitError, or DescriptionError when it is not between two limits."""
+    try:
+        value = parse_quantity(text, dimension)
+    except UnitError as fault:
+        raise document.fault(fault, *keys) from None
+    if least <= value <= most:
+        return value
+    sign = "negative" if value < 0 <= least else "zero" if value == 0 else "too small" if value < least else "too large"
+    low, high = (format_quantity(limit, _SHOWN_IN[dimension]) for limit in (least, most))
+    raise document.fault(DescriptionError(f"{shown(text)} is {sign}", f"Write a value from {low} to {high}"), *keys)

@@ -1,0 +1,261 @@
+"""Quantities with their units: "12 um" <-> SI. The only place where a unit has a name.
+
+Inside the package every number is in metres, radians, seconds (and kelvin). Files, the command line, the page and the
+report write quantities as text with a unit; they come in through `parse_quantity` and `from_unit` and leave through
+`format_quantity` and `to_unit`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+from axiscal.exceptions import UnitError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Dimension = Literal[
+    "length",
+    "angle",
+    "time",
+    "speed",
+    "rotation_speed",
+    "acceleration",
+    "rotation_acceleration",
+    "temperature",
+    "temperature_difference",
+    "expansion",
+]
+
+Number = TypeVar("Number", float, "NDArray[np.float64]")
+
+EXAMPLES: dict[Dimension, str] = {
+    "length": "12 um",
+    "angle": "0.5 arcsec",
+    "time": "90 s",
+    "speed": "10 m/min",
+    "rotation_speed": "30 rpm",
+    "acceleration": "2 m/s^2",
+    "rotation_acceleration": "360 deg/s^2",
+    "temperature": "20 degC",
+    "temperature_difference": "0.5 K",
+    "expansion": "11.7 um/m/K",
+}
+_NOUNS: dict[Dimension, str] = {
+    "length": "a length",
+    "angle": "an angle",
+    "time": "a time",
+    "speed": "a speed",
+    "rotation_speed": "a rotational speed",
+    "acceleration": "an acceleration",
+    "rotation_acceleration": "a rotational acceleration",
+    "temperature": "a temperature",
+    "temperature_difference": "a temperature difference",
+    "expansion": "a coefficient of expansion",
+}
+
+# The factor to SI is kept as a ratio (times, by) of exact numbers, so that "120 mm" is exactly 0.12.
+_Scale = tuple[float, float]
+_LENGTHS: dict[str, _Scale] = {
+    "pm": (1, 1e12),
+    "nm": (1, 1e9),
+    "um": (1, 1e6),
+    "mm": (1, 1e3),
+    "cm": (1, 100),
+    "m": (1, 1),
+    "km": (1e3, 1),
+    "in": (254, 1e4),
+    "inch": (254, 1e4),
+}
+_ANGLES: dict[str, _Scale] = {
+    "nrad": (1, 1e9),
+    "urad": (1, 1e6),
+    "mrad": (1, 1e3),
+    "rad": (1, 1),
+    "deg": (math.pi, 180),
+    "°": (math.pi, 180),
+    "arcmin": (math.pi, 180 * 60),
+    "arcsec": (math.pi, 180 * 3600),
+    "rev": (math.tau, 1),
+    "nm/m": (1, 1e9),
+    "um/m": (1, 1e6),
+    "mm/m": (1, 1e3),
+}
+_TIMES: dict[str, _Scale] = {"us": (1, 1e6), "ms": (1, 1e3), "s": (1, 1), "min": (60, 1), "h": (3600, 1)}
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit of one dimension: value in SI = value · times / by + plus."""
+
+    dimension: Dimension
+    times: float
+    by: float
+    plus: float = 0.0
+
+
+def _table() -> dict[tuple[str, Dimension], Unit]:
+    """Return every unit under its name and dimension; only K has two dimensions."""
+    units: dict[tuple[str, Dimension], Unit] = {}
+
+    def add(name: str, dimension: Dimension, times: float, by: float, plus: float = 0.0) -> None:
+        units[name, dimension] = Unit(dimension, times, by, plus)
+
+    bases: list[tuple[dict[str, _Scale], Dimension, Dimension, Dimension]] = [
+        (_LENGTHS, "length", "speed", "acceleration"),
+        (_ANGLES, "angle", "rotation_speed", "rotation_acceleration"),
+    ]
+    for scales, base, speed, acceleration in bases:
+        for name, (times, by) in scales.items():
+            add(name, base, times, by)
+            if "/" in name:
+                continue
+            for second, (per, over) in _TIMES.items():
+                add(f"{name}/{second}", speed, times * over, by * per)
+                add(f"{name}/{second}^2", acceleration, times * over**2, by * per**2)
+    for name, (times, by) in _TIMES.items():
+        add(name, "time", times, by)
+    add("rpm", "rotation_speed", math.tau, 60)
+    add("degC", "temperature", 1, 1, 273.15)
+    add("K", "temperature", 1, 1)
+    add("K", "temperature_difference", 1, 1)
+    for name, by in (("1/K", 1.0), ("mm/m/K", 1e3), ("um/m/K", 1e6), ("nm/m/K", 1e9), ("ppm/K", 1e6)):
+        add(name, "expansion", 1, by)
+    return units
+
+
+_UNITS = _table()
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?", re.DOTALL)
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]+(?:,[0-9]+)+(?![0-9])")
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)\b", re.IGNORECASE)
+_CANONICAL = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "º": "°", "−": "-"})
+
+
+def parse_quantity(text: str, dimension: Dimension) -> float:
+    """Return the quantity in SI units: m, rad, s, m/s, rad/s, m/s², rad/s², K, 1/K.
+
+    text : a number with a decimal point, then a unit: "12 um", "12 µm", "0.5 arcsec", "10 m/min"
+    Raises UnitError, which names the text, what was expected and an example.
+    """
+    number, unit_name = _split(text, dimension)
+    unit = _UNITS.get((unit_name, dimension))
+    if unit is None:
+        raise _misfit(text, unit_name, dimension)
+    value = float(number) * unit.times / unit.by + unit.plus
+    if not math.isfinite(value):
+        raise UnitError(f"{_quoted(text)} is too large to be a number", _expected(dimension))
+    return value
+
+
+def from_unit(value: Number, unit: str) -> Number:
+    """Return a number, or an array of them, given in `unit`, in SI units; raises UnitError for an unknown unit."""
+    known = find_unit(unit)
+    return value * known.times / known.by + known.plus
+
+
+def to_unit(value: Number, unit: str) -> Number:
+    """Return a number, or an array of them, given in SI units, in `unit`; raises UnitError for an unknown unit."""
+    known = find_unit(unit)
+    return (value - known.plus) * known.by / known.times
+
+
+def format_quantity(value: float, unit: str, digits: int = 6) -> str:
+    """Return an SI value as text in `unit`, as `parse_quantity` reads it back; digits: significant ones."""
+    return f"{to_unit(value, unit):.{digits}g} {unit}"
+
+
+def dimension_of(unit: str) -> Dimension:
+    """Return the dimension of a unit; raises UnitError for an unknown one. "K" alone is a temperature."""
+    return find_unit(unit).dimension
+
+
+def find_unit(name: str) -> Unit:
+    """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one."""
+    canonical = _canonical(name)
+    for (known, _), unit in _UNITS.items():
+        if known == canonical:
+            return unit
+    raise UnitError(
+        f"{_quoted(name)} is not a unit", _suggestion(canonical) or "Units are written like um, mm, arcsec, urad, s"
+    )
+
+
+def _split(text: str, dimension: Dimension) -> tuple[str, str]:
+    """Return number and canonical unit name of a quantity."""
+    plain = text.strip().replace("−", "-")
+    if not plain:
+        raise UnitError("an empty text is not a quantity", _expected(dimension))
+    if _NOT_FINITE.match(plain):
+        raise UnitError(f"{_quoted(text)} is not a finite number", _expected(dimension))
+    if _DECIMAL_COMMA.match(plain):
+        raise UnitError(
+            f"{_quoted(text)} has a comma in its number", f"{_expected(dimension)}, and its decimals after a point"
+        )
+    found = _QUANTITY.fullmatch(plain)
+    if found is None:
+        raise UnitError(f"{_quoted(text)} is not a number with a unit", _expected(dimension))
+    if found[2] is None:
+        raise UnitError(f"{_quoted(text)} has no unit (missing unit)", _expected(dimension))
+    return found[1], _canonical(found[2])
+
+
+def _canonical(name: str) -> str:
+    """Return a unit name in the spelling of the table: µ as u, ² as ^2, °C as degC, no blanks about a slash."""
+    plain = re.sub(r"\s*([/^])\s*", r"\1", name.strip().translate(_CANONICAL)).replace("°C", "degC")
+    plain = re.sub(r"(?<=/)(us|ms|s|min|h)2$", r"\1^2", plain)
+    return re.sub(r"/\(m[ *·]K\)$|/m/degC$", "/m/K", plain)
+
+
+def _misfit(text: str, unit_name: str, dimension: Dimension) -> UnitError:
+    """Return the failure for a unit that is unknown, or of another dimension."""
+    others = [unit for (name, _), unit in _UNITS.items() if name == unit_name]
+    if others:
+        return UnitError(
+            f"{_quoted(text)} is {_NOUNS[others[0].dimension]}, not {_NOUNS[dimension]}", _expected(dimension)
+        )
+    hint = _suggestion(unit_name, dimension)
+    return UnitError(f'{_quoted(text)} has an unknown unit "{unit_name[:40]}"', hint or _expected(dimension))
+
+
+def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
+    """Return a sentence with the nearest unit, of the wanted dimension when there is one."""
+    from difflib import get_close_matches
+
+    names = [known for known, of in _UNITS if dimension in (None, of)]
+    same = [known for known in names if known.casefold() == name.casefold()]
+    near = same or _SYNONYMS.get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.5)
+    return f'Perhaps "{near[0]}" is meant' if near and near[0] in names else None
+
+
+_SYNONYMS = {
+    "micron": ["um"],
+    "microns": ["um"],
+    "micrometer": ["um"],
+    "micrometre": ["um"],
+    "sec": ["s"],
+    "seconds": ["s"],
+    "minutes": ["min"],
+    "hours": ["h"],
+    "hour": ["h"],
+    "degree": ["deg"],
+    "degrees": ["deg"],
+    "asec": ["arcsec"],
+    '"': ["arcsec"],
+    "c": ["degC"],
+    "celsius": ["degC"],
+    "mmpm": ["mm/min"],
+}
+
+
+def _expected(dimension: Dimension) -> str:
+    return f'Write {_NOUNS[dimension]} with its unit, such as "{EXAMPLES[dimension]}"'
+
+
+def _quoted(text: str) -> str:
+    shown = text if len(text) <= 60 else text[:57] + "..."
+    return '"' + "".join(c if c.isprintable() else "\\" + f"x{ord(c):02x}" for c in shown) + '"'
