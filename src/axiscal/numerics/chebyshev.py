@@ -1,18 +1,13 @@
-"""The exact step: where a ratio of two functions is largest, by Chebyshev interpolation and colleague matrices.
+"""Where a ratio of two polynomials is largest, by Chebyshev series and colleague matrices.
 
 B&H eq. 27 picks the next measurement among the interval ends and the real roots of a polynomial. Here the polynomial
 is never written in powers: numerator and denominator are held as Chebyshev series on every interval, the roots of
 N'D - ND' are eigenvalues of its colleague matrix, and all intervals are one batched eigenvalue problem.
-`maximise_along` wraps that in what keeps rounding errors negligible: intervals over which the denominator spans
-decades, or that the series does not follow, are halved; intervals that provably hold no better value are left out;
-and every value returned has been evaluated afresh at its position.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -21,15 +16,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
 
-Forms = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
-"""(positions (b, k), interval (b,)) -> numerator and denominator there, each (b, k); denominator positive."""
-
 _EPS = float(np.finfo(np.float64).eps)
-_SPAN = 1e4
-"""Largest ratio of the denominator within one interval before it is halved: keeps ten digits in N'D - ND'."""
-_MISFIT = 1e-10
-"""Largest relative difference of series and fresh value before an interval is halved."""
-_HALVINGS = 60
 
 
 @cache
@@ -56,6 +43,12 @@ def coefficients(values: Array) -> Array:
     return values @ _analysis(values.shape[-1])
 
 
+def resampled(values: Array, count: int) -> Array:
+    """Return the values (..., count) at `nodes(count)` of the polynomial with values (..., n) at `nodes(n)`."""
+    again: Array = values @ _resampling(values.shape[-1], count)
+    return again
+
+
 def evaluate(coefficients: Array, x: Array) -> Array:
     """Return each series (b, n) at its own positions (b, k) by Clenshaw's rule: (b, k)."""
     first = np.zeros_like(x)
@@ -64,11 +57,6 @@ def evaluate(coefficients: Array, x: Array) -> Array:
         first, second = c + 2 * x * first - second, first
     result: Array = coefficients[:, :1] + x * first - second
     return result
-
-
-def derivative(coefficients: Array) -> Array:
-    """Return the series (..., n - 1) of the derivative of each series (..., n); of a constant, zero (..., 1)."""
-    return coefficients @ _slope(coefficients.shape[-1])
 
 
 def roots(coefficients: Array) -> NDArray[np.complex128]:
@@ -95,144 +83,15 @@ def maximise_ratio(numerator: Array, denominator: Array) -> tuple[Array, Array]:
     denominator : (b, q + 1), likewise; positive on [-1, 1]
     raises ShapeError : not finite, or a denominator that is not positive
     """
-    _check_forms(numerator, denominator)
+    check_forms(numerator, denominator)
     scale_n, scale_d = _largest(numerator), _largest(denominator)
     n, d = coefficients(numerator / scale_n), coefficients(denominator / scale_d)
-    position = _best(n, d, _candidates(n, d))
-    position = _polished(n, d, position)
-    value = _ratio(n, d, position[:, None])[:, 0]
+    position, value = _polished(n, d, _best(n, d, _candidates(n, d)))
     return position, value * (scale_n / scale_d)[:, 0]
 
 
-def maximise_along(
-    forms: Forms, left: Array, right: Array, count: int, group: NDArray[np.intp] | None = None
-) -> tuple[Array, Array]:
-    """Return the best position and value of N/D found in each interval: (b,), (b,) (B&H eq. 27).
-
-    forms : evaluates N and D afresh; smooth inside each interval
-    left, right : (b,) ends of the intervals, in the unit of position
-    count : nodes per interval: degree + 1 for polynomials, `node_count` with sines
-    group : (b,) which search an interval belongs to (default: all one). In each group the best interval is exact;
-        in an interval that cannot hold the best of its group the best node is returned.
-    raises ShapeError : a value that is not finite, or a denominator that is not positive
-    """
-    owner = np.arange(len(left))
-    search = _Search.begin(forms, left, np.zeros_like(owner) if group is None else group)
-    for halvings in range(_HALVINGS):
-        work = search.sample(left, right, owner, count)
-        left, right, owner = search.solve(work, last=halvings == _HALVINGS - 1)
-        if len(owner) == 0:
-            break
-    return search.position, search.value
-
-
-def gain_forms(rows: Array, factor: Array, weighted: Array, variance: float | Array) -> tuple[Array, Array]:
-    """Return N = gᵀCWCg and D = σ² + gᵀCg, each (m,), as sums of squares, so that neither loses its small values.
-
-    rows : (m, n), the g; factor : (n, r), F with C = F Fᵀ; weighted : (w, r), W^½ F; variance : σ², scalar or (m,)
-    """
-    along = rows @ factor
-    reach = along @ weighted.T
-    return np.einsum("ij,ij->i", reach, reach), variance + np.einsum("ij,ij->i", along, along)
-
-
-@dataclass(frozen=True, slots=True)
-class _Work:
-    """Intervals with numerator and denominator at their nodes."""
-
-    left: Array
-    right: Array
-    owner: NDArray[np.intp]
-    numerator: Array
-    denominator: Array
-
-    def take(self, keep: NDArray[np.bool_]) -> _Work:
-        return _Work(self.left[keep], self.right[keep], self.owner[keep], self.numerator[keep], self.denominator[keep])
-
-    def at(self, x: Array) -> Array:
-        """Return the positions of local coordinates x (b, k), exact at the ends."""
-        return self.left[:, None] * ((1 - x) / 2) + self.right[:, None] * ((1 + x) / 2)
-
-    def halves(self, cut: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Return both halves of the intervals to cut; those too short to be cut are dropped."""
-        left, right, owner = self.left[cut], self.right[cut], self.owner[cut]
-        middle = left / 2 + right / 2
-        wide = (middle > left) & (middle < right)
-        left, right, owner, middle = left[wide], right[wide], owner[wide], middle[wide]
-        return np.concatenate([left, middle]), np.concatenate([middle, right]), np.concatenate([owner, owner])
-
-
-@dataclass(slots=True)
-class _Search:
-    """The best found so far, per interval and per group."""
-
-    forms: Forms
-    group: NDArray[np.intp]
-    position: Array
-    value: Array
-    best: Array
-
-    @classmethod
-    def begin(cls, forms: Forms, left: Array, group: NDArray[np.intp]) -> _Search:
-        groups = int(group.max(initial=-1)) + 1
-        return cls(forms, group, left.copy(), np.full(len(left), -np.inf), np.full(groups, -np.inf))
-
-    def offer(self, position: Array, owner: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Evaluate afresh at positions (b, k) and keep what is better."""
-        numerator, denominator = self.forms(position, owner)
-        _check_forms(numerator, denominator)
-        ratio = numerator / denominator
-        pick = np.arange(len(owner)), ratio.argmax(axis=1)
-        value, where = ratio[pick], position[pick]
-        order = np.argsort(value, kind="stable")
-        better = order[value[order] > self.value[owner[order]]]
-        self.position[owner[better]], self.value[owner[better]] = where[better], value[better]
-        np.maximum.at(self.best, self.group[owner], value)
-        return numerator, denominator
-
-    def sample(self, left: Array, right: Array, owner: NDArray[np.intp], count: int) -> _Work:
-        """Evaluate at the ends and the nodes of every interval."""
-        empty = np.zeros((len(left), 0))
-        points = np.concatenate([[-1.0], nodes(count), [1.0]])
-        numerator, denominator = self.offer(_Work(left, right, owner, empty, empty).at(points[None, :]), owner)
-        return _Work(left, right, owner, numerator[:, 1:-1], denominator[:, 1:-1])
-
-    def solve(self, work: _Work, last: bool) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Solve every interval that is tame, and return the halves of those that are not."""
-        work = work.take(self._hopeful(work))
-        wild = np.zeros(len(work.owner), dtype=bool) if last else _span(work.denominator) > _SPAN
-        tame = work.take(~wild)
-        left, right, owner = work.halves(wild)
-        if len(tame.owner) == 0:
-            return left, right, owner
-        again = tame.halves(self._solved(tame) & (not last))
-        return np.concatenate([left, again[0]]), np.concatenate([right, again[1]]), np.concatenate([owner, again[2]])
-
-    def _solved(self, work: _Work) -> NDArray[np.bool_]:
-        """Offer the stationary points of the intervals; return which of them the series did not follow."""
-        x, claimed = maximise_ratio(work.numerator, work.denominator)
-        position = work.at(x[:, None])
-        inner = np.abs(x) < 1
-        numerator, denominator = self.offer(position, work.owner)
-        fresh = numerator[:, 0] / denominator[:, 0]
-        return inner & (np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed)))
-
-    def _hopeful(self, work: _Work) -> NDArray[np.bool_]:
-        """Return which intervals may hold more than the best of their group.
-
-        P = N - best·D is negative throughout the others: between 4n Chebyshev nodes a polynomial of degree below n
-        rises at most 1/cos(π/8) - 1 of its half range above its largest sample (Ehlich and Zeller 1964).
-        """
-        best = self.best[self.group[work.owner]][:, None]
-        excess = (work.numerator - best * work.denominator) @ _refinement(work.numerator.shape[1])
-        high, low = excess.max(axis=1), excess.min(axis=1)
-        size = np.maximum(np.abs(work.numerator), np.abs(best) * work.denominator).max(axis=1)
-        bound = high + (high - low) / 2 * (1 / math.cos(math.pi / 8) - 1)
-        hopeful: NDArray[np.bool_] = bound > -64 * _EPS * size
-        return hopeful
-
-
-def _check_forms(numerator: Array, denominator: Array) -> None:
+def check_forms(numerator: Array, denominator: Array) -> None:
+    """Raise ShapeError unless all values are finite and the denominator is positive."""
     if not (np.isfinite(numerator).all() and np.isfinite(denominator).all()):
         raise ShapeError("a ratio with values that are not finite has no largest value")
     if not (denominator > 0).all():
@@ -243,11 +102,6 @@ def _largest(values: Array) -> Array:
     """Return the largest magnitude in each row, 1 where a row is zero: (b, 1)."""
     largest = np.abs(values).max(axis=1, keepdims=True)
     return np.where(largest > 0, largest, 1.0)
-
-
-def _span(denominator: Array) -> Array:
-    span: Array = denominator.max(axis=1) / denominator.min(axis=1)
-    return span
 
 
 def _candidates(n: Array, d: Array) -> Array:
@@ -271,30 +125,57 @@ def _stationary(n: Array, d: Array, count: int) -> Array:
     return (n @ slope_n) * (d @ at_d) - (n @ at_n) * (d @ slope_d)
 
 
-def _ratio(n: Array, d: Array, x: Array) -> Array:
-    """Return N/D at x (b, k); nowhere the largest where rounding has made D vanish."""
-    below = evaluate(d, x)
-    return np.where(below > _EPS, evaluate(n, x) / np.where(below > _EPS, below, 1.0), -np.inf)
+def _at(x: Array, size: int) -> Array:
+    """Return the Chebyshev polynomials T_0 … T_{size-1} at x (b, k): (b, size, k)."""
+    shapes: Array = np.cos(np.arange(size)[:, None] * np.arccos(x)[:, None, :])
+    return shapes
 
 
 def _best(n: Array, d: Array, x: Array) -> Array:
-    found: Array = np.take_along_axis(x, _ratio(n, d, x).argmax(axis=1)[:, None], axis=1)[:, 0]
+    """Return the position in each row of x (b, k) where N/D is largest: (b,)."""
+    shapes = _at(x, max(n.shape[1], d.shape[1]))
+    ratio = _quotient(_sum(n, shapes), _sum(d, shapes))
+    found: Array = np.take_along_axis(x, ratio.argmax(axis=1)[:, None], axis=1)[:, 0]
     return found
 
 
-def _polished(n: Array, d: Array, x: Array) -> Array:
-    """Return the positions after two Newton steps on N'D - ND', each kept only where the ratio does not fall."""
-    n1, d1 = derivative(n), derivative(d)
-    n2, d2 = derivative(n1), derivative(d1)
+def _polished(n: Array, d: Array, x: Array) -> tuple[Array, Array]:
+    """Return positions and ratios after two Newton steps on N'D - ND', each kept only where the ratio does not fall."""
+    series = _with_derivatives(n), _with_derivatives(d)
+    above, below = (_jet(s, x) for s in series)
     for _ in range(2):
-        at = x[:, None]
-        above, below = evaluate(n, at), evaluate(d, at)
-        slope = evaluate(n1, at) * below - above * evaluate(d1, at)
-        bend = evaluate(n2, at) * below - above * evaluate(d2, at)
+        slope = above[1] * below[0] - above[0] * below[1]
+        bend = above[2] * below[0] - above[0] * below[2]
         step = np.divide(slope, bend, out=np.zeros_like(slope), where=np.abs(bend) > np.abs(slope))
-        moved = np.where(np.abs(at) < 1, np.clip(at - step, -1.0, 1.0), at)
-        x = np.where(_ratio(n, d, moved) > above / np.maximum(below, _EPS), moved, at)[:, 0]
-    return x
+        moved = np.where(np.abs(x) < 1, np.clip(x - step, -1.0, 1.0), x)
+        next_above, next_below = (_jet(s, moved) for s in series)
+        better = _quotient(next_above[0], next_below[0]) > _quotient(above[0], below[0])
+        x = np.where(better, moved, x)
+        above, below = np.where(better, next_above, above), np.where(better, next_below, below)
+    return x, _quotient(above[0], below[0])
+
+
+def _quotient(above: Array, below: Array) -> Array:
+    """Return N/D; nowhere the largest where rounding has made D vanish."""
+    sound = below > _EPS
+    return np.divide(above, below, out=np.full_like(above, -np.inf), where=sound)
+
+
+def _sum(series: Array, shapes: Array) -> Array:
+    """Return series (b, n) times shapes (b, >= n, k): (b, k)."""
+    summed: Array = (series[:, None, :] @ shapes[:, : series.shape[1]])[:, 0]
+    return summed
+
+
+def _with_derivatives(series: Array) -> Array:
+    """Return series, first and second derivative, padded to one length: (b, 3, n)."""
+    size = series.shape[1]
+    return np.einsum("bn,nim->bim", series, _jets(size))
+
+
+def _jet(series: Array, x: Array) -> Array:
+    """Return value, first and second derivative at x (b,): (3, b)."""
+    return (series @ _at(x[:, None], series.shape[2]))[:, :, 0].T
 
 
 def _colleague(coefficients: Array, degree: int) -> Array:
@@ -339,6 +220,11 @@ def _synthesis(size: int, count: int) -> Array:
 
 
 @cache
+def _resampling(size: int, count: int) -> Array:
+    return _fixed(_analysis(size) @ _synthesis(size, count))
+
+
+@cache
 def _slope(size: int) -> Array:
     """Return the matrix (size, size - 1) from coefficients to those of the derivative."""
     matrix = np.zeros((size, max(size - 1, 1)))
@@ -349,14 +235,16 @@ def _slope(size: int) -> Array:
 
 
 @cache
-def _slope_synthesis(size: int, count: int) -> Array:
-    return _fixed(_slope(size) @ _synthesis(max(size - 1, 1), count))
+def _jets(size: int) -> Array:
+    """Return the maps (size, 3, size) to a series, its first and its second derivative (right factors)."""
+    slope = np.zeros((size, size))
+    slope[:, : max(size - 1, 1)] = _slope(size)
+    return _fixed(np.stack([np.eye(size), slope, slope @ slope], axis=1))
 
 
 @cache
-def _refinement(count: int) -> Array:
-    """Return the matrix (count, 4 count) from values at `nodes(count)` to values at `nodes(4 count)`."""
-    return _fixed(_analysis(count) @ _synthesis(count, 4 * count))
+def _slope_synthesis(size: int, count: int) -> Array:
+    return _fixed(_slope(size) @ _synthesis(max(size - 1, 1), count))
 
 
 def _fixed(matrix: Array) -> Array:

@@ -1,0 +1,1 @@
+"""Certified answers: what must hold to the last digit, decided by ball arithmetic."""
