@@ -1,0 +1,319 @@
+"""Sources of readings: what they are sent, what they may answer, and how they fail."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.campaign.sources import Answer, Request, Skip, Source, open_source
+from axiscal.campaign.sources import exec as exec_source
+from axiscal.campaign.sources.exec import ExecSource
+from axiscal.exceptions import InputError, ReadingError, SourceError
+from axiscal.machine import Axis
+from axiscal.measurement.setup import Setup
+
+AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
+SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")
+LEVEL = replace(SETUP, name="level on the table", instrument="level")
+REQUEST = Request(7, SETUP, AXES, (0.12, math.radians(30)), (1, 0))
+
+
+class Drawn:
+    """A virtual machine whose readings tell which machine, where, and how noisy."""
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+
+    def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
+        return self.seed + pose[0] + float(rng.normal())
+
+
+class Simulation:
+    def drawn(self, seed: int) -> Drawn:
+        return Drawn(seed)
+
+    def from_curves(self, path: Path, seed: int) -> Drawn:
+        if not path.exists():
+            raise ReadingError("the file cannot be read", "check the name", path)
+        return Drawn(seed)
+
+
+Opened = Callable[[str], Source]
+
+
+@pytest.fixture
+def opened() -> Iterator[Opened]:
+    sources: list[Source] = []
+
+    def open_one(text: str) -> Source:
+        sources.append(open_source(text, Simulation(), timeout=20))
+        return sources[-1]
+
+    yield open_one
+    for source in sources:
+        source.close()
+
+
+@pytest.fixture
+def answering(tmp_path: Path, opened: Opened) -> Callable[[str], Source]:
+    """Open a command that runs a script for each line it reads, which it finds in `asked`."""
+
+    def start(script: str) -> Source:
+        path = tmp_path / "instrument.py"
+        body = "\n    ".join(script.splitlines())
+        path.write_text(f"import sys, json, time\nfor line in sys.stdin:\n    asked = json.loads(line)\n    {body}\n")
+        return opened(f"exec:{shlex.quote(sys.executable)} -u {shlex.quote(str(path))}")
+
+    return start
+
+
+def say(text: str) -> str:
+    return f"print({text!r})"
+
+
+def test_the_request_is_the_documented_line() -> None:
+    request = replace(REQUEST, pose=(0.12, math.radians(30)))
+    assert json.loads(json.dumps(request.message())) == {
+        "reading": 7,
+        "setup": "laser along X",
+        "instrument": "interferometer",
+        "direction": [1, 0, 0],
+        "position": {"X": 120.0, "C": 30.0},
+        "approach": {"X": "+"},
+        "units": {"X": "mm", "C": "deg"},
+    }
+
+
+def test_a_command_sees_the_request_and_its_answer_comes_back_in_si(answering: Callable[[str], Source]) -> None:
+    source = answering('print(json.dumps({"value": asked["position"]["X"], "unit": "um"}))')
+    assert source.read(REQUEST) == Answer(120e-6)
+    assert source.read(replace(REQUEST, pose=(0.6, 0))) == Answer(600e-6)
+
+
+@pytest.mark.parametrize(
+    ("line", "setup", "answer"),
+    [
+        ('{"value": 1.7, "unit": "um"}', SETUP, Answer(1.7e-6)),
+        ('{"value": 1.7, "unit": "µm", "std": 0.5}', SETUP, Answer(1.7e-6, 0.5e-6)),
+        ('{"value": -2, "unit": "nm", "std": null}', SETUP, Answer(-2e-9)),
+        ('{"value": 1, "unit": "um", "reading": 7, "temperature": 20.1}', SETUP, Answer(1e-6)),
+        ('{"value": 2.5, "unit": "urad"}', LEVEL, Answer(2.5e-6)),
+        ('{"value": 1, "unit": "arcsec"}', LEVEL, Answer(math.pi / 648000)),
+        ('{"skip": " the beam is blocked "}', SETUP, Skip("the beam is blocked")),
+    ],
+)
+def test_answers_that_are_understood(
+    answering: Callable[[str], Source], line: str, setup: Setup, answer: Answer | Skip
+) -> None:
+    got = answering(say(line)).read(replace(REQUEST, setup=setup))
+    if isinstance(answer, Answer) and isinstance(got, Answer):
+        assert got.value == pytest.approx(answer.value, rel=1e-15)
+        assert got.std == (None if answer.std is None else pytest.approx(answer.std, rel=1e-15))
+    else:
+        assert got == answer
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("1.7", "not a JSON object"),
+        ("", "an empty line, which is not a JSON object"),
+        ("[1.7]", "not a JSON object"),
+        ("value: 1.7 um", "not a JSON object"),
+        ('{"value": 1.7', "not a JSON object"),
+        ("[" * 50_000, "not a JSON object"),
+        ("x" * 200_000, "not a JSON object"),
+        ("{}", "without a unit"),
+        ('{"value": 1.7}', "without a unit"),
+        ('{"value": 1.7, "unit": 3}', "without a unit"),
+        ('{"value": 1.7, "unit": "furlong"}', 'unit that does not fit.*such as "um"'),
+        ('{"value": 1.7, "unit": "urad"}', 'unit that does not fit.*such as "um"'),
+        ('{"value": NaN, "unit": "um"}', "not a finite number"),
+        ('{"value": -Infinity, "unit": "um"}', "not a finite number"),
+        ('{"value": 1e400, "unit": "um"}', "not a finite number"),
+        ('{"value": 1' + "0" * 400 + ', "unit": "um"}', "not a finite number"),
+        ('{"value": 1.7e308, "unit": "km"}', "not a finite number"),
+        ('{"value": "1.7", "unit": "um"}', "number is missing"),
+        ('{"value": null, "unit": "um"}', "number is missing"),
+        ('{"value": true, "unit": "um"}', "number is missing"),
+        ('{"value": 1, "unit": "um", "std": 0}', "std is not positive"),
+        ('{"value": 1, "unit": "um", "std": -1}', "std is not positive"),
+        ('{"value": 1, "unit": "um", "std": "a"}', "number is missing"),
+        ('{"skip": ""}', "no reason to skip"),
+        ('{"skip": true}', "no reason to skip"),
+        ('{"skip": "warm", "value": 1, "unit": "um"}', "no reason to skip"),
+        ('{"value": 1, "unit": "um", "reading": 6}', "reading 7 was asked for"),
+    ],
+)
+def test_nonsense_is_refused(answering: Callable[[str], Source], line: str, says: str) -> None:
+    with pytest.raises(SourceError, match=says):
+        answering(say(line)).read(REQUEST)
+
+
+def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd: pytest.CaptureFixture[str]) -> None:
+    source = answering('sys.stderr.write("no laser on port 3\\n"); sys.exit(4)')
+    for _ in range(2):
+        with pytest.raises(SourceError, match=r"ended with status 4.*no laser on port 3.*--resume"):
+            source.read(REQUEST)
+    assert "no laser on port 3" in capfd.readouterr().err
+
+
+def test_a_command_that_stalls_is_given_up(answering: Callable[[str], Source]) -> None:
+    source = answering("time.sleep(60)")
+    assert isinstance(source, ExecSource)
+    source._timeout = 0.2
+    with pytest.raises(SourceError, match=r"not answered within 0\.2 s"):
+        source.read(REQUEST)
+
+
+def test_a_line_that_nobody_asked_for_is_not_taken_for_the_next_answer(answering: Callable[[str], Source]) -> None:
+    line = '{"value": 1, "unit": "um"}'
+    source = answering(f"print({line!r} + chr(10) + {line!r})")
+    assert isinstance(source, ExecSource)
+    source.read(REQUEST)
+    source._lines.put(source._lines.get(timeout=20))  # wait until the second line is there
+    with pytest.raises(SourceError, match="without being asked"):
+        source.read(REQUEST)
+
+
+def test_a_command_that_will_not_end_is_ended(
+    answering: Callable[[str], Source], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exec_source, "GRACE", 0.2)
+    source = answering(
+        "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+        + say('{"value": 1, "unit": "um"}')
+        + "\nwhile True: time.sleep(1)"
+    )
+    assert isinstance(source, ExecSource)
+    source.read(REQUEST)
+    source.close()
+    source.close()
+    assert source._process.returncode == -9
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("laser", "not a source.*sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND"),
+        ("", "not a source"),
+        ("SIM", "not a source"),
+        ("sim:", "not a seed"),
+        ("sim:seven", "not a seed"),
+        ("sim:-1", "not a seed"),
+        ("sim:1.5", "not a seed"),
+        ("sim:" + "9" * 5000, "not a seed"),
+        ("truth:", "names nothing"),
+        ("csv:", "names nothing"),
+        ("csv: ", "names nothing"),
+        ("exec:", "names nothing"),
+        ("exec:'", "cannot be split"),
+        ("exec:./no/such/program", "cannot be started: No such file"),
+        ("exec:\0", "cannot be started|cannot be split"),
+        ("csv:none.csv", "none.csv"),
+        ("truth:none.csv", "none.csv"),
+    ],
+)
+def test_what_is_no_source_is_refused(opened: Opened, text: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        opened(text)
+
+
+def test_a_virtual_machine_is_its_seed(opened: Opened) -> None:
+    first, again, other = (opened(text).read(REQUEST) for text in ("sim:3", "sim:3", "sim:4"))
+    assert first == again != other
+    assert opened("sim").read(REQUEST) == opened("sim:0").read(REQUEST)
+
+
+def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) -> None:
+    through, resumed = opened("sim:3"), opened("sim:3")
+    readings = [through.read(replace(REQUEST, reading=number)) for number in range(1, 6)]
+    assert resumed.read(replace(REQUEST, reading=5)) == readings[-1]
+    assert len(set(readings)) == 5
+
+
+def test_given_curves_are_read_by_the_simulation(opened: Opened, tmp_path: Path) -> None:
+    (tmp_path / "truth.csv").touch()
+    assert isinstance(opened(f"truth:{tmp_path}/truth.csv").read(REQUEST), Answer)
+
+
+@pytest.fixture
+def table(tmp_path: Path, opened: Opened) -> Callable[[str], Source]:
+    def write(text: str) -> Source:
+        (tmp_path / "r.csv").write_text(text)
+        return opened(f"csv:{tmp_path}/r.csv")
+
+    return write
+
+
+def test_a_table_answers_in_its_order(table: Callable[[str], Source]) -> None:
+    source = table("value_um\n1.5\n-2\n")
+    assert [source.read(REQUEST), source.read(REQUEST)] == [Answer(1.5e-6), Answer(-2e-6)]
+    with pytest.raises(SourceError, match="there are 2 readings in it, and reading 9"):
+        source.read(replace(REQUEST, reading=9))
+
+
+def test_a_resumed_run_goes_on_in_the_table(tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text("value_um\n1\n2\n3\n")
+    source = open_source(f"csv:{tmp_path}/r.csv", Simulation(), taken=2)
+    assert source.read(REQUEST) == Answer(3e-6)
+    with pytest.raises(SourceError, match="fewer readings than the 4"):
+        open_source(f"csv:{tmp_path}/r.csv", Simulation(), taken=4)
+
+
+def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
+    text = "setup,X_mm,C_deg,approach,value_um,value_urad,std_um\nlaser along X,120.0005,30,X+,1.5,,0.5\n,,,,-1,,\n"
+    source = table(text)
+    assert source.read(REQUEST) == Answer(1.5e-6, 0.5e-6)
+    assert source.read(REQUEST) == Answer(-1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("setup,value_um\nball bar,1\n", "line 2.*set-up 'ball bar'"),
+        ("X_mm,value_um\n121,1\n", r"line 2.*X_mm = 121.*X = 120 mm"),
+        ("C_deg,value_um\n30.1,1\n", r"C_deg = 30\.1.*C = 30 deg"),
+        ("approach,value_um\nX-,1\n", r"approach X-.*X\+"),
+        ("W_mm,value_um\n1,1\n", "no axis 'W'"),
+        ("value_urad\n1\n", "reads a length"),
+        ("value_um,std_urad\n1,1\n", "reads a length"),
+        ("value_um,std_um\n1,0\n", "not positive"),
+        ("value_um,value_urad\n1,1\n", "both filled"),
+        ("setup,value_um\nlaser along X,\n", "there is no value"),
+        ("value_um\nnan\n", "not finite"),
+        ('value_um\n"1,5"\n', "decimal comma"),
+    ],
+)
+def test_a_row_that_does_not_fit_is_refused(table: Callable[[str], Source], text: str, says: str) -> None:
+    source = table(text)
+    with pytest.raises(InputError, match=says):
+        source.read(REQUEST)
+
+
+@pytest.mark.parametrize("text", ["reading\n1\n", "value\n1\n", "", "value_um\n", "value_um,day\n1,2\n"])
+def test_a_table_of_something_else_is_refused(table: Callable[[str], Source], text: str) -> None:
+    with pytest.raises(ReadingError):
+        table(text)
+
+
+@given(st.floats(-1e6, 1e6), st.sampled_from(["um", "mm", "nm"]))
+def test_whatever_number_a_table_holds_is_answered(value: float, unit: str) -> None:
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "r.csv").write_text(f"value_{unit}\n{value!r}\n")
+        answer = open_source(f"csv:{folder}/r.csv", Simulation()).read(REQUEST)
+    scale = {"um": 1e6, "mm": 1e3, "nm": 1e9}[unit]
+    assert isinstance(answer, Answer)
+    assert answer.value == pytest.approx(value / scale, rel=1e-15)
