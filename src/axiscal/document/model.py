@@ -74,9 +74,8 @@ def read_model(document: Document, model: type[ModelT], error_class: type[InputE
 def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
     """Return what is wrong and what would be right, for one complaint of pydantic."""
     keys, kind = detail["loc"], detail["type"]
-    if kind in ("missing", "too_long", "too_short") and _in_list(keys, kind):
-        keys = keys[:-1] if kind == "missing" else keys
-        return f"{dotted(keys)} has the wrong number of entries", f"Write {keys[-1]} = {_example(model, keys)}"
+    if (listed := _miscounted_list(keys, kind)) is not None:
+        return f"{dotted(listed)} has the wrong number of entries", f"Write {listed[-1]} = {_example(model, listed)}"
     name = keys[-1] if keys else ""
     where = f"[{dotted(keys[:-1])}]" if keys[:-1] else "the file"
     if kind == "missing":
@@ -94,11 +93,11 @@ def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
     return f"{value} is not possible here", remedy if example == "…" else f"{remedy}, such as {name} = {example}"
 
 
-def _in_list(keys: tuple[str | int, ...], kind: str) -> bool:
-    """Whether the complaint is about the number of entries of a list that stands under a key."""
-    return (
-        len(keys) > 1 and isinstance(keys[-1], int) and isinstance(keys[-2], str) if kind == "missing" else bool(keys)
-    )
+def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int, ...] | None:
+    """Return the key path of a list when the complaint is about the number of its entries."""
+    if kind == "missing" and keys and isinstance(keys[-1], int):
+        return keys[:-1]
+    return keys if kind in ("too_long", "too_short") and keys else None
 
 
 _EXPECTED = {

@@ -19,8 +19,7 @@ LONGEST_LINE = 5_000
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _BARE_QUANTITY = re.compile(r"[=\[,]\s*[+-]?[0-9][0-9.,]*\s*[^\s0-9.,\]}_:eE+#-]")
-
-_BARE_PARENTHESES = re.compile(r"[^"'=]*[()][^"'=]*=")
+_BARE_PARENTHESES = re.compile(r"""[^"'=]*[()][^"'=]*=""")
 
 
 @dataclass(frozen=True, slots=True)
