@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import CyclicSpline, NaturalSpline
 from axiscal.numerics.exact_step import gain_forms, maximise_along
-from tests.certify.one_joint import GainPolynomials, Problem, certified_best_gain
+from tests.certify.one_joint import SLACK, GainPolynomials, Problem, certified_best_gain
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """deficit : how far the gain at the position found lies below the certified best, relative to it;
+    """deficit : proven bound on how far the gain at the position found lies below the best one, relative to it;
     misstated : the relative error of the gain that the step states; position : found; boxes : work of the certifier."""
 
     deficit: float
@@ -61,7 +61,7 @@ def judged(problem: Problem) -> Verdict:
     reached = polynomials.gain_at(position)
     best = certified_best_gain(polynomials, hint=position)
     return Verdict(
-        float((best.lower - reached) / best.lower), float(abs(stated - reached) / reached), position, best.boxes
+        float(1 + SLACK - reached / best.lower), float(abs(stated - reached) / reached), position, best.boxes
     )
 
 

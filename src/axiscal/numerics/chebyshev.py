@@ -175,7 +175,8 @@ def _with_derivatives(series: Array) -> Array:
 
 def _jet(series: Array, x: Array) -> Array:
     """Return value, first and second derivative at x (b,): (3, b)."""
-    return (series @ _at(x[:, None], series.shape[2]))[:, :, 0].T
+    values: Array = (series @ _at(x[:, None], series.shape[2]))[:, :, 0]
+    return values.T
 
 
 def _colleague(coefficients: Array, degree: int) -> Array:
