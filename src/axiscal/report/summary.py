@@ -1,6 +1,6 @@
 """What a campaign found, as plain data in display units: the only thing the report and `result.json` are made from.
 
-Lengths of the machine in mm and deg; deviations in um, urad or arcsec (the unit stands beside the value); time in minutes.
+Positions in mm and deg; deviations in um, urad or arcsec (the unit stands beside the value); time in minutes.
 Every `std` is one standard deviation; the report draws bands at 1.96 of them.
 """
 
@@ -95,7 +95,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A location error, a constant reversal or an unknown of a set-up; `seen` is False when no allowed reading bears on it."""
+    """A location error, a constant reversal or a set-up's unknown; `seen`: an allowed reading bears on it."""
 
     name: str
     words: str

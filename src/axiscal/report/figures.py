@@ -1,0 +1,328 @@
+"""Pictures as plain dicts for plotly.js; colours are CSS variables that the page resolves, on screen and on paper."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from axiscal.report.summary import HistoryRow, Iso230, Summary, number, numbers
+from axiscal.report.wording import (
+    axis_unit,
+    coordinate,
+    figure,
+    position_text,
+    quantity,
+    short,
+    standardised,
+    unit_text,
+)
+
+Figure = dict[str, Any]
+
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "triangle-down", "pentagon", "star", "hexagon")
+"""Marker of each set-up, in order; they repeat after the last."""
+
+_ORDER_COLOURS = [[0, "#00224e"], [0.5, "#8a7f78"], [1, "#f2c230"]]
+_SHOW_TEXT = {"hovertemplate": "%{text}<extra></extra>"}
+_LARGEST_Z = 6.0
+_SMALLEST = 1e-12
+
+
+def plain(text: str) -> str:
+    """Return text that plotly.js shows letter by letter: its labels understand tags and entities."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def axis_style(title: str, **more: Any) -> Figure:
+    """Return the common style of a plot axis."""
+    grid = {"gridcolor": "var(--grid)", "zeroline": False, "linecolor": "var(--rule)", "tickcolor": "var(--rule)"}
+    text = {"title": {"text": title, "standoff": 4, "font": {"size": 11}}, "tickfont": {"size": 10.5}}
+    return {**grid, **text, "ticks": "outside", "ticklen": 3, "fixedrange": True, "automargin": False, **more}
+
+
+def layout(x: Figure, y: Figure, height: int, **more: Any) -> Figure:
+    """Return the common layout of a plot."""
+    paper = {"paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)", "showlegend": False, "dragmode": False}
+    hover = {"bgcolor": "var(--card)", "bordercolor": "var(--rule)", "font": {"color": "var(--ink)", "size": 12}}
+    font = {"family": "var(--font)", "color": "var(--soft)", "size": 12}
+    size = {"height": height, "margin": {"l": 46, "r": 10, "t": 8, "b": 42}}
+    return {**paper, **size, "font": font, "hoverlabel": hover, "xaxis": x, "yaxis": y, **more}
+
+
+def accuracy(summary: Summary) -> Figure:
+    """Return accuracy against readings; `views` says what changes when minutes are chosen as the abscissa."""
+    rows = summary.history
+    steps, minutes = [row.reading for row in rows], numbers([row.minutes for row in rows], "minutes of the history")
+    lines = _accuracy_lines(summary)
+    levels = _levels(summary)
+    traces = [_accuracy_trace(line, steps) for line in lines] + [_level_trace(level, steps) for level in levels]
+    span = _log_range([value for line in lines for value in line.values] + [level.value for level in levels])
+    y = axis_style("TCP standard deviation, µm", type="log", dtick="D2", tickformat="~r", range=span)
+    drawn = layout(axis_style("readings"), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN, hovermode="x unified")
+    usual = [index for index, line in enumerate(lines) if line.name == _TRADITIONAL]
+    ends = [
+        _label(li, f"{li.name} {figure(li.value)}", up, True)
+        for li, up in zip(lines, _shifts(lines, span), strict=True)
+    ]
+    marks = zip(levels, _shifts(levels, span), strict=True)
+    labels = [_label(level, f"{level.name} {short(level.value)} µm", up, False) for level, up in marks]
+    kept = [label for index, label in enumerate(ends) if index not in usual]
+    views = {
+        "readings": {"x": steps, "title": "readings", "hidden": [], "annotations": [*ends, *labels]},
+        "minutes": {"x": minutes, "title": "minutes of machine time", "hidden": usual, "annotations": [*kept, *labels]},
+    }
+    return {"data": traces, "layout": drawn, "views": views}
+
+
+_TRADITIONAL = "traditional plan"
+_ACCURACY_HEIGHT = 350
+_ACCURACY_MARGIN = {"l": 56, "r": 150, "t": 12, "b": 44}
+_LABEL_HEIGHT = 17
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A line of the accuracy chart, or with one value a level across it."""
+
+    name: str
+    values: list[float | None]
+    colour: str
+    width: float
+    dash: str
+
+    @property
+    def value(self) -> float:
+        """The last known value."""
+        return next((value for value in reversed(self.values) if value is not None), _SMALLEST)
+
+
+def _accuracy_lines(summary: Summary) -> list[_Line]:
+    rows = summary.history
+    usual = [row.traditional_rms_um for row in rows]
+    lines = [
+        _line("worst place", [row.worst_um for row in rows], "var(--worst)", 1.6, "solid"),
+        _line(_TRADITIONAL, usual, "var(--soft)", 1.4, "dot"),
+        _line("RMS", [row.rms_um for row in rows], "var(--accent)", 2.6, "solid"),
+    ]
+    return [line for line in lines if any(value is not None for value in line.values)]
+
+
+def _line(name: str, values: Sequence[float | None], colour: str, width: float, dash: str) -> _Line:
+    return _Line(name, [_positive(value, name) for value in values], colour, width, dash)
+
+
+def _positive(value: float | None, what: str) -> float | None:
+    """Return value for a logarithmic axis, which cannot show zero."""
+    return None if value is None or number(value, what) < _SMALLEST else number(value, what)
+
+
+def _levels(summary: Summary) -> list[_Line]:
+    wanted = (
+        ("target RMS", summary.target_rms_um, "var(--accent)", "dash"),
+        ("target worst", summary.target_worst_um, "var(--worst)", "dash"),
+        ("cannot be seen", summary.unseen_rms_um, "var(--soft)", "dot"),
+    )
+    levels = [_line(name, [value], colour, 1.2, dash) for name, value, colour, dash in wanted]
+    return [level for level in levels if level.values != [None]]
+
+
+def _accuracy_trace(line: _Line, steps: list[int]) -> Figure:
+    style = {"line": {"color": line.colour, "width": line.width, "dash": line.dash}}
+    marker = {"marker": {"color": line.colour, "size": 7}, "mode": "lines" if len(steps) > 1 else "markers"}
+    hover = {"hovertemplate": "%{y:.4g} µm", "name": line.name}
+    return {"type": "scatter", "x": steps, "y": line.values, **style, **marker, **hover}
+
+
+def _level_trace(level: _Line, steps: list[int]) -> Figure:
+    style = {"line": {"color": level.colour, "width": level.width, "dash": level.dash}, "hoverinfo": "skip"}
+    return {"type": "scatter", "mode": "lines", "x": steps, "y": [level.value] * len(steps), **style}
+
+
+def _log_range(values: Sequence[float | None]) -> list[float]:
+    known = [math.log10(value) for value in values if value is not None] or [0.0]
+    return numbers([min(known) - 0.12, max(known) + 0.08], "range")
+
+
+def _shifts(lines: list[_Line], span: list[float]) -> list[float]:
+    """Return by how many pixels the label of each line moves up so that no two overlap."""
+    pixels = (_ACCURACY_HEIGHT - _ACCURACY_MARGIN["t"] - _ACCURACY_MARGIN["b"]) / (span[1] - span[0])
+    heights = [math.log10(line.value) * pixels for line in lines]
+    shifts, floor = [0.0] * len(lines), -math.inf
+    for index in sorted(range(len(lines)), key=heights.__getitem__):
+        floor = max(heights[index], floor + _LABEL_HEIGHT)
+        shifts[index] = round(floor - heights[index], 1)
+    return shifts
+
+
+def _label(line: _Line, text: str, shift: float, at_end: bool) -> Figure:
+    """Return a label to the right of a line's end, or standing on the left end of a level."""
+    place = {"xref": "paper", "x": int(at_end), "xanchor": "left", "y": number(math.log10(line.value), line.name)}
+    style = {
+        "yanchor": "middle" if at_end else "bottom",
+        "font": {"color": line.colour, "size": 12.5 if at_end else 11},
+    }
+    return {**place, **style, "text": text, "xshift": 6, "yshift": shift, "showarrow": False, "borderpad": 0}
+
+
+def innovations(summary: Summary) -> Figure | None:
+    """Return standardised innovations against the reading; off-scale ones stand at the edge as triangles."""
+    found = [(row, z) for row in summary.history if (z := standardised(row)) is not None]
+    if not found:
+        return None
+    traces = [
+        _innovation_trace([pair for pair in found if _class_of(*pair) == kind], colour, symbol)
+        for kind, colour, symbol in (
+            ("usual", "var(--accent)", "circle"),
+            ("unusual", "var(--truth)", "circle"),
+            ("rejected", "var(--alarm)", "x"),
+        )
+    ]
+    reach = min(_LARGEST_Z, max(4.0, *(abs(z) * 1.1 for _, z in found)))
+    band = {
+        "type": "rect",
+        "xref": "paper",
+        "x0": 0,
+        "x1": 1,
+        "y0": -2,
+        "y1": 2,
+        "layer": "below",
+        "line": {"width": 0},
+    }
+    y = axis_style("surprise, standard deviations", range=[-reach - 0.5, reach + 0.5], dtick=2)
+    x = axis_style("reading")
+    return {"data": traces, "layout": layout(x, y, 260, shapes=[{**band, "fillcolor": "var(--whole)"}])}
+
+
+def _class_of(row: HistoryRow, z: float) -> str:
+    return "rejected" if row.rejected else "unusual" if abs(z) > 3 else "usual"
+
+
+def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol: str) -> Figure:
+    off = [abs(z) > _LARGEST_Z for _, z in found]
+    shown = [max(-_LARGEST_Z, min(_LARGEST_Z, z)) for _, z in found]
+    symbols = [
+        symbol if not out else "triangle-up" if z > 0 else "triangle-down" for out, z in zip(off, shown, strict=True)
+    ]
+    text = [f"{_reading_text(row)}<br>surprise {figure(z)} standard deviations" for row, z in found]
+    marker = {"color": colour, "size": 8 if symbol == "x" else 6.5, "symbol": symbols}
+    points = {"x": [row.reading for row, _ in found], "y": numbers(shown, "innovations"), "text": text}
+    return {"type": "scatter", "mode": "markers", "marker": marker, "cliponaxis": False, **_SHOW_TEXT, **points}
+
+
+def _reading_text(row: HistoryRow) -> str:
+    value = "" if row.value_um is None else f"<br>{quantity(row.value_um, row.unit)}"
+    return f"reading {row.reading}, {plain(row.setup or '')}<br>{plain(position_text(row.position))}{value}"
+
+
+def places(summary: Summary) -> list[Figure]:
+    """Return where it was measured: axes against each other in pairs, coloured by the order of the readings."""
+    rows = [row for row in summary.history if row.position]
+    axes = list(dict.fromkeys(axis for row in rows for axis in row.position or {}))
+    linear = [axis for axis in axes if axis_unit(axis) == "mm"]
+    rotary = [axis for axis in axes if axis_unit(axis) == "deg"]
+    pairs = [pair for kind in (linear, rotary) for pair in _pairs(kind)]
+    return [_place_figure(rows, across, up, summary) for across, up in pairs]
+
+
+def _pairs(axes: list[str]) -> list[tuple[str, str | None]]:
+    if len(axes) == 1:
+        return [(axes[0], None)]
+    return [(across, up) for i, across in enumerate(axes) for up in axes[i + 1 :]]
+
+
+def _place_figure(rows: list[HistoryRow], across: str, up: str | None, summary: Summary) -> Figure:
+    both = [row for row in rows if across in (row.position or {}) and (up is None or up in (row.position or {}))]
+    first = [(row.position or {})[across] for row in both]
+    second = [float(row.reading) if up is None else (row.position or {})[up] for row in both]
+    title = "reading" if up is None else axis_title(up)
+    trace = {
+        "x": numbers(first, across),
+        "y": numbers(second, title),
+        "marker": _order_marker(both, summary, 8.5),
+        "text": [_reading_text(row) for row in both],
+        "hovertemplate": "%{text}<extra></extra>",
+    }
+    drawn = layout(axis_style(axis_title(across)), axis_style(title), 260, margin={"l": 56, "r": 12, "t": 8, "b": 40})
+    return {"data": [{"type": "scatter", "mode": "markers", **trace}], "layout": drawn}
+
+
+def _order_marker(rows: list[HistoryRow], summary: Summary, size: float) -> Figure:
+    names = [use.name for use in summary.setups]
+    symbols = [SYMBOLS[names.index(row.setup) % len(SYMBOLS)] if row.setup in names else "circle" for row in rows]
+    scale = {"colorscale": _ORDER_COLOURS, "cmin": 1, "cmax": max(2, summary.readings)}
+    edge = {"line": {"color": "var(--whisker)", "width": 0.8}}
+    return {"size": size, "symbol": symbols, "color": [row.reading for row in rows], **scale, **edge}
+
+
+def axis_title(axis: str) -> str:
+    """Return "X, mm" or "C, °"."""
+    return f"{plain(axis)}, {unit_text(axis_unit(axis))}"
+
+
+def space(summary: Summary) -> Figure | None:
+    """Return where the TCP stood in the workpiece frame, in three dimensions, or nothing where that is unknown."""
+    rows = [row for row in summary.history if row.tcp_mm is not None]
+    if not rows:
+        return None
+    x, y, z = (numbers([(row.tcp_mm or ())[i] for row in rows], "tcp_mm") for i in range(3))
+    marker = {**_order_marker(rows, summary, 4.5), "symbol": "circle", "opacity": 1}
+    hover = {"text": [_reading_text(row) for row in rows], "hovertemplate": "%{text}<extra></extra>"}
+    trace = {"type": "scatter3d", "mode": "markers", "x": x, "y": y, "z": z, "marker": marker, **hover}
+    axis = {"backgroundcolor": "rgba(0,0,0,0)", "gridcolor": "var(--grid)", "color": "var(--soft)", "zeroline": False}
+    scene: Figure = {f"{n}axis": {**axis, "title": {"text": f"{n}, mm"}, "tickfont": {"size": 10}} for n in "xyz"}
+    scene |= {"aspectmode": "data" if _is_solid(x, y, z) else "cube", "dragmode": "turntable"}
+    scene["camera"] = {"eye": {"x": 0.95, "y": -1.15, "z": 0.55}, "projection": {"type": "orthographic"}}
+    drawn = layout({}, {}, 540, margin={"l": 0, "r": 0, "t": 0, "b": 0}, scene=scene)
+    return {"data": [trace], "layout": drawn}
+
+
+def _is_solid(*coordinates: list[float]) -> bool:
+    spans = [max(values) - min(values) for values in coordinates]
+    return min(spans) > 0.1 * max(spans)
+
+
+def iso230(block: Iso230) -> Figure:
+    """Return mean and mean ± 2 s of both directions at each target (ISO 230-2)."""
+    title = f"deviation, {unit_text(block.value_unit)}"
+    traces = [
+        *_direction("up", block, block.mean_up, block.std_up, "var(--accent)", "var(--seen)"),
+        *_direction("down", block, block.mean_down, block.std_down, "var(--truth)", "var(--truth-band)"),
+    ]
+    x = axis_style(f"{plain(block.axis)}, {unit_text(block.position_unit)}")
+    drawn = layout(x, axis_style(title), 300, margin={"l": 56, "r": 12, "t": 8, "b": 42})
+    return {"data": traces, "layout": drawn}
+
+
+def _direction(
+    name: str, block: Iso230, mean: Sequence[float], std: Sequence[float], colour: str, fill: str
+) -> list[Figure]:
+    size = len(block.target)
+    if not mean:
+        return []
+    target, middle = numbers(block.target, "targets"), numbers(mean, f"mean {name}", size)
+    spread = numbers(std, f"std {name}", size)
+    text = [
+        f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}"
+        for t, m, s in zip(target, middle, spread, strict=True)
+    ]
+    marks = {"line": {"color": colour, "width": 1.8}, "marker": {"size": 5.5, "color": colour}}
+    line = {"type": "scatter", "mode": "lines+markers", "x": target, "y": middle, "text": text, **marks}
+    return [band(target, middle, [2 * s for s in spread], fill), {**line, "hovertemplate": "%{text}<extra></extra>"}]
+
+
+def band(position: list[float], middle: list[float], half: list[float], fill: str) -> Figure:
+    """Return a filled band middle ± half as one closed outline."""
+    upper = [m + h for m, h in zip(middle, half, strict=True)]
+    lower = [m - h for m, h in zip(middle, half, strict=True)]
+    outline = {"x": position + position[::-1], "y": numbers(upper + lower[::-1], "a band")}
+    style = {"fill": "toself", "fillcolor": fill, "line": {"width": 0}, "mode": "lines", "hoverinfo": "skip"}
+    return {"type": "scatter", **outline, **style}
+
+
+def finite_range(values: Sequence[float]) -> list[float]:
+    """Return an axis range with a margin around values, at least as wide as a picture needs."""
+    low, high = min(values, default=-1.0), max(values, default=1.0)
+    margin = max(0.08 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-9)
+    return numbers([low - margin, high + margin], "range") if math.isfinite(margin) else [-1.0, 1.0]

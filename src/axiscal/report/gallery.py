@@ -1,0 +1,123 @@
+"""The error curves as small multiples: rows of panels per axis and unit, on one scale unless the reader chooses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from axiscal.report.figures import Figure, axis_style, band, finite_range, layout, plain
+from axiscal.report.summary import Curve, CurvePoint, number, numbers
+from axiscal.report.wording import BAND, axis_unit, coordinate, figure, quantity, unit_text
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A curve and its picture."""
+
+    curve: Curve
+    figure: Figure
+
+
+@dataclass(frozen=True, slots=True)
+class AxisGroup:
+    """The panels of one axis, in rows of one unit."""
+
+    axis: str
+    rows: Sequence[Sequence[Panel]]
+
+
+def groups(curves: Sequence[Curve]) -> list[AxisGroup]:
+    """Return the curves grouped by axis in order of appearance, and by unit within."""
+    axes = dict.fromkeys(curve.axis for curve in curves)
+    return [AxisGroup(axis, _rows([curve for curve in curves if curve.axis == axis])) for axis in axes]
+
+
+def _rows(curves: list[Curve]) -> list[list[Panel]]:
+    ordered = sorted(curves, key=lambda curve: curve.value_unit != "um")
+    return [_row(list(row)) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
+
+
+def _row(curves: list[Curve]) -> list[Panel]:
+    shared = finite_range([value for curve in curves for value in _content(curve)])
+    return [Panel(curve, panel_figure(curve, shared)) for curve in curves]
+
+
+def _content(curve: Curve) -> list[float]:
+    halves = [BAND * std for std in curve.std]
+    edges = [mean + sign * half for mean, half in zip(curve.mean, halves, strict=True) for sign in (1, -1)]
+    truth = [] if curve.truth is None else list(curve.truth[1])
+    return [*edges, *truth, *(point.value for point in curve.points), 0.0]
+
+
+def panel_figure(curve: Curve, shared: list[float]) -> Figure:
+    """Return one panel; `ranges` holds its own scale and the one it shares with its row."""
+    size, where = len(curve.position), numbers(curve.position, f"position of {curve.name}")
+    mean = numbers(curve.mean, f"mean of {curve.name}", size)
+    prior, whole, seen = (
+        [BAND * std for std in numbers(stds, f"{what} of {curve.name}", size)]
+        for what, stds in (("prior_std", curve.prior_std), ("std", curve.std), ("std_seen", curve.std_seen))
+    )
+    traces = [
+        band(where, [0.0] * size, prior, "var(--prior)"),
+        band(where, mean, whole, "var(--whole)"),
+        band(where, mean, seen, "var(--seen)"),
+        *_truth(curve),
+        _mean(curve, where, mean, whole),
+        *_points(curve),
+    ]
+    x = axis_style(
+        f"{plain(curve.axis)}, {unit_text(curve.position_unit)}", range=_span(where), nticks=6, **_turns(curve)
+    )
+    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
+    ranges = {"shared": shared, "own": finite_range(_content(curve))}
+    return {"data": traces, "layout": layout(x, y, 210), "ranges": ranges}
+
+
+def _span(where: list[float]) -> list[float]:
+    low, high = min(where, default=0.0), max(where, default=1.0)
+    pad = 0.02 * (high - low) or 1.0
+    return numbers([low - pad, high + pad], "range")
+
+
+def _turns(curve: Curve) -> Figure:
+    span = max(curve.position, default=0.0) - min(curve.position, default=0.0)
+    return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
+
+
+def _mean(curve: Curve, where: list[float], mean: list[float], whole: list[float]) -> Figure:
+    text = [
+        f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}"
+        for x, m, w in zip(where, mean, whole, strict=True)
+    ]
+    style = {"line": {"color": "var(--accent)", "width": 1.8}, "hovertemplate": "%{text}<extra></extra>"}
+    return {"type": "scatter", "mode": "lines", "x": where, "y": mean, "text": text, **style}
+
+
+def _truth(curve: Curve) -> list[Figure]:
+    if curve.truth is None:
+        return []
+    where, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
+    style = {"line": {"color": "var(--truth)", "width": 1.6, "dash": "4px,3px"}, "hoverinfo": "skip"}
+    return [{"type": "scatter", "mode": "lines", "x": where, "y": value, **style}]
+
+
+def _points(curve: Curve) -> list[Figure]:
+    kinds = (False, "circle", "var(--ink)"), (True, "x", "var(--alarm)")
+    chosen = (([p for p in curve.points if p.rejected is rejected], s, c) for rejected, s, c in kinds)
+    return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
+
+
+def _point_trace(curve: Curve, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
+    bars = {"type": "data", "array": [number(BAND * p.std, "std of a point") for p in points], "width": 0}
+    bars |= {"thickness": 1, "color": "var(--whisker)"}
+    text = [_point_text(point, curve.value_unit) for point in points]
+    data = {"x": numbers([p.position for p in points], "points"), "y": numbers([p.value for p in points], "points")}
+    marker = {"color": colour, "size": 5.5, "symbol": symbol, "line": {"color": "var(--card)", "width": 0.6}}
+    style = {"type": "scatter", "mode": "markers", "marker": marker, "hovertemplate": "%{text}<extra></extra>"}
+    return {**data, **style, "error_y": bars, "text": text}
+
+
+def _point_text(point: CurvePoint, unit: str) -> str:
+    label = "" if point.reading is None else f"reading {point.reading}, "
+    return f"{label}{plain(point.setup)}<br>{figure(point.value)} ± {quantity(BAND * point.std, unit)}"

@@ -1,0 +1,70 @@
+"""Constants as dots with whiskers: places on a common scale per unit, in per cent of the picture's width."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from axiscal.report.summary import Constant, number
+from axiscal.report.wording import BAND, constant_note, short, unit_text
+
+
+@dataclass(frozen=True, slots=True)
+class Whisker:
+    """One constant; positions are per cent of the width, cut at the edges."""
+
+    constant: Constant
+    note: str
+    prior: tuple[float, float]
+    now: tuple[float, float]
+    dot: float
+    truth: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The constants of one unit, and the ticks of their scale as (place, text)."""
+
+    unit: str
+    ticks: Sequence[tuple[float, str]]
+    whiskers: Sequence[Whisker]
+
+
+def scales(constants: Sequence[Constant]) -> list[Scale]:
+    """Return the constants grouped by unit, each group on one symmetric scale."""
+    units = dict.fromkeys(constant.unit for constant in constants)
+    return [_scale(unit, [constant for constant in constants if constant.unit == unit]) for unit in units]
+
+
+def _scale(unit: str, constants: list[Constant]) -> Scale:
+    reach = max(_reach(constant) for constant in constants) or 1.0
+    step = _round_step(reach / 2.5)
+    ticks = [(_place(step * i, reach), short(step * i)) for i in range(-2, 3) if abs(step * i) <= reach]
+    return Scale(unit_text(unit), ticks, [_whisker(constant, reach) for constant in constants])
+
+
+def _reach(constant: Constant) -> float:
+    known = [abs(constant.mean) + BAND * constant.std, 0.0 if constant.truth is None else abs(constant.truth)]
+    prior = BAND * constant.prior_std
+    return number(1.05 * max(*known, prior), f"extent of {constant.name}")
+
+
+def _whisker(constant: Constant, reach: float) -> Whisker:
+    half, prior = BAND * constant.std, BAND * constant.prior_std
+    return Whisker(
+        constant,
+        constant_note(constant),
+        (_place(-prior, reach), _place(prior, reach)),
+        (_place(constant.mean - half, reach), _place(constant.mean + half, reach)),
+        _place(constant.mean, reach),
+        None if constant.truth is None else _place(constant.truth, reach),
+    )
+
+
+def _place(value: float, reach: float) -> float:
+    return round(50 + 50 * max(-1.0, min(1.0, value / reach)), 3)
+
+
+def _round_step(size: float) -> float:
+    power = 10.0 ** int(f"{size:e}".split("e")[1])
+    return max((m * power for m in (1, 2, 5) if m * power <= size * 1.0001), default=power)
