@@ -1,0 +1,54 @@
+"""The keys of campaign.toml, as pydantic models; only `description` uses them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from axiscal.document import Length, QuantityText, Time
+
+
+class Table(BaseModel):
+    """A table in which every key is known and no value is bent to fit."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class TargetTable(Table):
+    """[target]: when to stop, and over what."""
+
+    rms: Length | None = Field(None, examples=['"2 um"'])
+    worst: Length | None = Field(None, examples=['"4 um"'])
+    readings: int | None = Field(None, examples=["40"])
+    budget: Time | None = Field(None, examples=['"90 min"'])
+    volume: dict[str, list[QuantityText]] = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
+    criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
+
+
+class SetupTable(Table):
+    """[[setups]]: one way to mount one instrument.
+
+    Quantities whose dimension depends on the axis or on the instrument stay text.
+    """
+
+    name: str = Field(examples=['"laser along X"'])
+    instrument: str = Field(examples=['"interferometer"'])
+    direction: str | list[float | int] = Field(examples=['"x"'])
+    moves: list[str] | None = Field(None, examples=['["X"]'])
+    park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
+    noise: QuantityText | None = Field(None, examples=['"0.3 um"'])
+    unknowns: dict[str, QuantityText] | None = Field(None, examples=['{ zero = "100 um" }'])
+    setup_time: Time | None = Field(None, examples=['"30 min"'])
+    settle: Time | None = Field(None, examples=['"1 s"'])
+    reading_time: Time | None = Field(None, examples=['"3 s"'])
+    raster: dict[str, QuantityText] = Field(default={}, examples=['{ X = "10 mm" }'])
+    approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
+
+
+class CampaignTable(Table):
+    """The whole of campaign.toml."""
+
+    machine: str = Field(examples=['"machine.toml"'])
+    target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
+    setups: list[SetupTable] = Field(examples=["[…]"])

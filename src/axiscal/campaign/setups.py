@@ -1,0 +1,221 @@
+"""[[setups]] of campaign.toml read into `Setup`, with the instrument's usual figures where the file is silent."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+from axiscal.campaign.schema import SetupTable
+from axiscal.campaign.target import coordinate, travel_text
+from axiscal.document import Document, nearest, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS, NOT_YET, UNKNOWN_NAMES, Instrument
+from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.units import EXAMPLES, format_quantity, parse_quantity
+
+LONGEST_NAME = 80
+_LETTER = re.compile(r"([+-]?)([xyzXYZ])")
+
+
+def read_setups(tables: list[SetupTable], machine: Machine, document: Document) -> tuple[Setup, ...]:
+    """Return the set-ups; raises DescriptionError or UnitError at the line that is wrong."""
+    if not tables:
+        raise document.fault(DescriptionError("there is no set-up", "Add a table [[setups]]"), "setups")
+    setups = tuple(_Reader(table, machine, document, number).setup() for number, table in enumerate(tables))
+    _refuse_same_name(setups, document)
+    return setups
+
+
+def _refuse_same_name(setups: tuple[Setup, ...], document: Document) -> None:
+    seen: set[str] = set()
+    for number, setup in enumerate(setups):
+        if setup.name in seen:
+            what = f'two set-ups are called "{setup.name}"'
+            raise document.fault(DescriptionError(what, "Give each a name of its own"), "setups", number, "name")
+        seen.add(setup.name)
+
+
+class _Reader:
+    """Reads one table; every failure is placed at the key it is about."""
+
+    def __init__(self, table: SetupTable, machine: Machine, document: Document, number: int) -> None:
+        self._table, self._machine, self._document, self._number = table, machine, document, number
+
+    def setup(self) -> Setup:
+        table = self._table
+        with self._at("name"):
+            name = _name(table.name)
+        with self._at("instrument"):
+            usual = _instrument(table.instrument)
+        with self._at("direction"):
+            direction = _direction(table.direction)
+        with self._at("moves"):
+            moves = self._moves()
+        with self._at("noise"):
+            noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
+        return Setup(
+            name=name,
+            instrument=usual.name,
+            direction=direction,
+            moves=moves,
+            park=self._park(moves),
+            noise=noise,
+            unknowns=self._unknowns(usual, moves),
+            setup_time=self._time("setup_time", usual.setup_time),
+            settle=self._time("settle", usual.settle),
+            reading_time=self._time("reading_time", usual.reading_time),
+            raster=self._raster(moves),
+            approach=table.approach,
+        )
+
+    @contextmanager
+    def _at(self, *keys: str) -> Iterator[None]:
+        try:
+            yield
+        except InputError as failure:
+            raise self._document.fault(failure, "setups", self._number, *keys) from None
+
+    def _moves(self) -> tuple[int, ...]:
+        names = self._table.moves
+        if names is None:
+            return tuple(range(len(self._machine.axes)))
+        indices = [self._machine.index(name) for name in names]
+        if not indices:
+            raise DescriptionError(
+                "nothing moves", f"Name axes, such as moves = [{self._axis_names()}], or leave it out"
+            )
+        if len(set(indices)) < len(indices):
+            raise DescriptionError(f"{shown(names)} names an axis twice", "Name each axis once")
+        return tuple(sorted(indices))
+
+    def _axis_names(self) -> str:
+        return ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
+
+    def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
+        places = [sum(axis.travel) / 2 for axis in self._machine.axes]
+
+        def read(text: str, axis: Axis, index: int) -> float:
+            if index in moves:
+                what = f"{axis.name} is parked, but it is one of the axes that move"
+                raise DescriptionError(what, f"Take it out here, or take {axis.name} out of moves")
+            return coordinate(text, axis)
+
+        self._each_axis("park", self._table.park, read, places)
+        return tuple(places)
+
+    def _raster(self, moves: tuple[int, ...]) -> tuple[float, ...]:
+        steps = [0.0] * len(self._machine.axes)
+
+        def read(text: str, axis: Axis, index: int) -> float:
+            if index not in moves:
+                what = f"{axis.name} has a raster, but does not move in this set-up"
+                raise DescriptionError(what, f"Take it out here, or add {axis.name} to moves")
+            return _step(text, axis)
+
+        self._each_axis("raster", self._table.raster, read, steps)
+        return tuple(steps)
+
+    def _each_axis(
+        self, key: str, entries: dict[str, str], read: Callable[[str, Axis, int], float], into: list[float]
+    ) -> None:
+        for name, text in entries.items():
+            with self._at(key, name):
+                index = self._machine.index(name)
+                into[index] = read(text, self._machine.axes[index], index)
+
+    def _time(self, key: str, usual: float) -> float:
+        value: float | None = getattr(self._table, key)
+        if value is not None and value < 0:
+            with self._at(key):
+                raise DescriptionError(f"{format_quantity(value, 's')} is negative", 'Give a time such as "3 s"')
+        return usual if value is None else value
+
+    def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:
+        given = self._table.unknowns
+        if given is None:
+            unknowns = usual.unknowns
+        else:
+            unknowns = tuple(self._unknown(name, text, usual) for name, text in given.items())
+        if "slope" in (unknown.name for unknown in unknowns):
+            with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
+                self._refuse_slope(usual, moves, given is None)
+        return unknowns
+
+    def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
+        with self._at("unknowns", name):
+            if name not in UNKNOWN_NAMES:
+                near = nearest(name, UNKNOWN_NAMES)
+                known = f'Perhaps "{near}" is meant' if near else f"Known are {', '.join(UNKNOWN_NAMES)}"
+                raise DescriptionError(f"{shown(name)} is not an unknown of a set-up", known)
+            return Unknown(name, _positive(text, usual.reads if name == "zero" else "angle"))
+
+    def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
+        if usual.reads == "angle":
+            what = f"an unknown slope turns the line of a displacement, and the {usual.name} reads an angle"
+            raise DescriptionError(what, "Take slope out")
+        moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]
+        if len(moving) != 1:
+            whose = f"the {usual.name}'s usual unknown" if by_default else "an unknown"
+            what = f"{whose} slope needs exactly one linear axis that moves; here {_listed(moving)} move"
+            raise DescriptionError(what, 'Name one in moves, such as moves = ["X"], or give unknowns without slope')
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _name(text: str) -> str:
+    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
+        remedy = f"Give it up to {LONGEST_NAME} printable characters, without blanks at its ends"
+        raise DescriptionError(f"{shown(text)} is not a name", remedy)
+    return text
+
+
+def _instrument(name: str) -> Instrument:
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    if name in NOT_YET:
+        raise DescriptionError(
+            f'the instrument "{name}" is not yet supported', f"Supported are {', '.join(INSTRUMENTS)}"
+        )
+    near = nearest(name, INSTRUMENTS)
+    remedy = f'Perhaps "{near}" is meant' if near else f"Instruments are {', '.join(INSTRUMENTS)}"
+    raise DescriptionError(f"{shown(name)} is not an instrument", remedy)
+
+
+def _direction(value: str | list[float | int]) -> Vector:
+    remedy = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
+    if isinstance(value, str):
+        found = _LETTER.fullmatch(value)
+        if found is None:
+            raise DescriptionError(f"{shown(value)} is not a direction", remedy)
+        sign = -1.0 if found[1] == "-" else 1.0
+        x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
+        return x, y, z
+    largest = max((abs(number) for number in value), default=0)
+    if len(value) != 3 or not 1e-100 < largest < 1e100:
+        raise DescriptionError(f"{shown(value)} is not a direction", remedy)
+    x, y, z = (number / math.hypot(*value) for number in value)
+    return x, y, z
+
+
+def _positive(text: str, reads: str) -> float:
+    value = parse_quantity(text, "angle" if reads == "angle" else "length")
+    if value <= 0:
+        example = EXAMPLES["angle" if reads == "angle" else "length"]
+        raise DescriptionError(f"{shown(text)} is not above zero", f'Give a standard deviation such as "{example}"')
+    return value
+
+
+def _step(text: str, axis: Axis) -> float:
+    value = parse_quantity(text, "angle" if axis.rotary else "length")
+    low, high = axis.travel
+    if value <= 0:
+        raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
+    if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:
+        what = f"no multiple of {shown(text)} lies in the travel of {axis.name}"
+        raise DescriptionError(what, f"Give a smaller step; the axis goes from {travel_text(axis)}")
+    return value
