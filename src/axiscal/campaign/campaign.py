@@ -1,0 +1,276 @@
+"""The campaign: the one stateful thing. It asks, records, takes back, stops, and forgets nothing.
+
+    with Campaign.create(Path("mill.axiscal"), description, build) as campaign:
+        campaign.next()
+        campaign.record(1.7e-6)
+
+Its state is folded from the record at every step; the belief follows the readings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.engine import Build, Engine, Known, Visit
+from axiscal.campaign.events import Asked, Created, Event, Finished, Recorded, Skipped, State, Step, Undone
+from axiscal.campaign.interrupt import noted_interrupts
+from axiscal.campaign.sources import Request, Skip, Source
+from axiscal.campaign.store import Record
+from axiscal.campaign.versions import versions
+from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.measurement.reading import Reading
+
+PATIENCE = 25
+"""So many skipped readings in a row are taken for a source that does not work."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """There is nothing more to ask, and why."""
+
+    because: str
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would."""
+
+    state: State
+    accuracy: Known
+    seconds: float
+    reached: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Milestone:
+    """A reading (None: before the first), and how well the machine was known after it and after how many seconds."""
+
+    number: int
+    reading: Reading | None
+    accuracy: Known
+    seconds: float
+
+
+class Campaign:
+    """An open campaign record with its description and its belief; a context manager."""
+
+    def __init__(self, record: Record, description: CampaignDescription, build: Build) -> None:
+        self._record, self.description, self._build = record, description, build
+        self.state = record.state()
+        self._engine: Engine | None = None
+        self._absorbed: list[Reading] = []
+
+    @classmethod
+    def create(cls, path: Path, description: CampaignDescription, build: Build) -> Self:
+        """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
+        machine = description.machine
+        created = Created(machine.text, description.text, description.machine_source, description.source, versions())
+        return cls(Record.create(path, created), description, build)
+
+    @classmethod
+    def open(cls, path: Path, build: Build, *, write: bool = True) -> Self:
+        """Return the campaign recorded at `path`; raises RecordError if that is no record."""
+        record = Record.open(path, write=write)
+        try:
+            return cls(record, _description(record), build)
+        except BaseException:
+            record.close()
+            raise
+
+    @property
+    def path(self) -> Path:
+        """The file of the record."""
+        return self._record.path
+
+    @property
+    def engine(self) -> Engine:
+        """The belief after all readings, and the planner."""
+        readings = list(self.state.readings)
+        if self._engine is None or readings[: len(self._absorbed)] != self._absorbed:
+            self._engine, self._absorbed = self._build(self.description), []
+        for reading in readings[len(self._absorbed) :]:
+            self._engine.absorb(reading)
+            self._absorbed.append(reading)
+        return self._engine
+
+    def next(self, *, beyond: bool = False) -> Asked | Stop:
+        """Return the reading to take; the same one until it is answered.
+
+        beyond : ask although a target is reached
+        """
+        self._refuse_finished()
+        if self.state.pending is not None:
+            return self.state.pending
+        because = None if beyond else self.reached()
+        if because is not None:
+            return Stop(because)
+        visits = self._visits()
+        proposal = self.engine.propose(self.state.skipped, visits[-1] if visits else None)
+        if proposal is None:
+            return Stop("nothing is left to measure")
+        if not beyond and self._over_budget(self.engine.elapsed([*visits, Visit(proposal.setup, proposal.pose)])):
+            return Stop(_BUDGET)
+        number = len(self.state.readings) + len(self.state.skipped) + 1
+        asked = Asked(number, proposal.setup, proposal.pose, proposal.approach)
+        self._append(asked)
+        return asked
+
+    def record(self, value: float, std: float | None = None, at: Recorded | None = None) -> Reading:
+        """Keep a reading, of what was asked or of another place, and return it.
+
+        value, std : m or rad; at : the place, whose value and std are not looked at
+        Raises RecordError if nothing was asked, ReadingError for a number that is none.
+        """
+        self._refuse_finished()
+        place = at or self.state.pending
+        if place is None:
+            remedy = "Ask for one with `axiscal next`, or say where it was taken with --setup and --at"
+            raise RecordError("No reading has been asked for", remedy, self.path)
+        if not math.isfinite(value):
+            raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
+        if std is not None and not 0 < std < math.inf:
+            raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
+        self._append(Recorded(place.setup, place.position, place.approach, value, std))
+        return self.state.readings[-1]
+
+    def skip(self, reason: str) -> Asked:
+        """Note that the reading asked for cannot be taken, and return it; it is not asked for again."""
+        self._refuse_finished()
+        asked = self.state.pending
+        if asked is None:
+            raise RecordError("No reading has been asked for", "Ask for one with `axiscal next`", self.path)
+        if not reason.strip():
+            raise ReadingError("the reason is empty", "Say why the reading cannot be taken")
+        self._append(Skipped(reason.strip()))
+        return asked
+
+    def undo(self) -> Step:
+        """Take back the last reading, skip or finish, and return it; its question is open again."""
+        if not self.state.undo:
+            raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
+        step = self.state.undo[-1]
+        self._append(Undone(step.number))
+        return step
+
+    def finish(self, because: str | None = None) -> str:
+        """End the campaign and return why: the target that is reached unless said otherwise."""
+        if self.state.finished is not None:
+            return self.state.finished
+        reason = because or self.reached() or "ended by the operator"
+        self._append(Finished(reason))
+        return reason
+
+    def reached(self) -> str | None:
+        """Return the target that is reached, in words; None if there is none."""
+        target = self.description.target
+        if target.readings is not None and len(self.state.readings) >= target.readings:
+            return f"{len(self.state.readings)} readings taken"
+        known = self.engine.accuracy()
+        if target.rms is not None and known.rms <= target.rms:
+            return "rms target reached"
+        if target.worst is not None and known.worst <= target.worst:
+            return "worst target reached"
+        return _BUDGET if self._over_budget(self._seconds()) else None
+
+    def status(self) -> Status:
+        """Return where the campaign stands."""
+        reached = None if self.state.finished is not None else self.reached()
+        return Status(self.state, self.engine.accuracy(), self._seconds(), reached)
+
+    def history(self) -> tuple[Milestone, ...]:
+        """Return how well the machine was known after each reading, from a belief built anew."""
+        engine, visits = self._build(self.description), self._visits()
+        milestones = [Milestone(0, None, engine.accuracy(), 0.0)]
+        for number, reading in enumerate(self.state.readings, start=1):
+            engine.absorb(reading)
+            milestones.append(Milestone(number, reading, engine.accuracy(), engine.elapsed(visits[:number])))
+        return tuple(milestones)
+
+    def adopt(self, readings: tuple[Reading, ...]) -> None:
+        """Keep readings that were taken without being asked for, in one transaction."""
+        self._refuse_finished()
+        self._append(*(Recorded(each.setup, each.pose, each.approach, each.value, each.std) for each in readings))
+
+    def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
+        """Ask and record until a target is reached, and return why it stopped.
+
+        watch : told of every reading that is kept, and of the beginning
+        Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
+        """
+        watch(self._milestone())
+        in_a_row = 0
+        with noted_interrupts() as interrupts:
+            while not isinstance(asked := self.next(), Stop):
+                with interrupts.waiting():
+                    answer = source.read(self.request(asked))
+                if isinstance(answer, Skip):
+                    self.skip(answer.reason)
+                    in_a_row += 1
+                    self._refuse_endless(in_a_row, answer)
+                else:
+                    self.record(answer.value, answer.std)
+                    in_a_row = 0
+                    watch(self._milestone())
+                interrupts.heed()
+            return self.finish(asked.because)
+
+    def request(self, asked: Asked) -> Request:
+        """Return the question as a source is asked it."""
+        setup = self.description.setup(asked.setup)
+        return Request(asked.reading, setup, self.description.machine.axes, asked.position, asked.approach)
+
+    def close(self) -> None:
+        """Close the record."""
+        self._record.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close()
+
+    def _append(self, *events: Event) -> None:
+        if events:
+            self._record.append(*events, after=self.state.last)
+        self.state = self._record.state()
+
+    def _visits(self) -> list[Visit]:
+        return [Visit(reading.setup, reading.pose) for reading in self.state.readings]
+
+    def _seconds(self) -> float:
+        return self.engine.elapsed(self._visits())
+
+    def _over_budget(self, seconds: float) -> bool:
+        budget = self.description.target.budget
+        return budget is not None and seconds > budget
+
+    def _milestone(self) -> Milestone:
+        readings = self.state.readings
+        return Milestone(len(readings), readings[-1] if readings else None, self.engine.accuracy(), self._seconds())
+
+    def _refuse_finished(self) -> None:
+        if self.state.finished is not None:
+            what = f"The campaign is finished: {self.state.finished}"
+            raise RecordError(what, "Take the end back with `axiscal undo`, or start a new campaign", self.path)
+
+    def _refuse_endless(self, in_a_row: int, answer: Skip) -> None:
+        if in_a_row >= PATIENCE:
+            what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
+            raise SourceError(what, "Mend it, then go on with --resume")
+
+
+_BUDGET = "time budget used"
+
+
+def _description(record: Record) -> CampaignDescription:
+    created = record.state().created
+    if created is None:
+        raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    return campaign_from_texts(*texts)

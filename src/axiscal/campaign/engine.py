@@ -1,0 +1,67 @@
+"""What a campaign asks of the mathematics: believe a reading, say how well the machine is known, propose the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from axiscal.campaign.events import Gap
+from axiscal.measurement.reading import Reading
+
+if TYPE_CHECKING:
+    from axiscal.campaign.description import CampaignDescription
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A set-up and a pose in it, (n_axes,) m or rad."""
+
+    setup: str
+    pose: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """The reading that serves the target best.
+
+    pose : (n_axes,) m or rad; approach : (n_axes,) +1, -1, or 0 for an axis that does not move
+    gain : by how much it lowers the criterion
+    """
+
+    setup: str
+    pose: tuple[float, ...]
+    approach: tuple[int, ...]
+    gain: float
+
+
+class Known(Protocol):
+    """How well the machine is known: standard deviations of the TCP, m."""
+
+    @property
+    def rms(self) -> float:
+        """RMS over the volume."""
+
+    @property
+    def worst(self) -> float:
+        """The largest in the volume."""
+
+
+class Engine(Protocol):
+    """The belief of one campaign and the planner that looks at it. It is fed the readings in their order."""
+
+    def absorb(self, reading: Reading) -> None:
+        """Take a reading into the belief."""
+
+    def accuracy(self) -> Known:
+        """Return how well the machine is known now."""
+
+    def propose(self, gaps: Sequence[Gap], last: Visit | None) -> Proposal | None:
+        """Return the next reading, none of the `gaps`, coming from `last`; None if nothing is left to measure."""
+
+    def elapsed(self, visits: Sequence[Visit]) -> float:
+        """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
+
+
+Build = Callable[["CampaignDescription"], Engine]
+"""Makes the engine of a campaign, before its first reading."""

@@ -1,0 +1,103 @@
+"""Where a person says a reading was taken, checked against the set-up and the machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from axiscal.campaign.description import CampaignDescription
+from axiscal.campaign.target import travel_text
+from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.units import format_quantity
+
+_STILL = {False: 1e-6, True: math.radians(1e-5)}
+"""How far from its park position an axis may be said to stand: 1 um, or 1e-5 deg."""
+
+
+def placed_readings(
+    raw: tuple[RawReading, ...], campaign: CampaignDescription, file: str | Path
+) -> tuple[Reading, ...]:
+    """Return readings of a file as readings of the campaign; raises ReadingError at the line that does not fit."""
+    readings = []
+    for row in raw:
+        try:
+            readings.append(_placed(row, campaign))
+        except InputError as failure:
+            raise ReadingError(failure.what, failure.remedy, file, row.line) from None
+    return tuple(readings)
+
+
+def placed_pose(setup: Setup, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
+
+    Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
+    """
+    _refuse_unknown_axis(position, machine)
+    return tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+
+
+def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
+    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked."""
+    _refuse_unknown_axis(approach, machine)
+    for name in approach:
+        if machine.index(name) not in setup.moves:
+            what = f'{name} is parked in the set-up "{setup.name}" and has no direction of approach'
+            raise ReadingError(what, "Leave it out of the approach")
+    return tuple(approach.get(axis.name, 0) for axis in machine.axes)
+
+
+def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
+    setup = campaign.setup(row.setup) if row.setup else _only_setup(campaign)
+    reads = INSTRUMENTS[setup.instrument].reads
+    if row.dimension != reads:
+        what = f'the {setup.instrument} of the set-up "{setup.name}" reads a {reads}, not a {row.dimension}'
+        raise ReadingError(what, f"Give the value as {'value_um' if reads == 'length' else 'value_urad'}")
+    position, approach = row.position, row.approach
+    if "" in position:
+        moving = campaign.machine.axes[setup.moves[0]].name
+        position, approach = {moving: position[""]}, {moving: approach[""]}
+    pose = placed_pose(setup, campaign.machine, position)
+    directions = placed_approach(setup, campaign.machine, approach)
+    return Reading(setup.name, pose, directions, row.value, row.std, row.line)
+
+
+def _only_setup(campaign: CampaignDescription) -> Setup:
+    """Return the set-up of an ISO 230-2 file, which names neither set-up nor axis."""
+    setup = campaign.setups[0]
+    if len(campaign.setups) > 1 or len(setup.moves) > 1:
+        what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
+        raise ReadingError(what, "Give the columns setup and X_mm, or a campaign of one set-up with one moving axis")
+    return setup
+
+
+def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
+    try:
+        for name in names:
+            machine.index(name)
+    except DescriptionError as failure:
+        raise ReadingError(failure.what, failure.remedy) from None
+
+
+def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, float]) -> float:
+    moves = index in setup.moves
+    if axis.name not in position:
+        if moves:
+            what = f'{axis.name} moves in the set-up "{setup.name}", and its position is not given'
+            raise ReadingError(what, f"Say where it stood, between {travel_text(axis)}")
+        return setup.park[index]
+    value, unit = position[axis.name], "deg" if axis.rotary else "mm"
+    slack = 1e-9 * axis.length
+    if not axis.travel[0] - slack <= value <= axis.travel[1] + slack:
+        what = f"{axis.name} = {format_quantity(value, unit, 9)} is outside the travel"
+        raise ReadingError(what, f"{axis.name} goes from {travel_text(axis)}")
+    if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
+        park = format_quantity(setup.park[index], unit, 9)
+        what = f'{axis.name} = {format_quantity(value, unit, 9)}, but the set-up "{setup.name}" parks it at {park}'
+        raise ReadingError(what, f"Park it there in the description, or add {axis.name} to its moves")
+    return min(max(value, axis.travel[0]), axis.travel[1])
