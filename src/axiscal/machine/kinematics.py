@@ -1,8 +1,8 @@
 """The nominal chain and its exact deviation: where each axis frame and the TCP are in the workpiece frame.
 
 Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md).
-On the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor; on the workpiece side,
-read in this direction, the other way round.
+On the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor; on the
+workpiece side, read in this direction, the other way round.
 """
 
 from __future__ import annotations

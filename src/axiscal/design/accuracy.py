@@ -1,0 +1,104 @@
+"""How good the machine is known to be: the figures a campaign reports and stops by.
+
+The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
+C_∞. A constant shift of the TCP that lies in the second part is a matter of where the workpiece zero is set, and is
+not counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.belief import Belief
+from axiscal.design import criterion
+from axiscal.design.lattice import corners, even_points
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import Box, VolumeMoments
+from axiscal.numerics import Array
+
+_INNER_POINTS = 400
+
+
+class Accuracy(NamedTuple):
+    """rms : RMS over the volume, m; worst : largest in the volume, m; seen : the part of rms that readings can still
+    reduce, m.
+    """
+
+    rms: float
+    worst: float
+    seen: float
+
+
+@dataclass(frozen=True, eq=False)
+class Yardstick:
+    """Measures a belief against the working volume.
+
+    moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
+    """
+
+    errors: ErrorModel
+    box: Box
+    moments: VolumeMoments
+    unseen: Array
+
+    @cached_property
+    def root(self) -> Array:
+        """V (n, n) with E[HᵀH] = VᵀV."""
+        return criterion.volume_root(self.moments)
+
+    @cached_property
+    def _shift(self) -> float:
+        """Variance of the constant shift that no reading sees, m²."""
+        return float(np.sum((self.moments.mean @ self.unseen) ** 2))
+
+    @cached_property
+    def unseen_rms(self) -> float:
+        """RMS over the volume of what no allowed reading sees, m."""
+        return float(np.sqrt(max(np.sum((self.root @ self.unseen) ** 2) - self._shift, 0.0)))
+
+    def measure(self, belief: Belief) -> Accuracy:
+        """Return the figures of a belief."""
+        total = criterion.value(belief, self.root)
+        seen = total - float(np.sum((self.root @ self.unseen) ** 2))
+        variance = max(total - self._shift, 0.0) + self.moments.rest
+        worst = float(np.sqrt(max(np.max(self._variances(belief)), variance)))
+        return Accuracy(float(np.sqrt(variance)), worst, float(np.sqrt(max(seen, 0.0) + self.moments.rest)))
+
+    def worst_rows(self, belief: Belief) -> Array:
+        """Return H (3, size) at the pose where the TCP is known least."""
+        pose, approach = (x[self._variances(belief).argmax()][None] for x in self._poses)
+        rows: Array = self.errors.rows(pose, approach)[0]
+        return rows
+
+    @cached_property
+    def _poses(self) -> tuple[Array, Array]:
+        low, high = np.array(self.box).T
+        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
+        poses = np.concatenate([corners(self.box), inner])
+        if not any(f.kind == "reversal" for f in self.errors.functions):
+            return poses, np.ones_like(poses)
+        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
+
+    @cached_property
+    def _rows(self) -> Array:
+        return self.errors.rows(*self._poses)
+
+    @cached_property
+    def _correction(self) -> Array:
+        """What the constant shift takes off the variance at each pose, and what the rest adds, m²."""
+        here = self._rows @ self.unseen
+        shift = self.moments.mean @ self.unseen
+        taken = np.sum(here**2, axis=(1, 2)) - np.sum((here - shift) ** 2, axis=(1, 2))
+        rests = np.array([f.rest for f in self.errors.functions])
+        added = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
+        result: Array = added - taken
+        return result
+
+    def _variances(self, belief: Belief) -> Array:
+        factor = belief.factor[: self.errors.size]
+        spread: Array = np.sum((self._rows @ factor) ** 2, axis=(1, 2)) + self._correction
+        return spread

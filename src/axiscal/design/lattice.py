@@ -1,0 +1,95 @@
+"""Candidates for a reading: poses spread evenly over what the set-ups allow, with the directions of approach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.volume import Box
+from axiscal.machine.description import Machine
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Lattice:
+    """setups : (m,) indices; poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
+
+    setups: NDArray[np.intp]
+    poses: Array
+    approaches: Array
+
+    def of(self, setup: int) -> tuple[Array, Array]:
+        """Return poses and approaches of one set-up."""
+        mine = self.setups == setup
+        return self.poses[mine], self.approaches[mine]
+
+    def __len__(self) -> int:
+        return len(self.setups)
+
+
+def even_points(count: int, dimensions: int) -> Array:
+    """Return points spread evenly in the unit cube, (count, dimensions): multiples of the roots of x^{d+1} = x + 1.
+
+    The additive recurrence whose discrepancy stays low at every length; one dimension gives midpoints.
+    """
+    if dimensions <= 1:
+        return ((np.arange(count) + 0.5) / max(count, 1))[:, None][:, :dimensions]
+    ratio = 2.0
+    for _ in range(64):
+        ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
+    steps = ratio ** -np.arange(1.0, dimensions + 1)
+    result: Array = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
+    return result
+
+
+def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Lattice:
+    """Return about `count` candidates, shared evenly between the set-ups."""
+    parts = [_of_setup(machine, setup, max(2, count // max(1, len(setups)))) for setup in setups]
+    return Lattice(
+        np.concatenate([np.full(len(p), i) for i, (p, _) in enumerate(parts)]),
+        np.concatenate([p for p, _ in parts]),
+        np.concatenate([a for _, a in parts]),
+    )
+
+
+def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
+    moves = list(setup.moves)
+    unit = even_points(count, 2 * len(moves))
+    poses = np.tile(np.array(setup.park), (count, 1))
+    low = np.array([machine.axes[k].travel[0] for k in moves])
+    span = np.array([machine.axes[k].length for k in moves])
+    poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
+    return snapped(machine, setup, poses), _approaches(machine, setup, unit[:, len(moves) :] > 0.5)
+
+
+def _approaches(machine: Machine, setup: Setup, positive: NDArray[np.bool_]) -> Array:
+    result = np.zeros((len(positive), len(machine.axes)))
+    signs = {"both": np.where(positive, 1.0, -1.0), "+": np.ones(positive.shape), "-": -np.ones(positive.shape)}
+    result[:, list(setup.moves)] = signs[setup.approach]
+    return result
+
+
+def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
+    """Return the poses moved to the nearest multiples of the set-up's raster that lie in the travel.  poses : (m,
+    q).
+    """
+    result = poses.copy()
+    for k in setup.moves:
+        if setup.raster[k] > 0:
+            first, last = raster_range(machine, setup, k)
+            result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]), first, last) * setup.raster[k]
+    return result
+
+
+def raster_range(machine: Machine, setup: Setup, axis: int) -> tuple[int, int]:
+    """Return the lowest and highest multiple of the raster in the travel of an axis."""
+    low, high = (end / setup.raster[axis] for end in machine.axes[axis].travel)
+    return int(np.ceil(low - 1e-9)), int(np.floor(high + 1e-9))
+
+
+def corners(box: Box) -> Array:
+    """Return the corners of a box of poses, (2^q, q)."""
+    return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)

@@ -1,0 +1,175 @@
+"""How the machine may deviate: every error function, and the linear map H(t) from all their control values to the TCP.
+
+    δp(t) = Σ_k s_k R_k(t) [ δ_k(t_k) + ε_k(t_k) × r_k(t) ] = H(t) A        (method of B&H eq. 1 and B&H eq. 28, with
+    lever arms)
+
+Each function acts on the TCP through a lever: a vector field over poses times the function's own value. With
+displacements only and no rotary axis the levers are constant and this is the paper's sum of stacked splines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from axiscal.error_model import prior
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.kinematics import Frames, SmallMotions, frames
+from axiscal.machine.names import Kind
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Spline
+
+_REST_CELLS_PER_INTERVAL = 8
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ErrorFunction:
+    """One error as a function of one axis.
+
+    component : 0-2 displacement along x y z, 3-5 rotation about x y z
+    covariance : (size, size) prior of the control values; columns : where they stand in A
+    rest : standard deviation of what the spline cannot follow (m or rad)
+    """
+
+    name: str
+    axis: int
+    kind: Kind
+    component: int
+    basis: Spline
+    covariance: Array
+    rest: float
+    columns: slice
+
+    @property
+    def angular(self) -> bool:
+        """Whether the error is a rotation."""
+        return self.component >= 3
+
+    @property
+    def cell(self) -> float:
+        """Length over which the rest is shared: an eighth of a knot interval."""
+        knots = self.basis.knots
+        return float(knots[-1] - knots[0]) / (_REST_CELLS_PER_INTERVAL * (len(knots) - 1))
+
+
+class ErrorModel:
+    """The error functions of one machine and their joint linear map.
+
+    machine : with the errors it states
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.functions = tuple(_functions(machine))
+        self.size = self.functions[-1].columns.stop if self.functions else 0
+
+    def prior_covariance(self) -> Array:
+        """Return the prior covariance of A, block diagonal over functions, (size, size)."""
+        result = np.zeros((self.size, self.size))
+        for function in self.functions:
+            result[function.columns, function.columns] = function.covariance
+        return result
+
+    @cached_property
+    def names(self) -> dict[str, ErrorFunction]:
+        """The functions by name."""
+        return {function.name: function for function in self.functions}
+
+    def levers(self, poses: Array) -> Array:
+        """Return the TCP deviation per unit of each function, (functions, m, 3), m or m/rad.  poses : (m, q)."""
+        nominal = frames(self.machine, poses)
+        shape = (len(self.functions), len(poses), 3)
+        return np.array([self._lever(f, poses, nominal) for f in self.functions]).reshape(shape)
+
+    def _lever(self, function: ErrorFunction, poses: Array, nominal: Frames) -> Array:
+        axis = self.machine.axes[function.axis]
+        direction = nominal.rotations[function.axis][:, :, function.component % 3]
+        if function.kind == "location" and not axis.rotary:
+            travel = nominal.rotations[function.axis] @ np.array(axis.direction)
+            tilted: Array = np.cross(direction, travel) * poses[:, function.axis, None]
+            return tilted
+        if function.angular:
+            direction = np.cross(direction, nominal.tcp - nominal.origins[function.axis])
+        lever: Array = axis.sign * direction
+        return lever
+
+    def angular_levers(self, poses: Array) -> Array:
+        """Return the rotation of the tool relative to the workpiece per unit of each function, (functions, m, 3)."""
+        nominal = frames(self.machine, poses)
+        result = np.zeros((len(self.functions), len(poses), 3))
+        for i, function in enumerate(self.functions):
+            axis = self.machine.axes[function.axis]
+            if function.angular and (axis.rotary or function.kind != "location"):
+                result[i] = axis.sign * nominal.rotations[function.axis][:, :, function.component % 3]
+        return result
+
+    def rows(self, poses: Array, approaches: Array) -> Array:
+        """Return H(t), (m, 3, size).  poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
+        return np.stack([self.along(self.levers(poses)[:, :, c], poses, approaches) for c in range(3)], axis=1)
+
+    def angular_rows(self, poses: Array, approaches: Array) -> Array:
+        """Return the rows of the tool's orientation deviation, (m, 3, size)."""
+        levers = self.angular_levers(poses)
+        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
+
+    def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
+        """Return the rows of a scalar reading with the given levers, (m, size).
+
+        levers : (functions, m), the effect of each function on the reading
+        """
+        result = np.empty((len(poses), self.size))
+        for group in self._alike:
+            first = self.functions[group[0]]
+            values = first.basis.rows(poses[:, first.axis])
+            for i in group:
+                result[:, self.functions[i].columns] = self._signed(i, levers[i], approaches)[:, None] * values
+        return result
+
+    @cached_property
+    def _alike(self) -> tuple[tuple[int, ...], ...]:
+        """Indices of functions that share axis and knots, so that their spline rows are computed once."""
+        groups: dict[tuple[int, bytes], list[int]] = {}
+        for i, function in enumerate(self.functions):
+            groups.setdefault((function.axis, function.basis.knots.tobytes()), []).append(i)
+        return tuple(tuple(group) for group in groups.values())
+
+    def _signed(self, index: int, lever: Array, approaches: Array) -> Array:
+        function = self.functions[index]
+        if function.kind != "reversal":
+            return lever
+        return lever * (0.5 * approaches[:, function.axis])
+
+    def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
+        """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
+        values = np.stack([f.basis.rows(poses[:, f.axis]) @ coefficients[f.columns] for f in self.functions])
+        return self.compose(values, approaches)
+
+    def compose(self, values: Array, approaches: Array) -> SmallMotions:
+        """Return the small motions of the axis frames from the value of every function.  values : (functions, m)."""
+        shape = (len(self.machine.axes), values.shape[1], 3)
+        parts = SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+        for i, function in enumerate(self.functions):
+            straight = function.kind == "location" and not self.machine.axes[function.axis].rotary
+            part = parts.tilt if straight else parts.rotation if function.angular else parts.displacement
+            part[function.axis, :, function.component % 3] += self._signed(i, values[i], approaches)
+        return parts
+
+
+def _functions(machine: Machine) -> Iterable[ErrorFunction]:
+    start = 0
+    for entry in machine.errors:
+        function = _function(entry, machine, start)
+        start = function.columns.stop
+        yield function
+
+
+def _function(entry: ErrorEntry, machine: Machine, start: int) -> ErrorFunction:
+    index = machine.index(entry.axis)
+    spline = prior.basis(entry, machine.axes[index])
+    columns = slice(start, start + spline.size)
+    covariance = prior.covariance(entry, spline)
+    return ErrorFunction(entry.name, index, entry.kind, entry.component, spline, covariance, entry.rest or 0.0, columns)

@@ -1,0 +1,41 @@
+"""What is believed of an error before the first reading: its knots, and a covariance of the control values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine.axis import Axis
+from axiscal.machine.entry import ErrorEntry
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
+
+
+def basis(entry: ErrorEntry, axis: Axis) -> Spline:
+    """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural."""
+    if entry.constant:
+        return Constant(*axis.travel)
+    knots = np.array(entry.knot_positions(axis))
+    return CyclicSpline(knots) if axis.cyclic else NaturalSpline(knots)
+
+
+def covariance(entry: ErrorEntry, spline: Spline) -> Array:
+    """Return the prior covariance of the control values, (size, size).
+
+    Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 at the knots; on a cyclic
+    spline the distance is the chord of the circle, which keeps the kernel positive definite.
+    """
+    if entry.length is None or spline.size == 1:
+        return entry.std**2 * np.eye(spline.size)
+    positions = spline.knots[: spline.size]
+    distance = np.abs(positions[:, None] - positions[None, :])
+    if isinstance(spline, CyclicSpline):
+        period = spline.knots[-1] - spline.knots[0]
+        distance = period / np.pi * np.sin(np.pi * distance / period)
+    return entry.std**2 * matern52(distance / entry.length)
+
+
+def matern52(distance: Array) -> Array:
+    """Return the Matérn-5/2 correlation (1 + √5 r + 5 r²/3) exp(−√5 r) at distances in correlation lengths."""
+    scaled = np.sqrt(5.0) * distance
+    result: Array = (1 + scaled + scaled**2 / 3) * np.exp(-scaled)
+    return result

@@ -1,0 +1,176 @@
+"""Means over the working volume: E[H] and E[HᵀH] in closed form, also with lever arms and rotary axes.
+
+Every lever is affine in each linear coordinate and of first order in the sine and cosine of each rotary one. The
+product of two levers is therefore recovered exactly from three nodes on a linear and five on a rotary axis, and what
+is left are one-dimensional integrals of spline rows against the Lagrange functions of those nodes: a small tensor
+grid with vector-valued weights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.numerics import Array
+
+Box = tuple[tuple[float, float], ...]
+
+_GAUSS = 10
+_SHORT_TURN = 1.0
+_POLYNOMIAL_NODES = 12
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class VolumeMoments:
+    """mean : (3, size) E[H]; weight : (size, size) E[HᵀH]; rest : E of the rest's share of the TCP variance, m²."""
+
+    mean: Array
+    weight: Array
+    rest: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _AxisMoments:
+    """One axis: nodes (k,), E[ℓ_i] (k,), E[m ℓ_i] (k, n) and E[m mᵀ ℓ_i] (k, n, n) over the rows m of its own
+    functions.
+
+    functions : indices of these; owner : per column the position in `functions`; columns : where they stand in A
+    """
+
+    nodes: Array
+    plain: Array
+    single: Array
+    double: Array
+    functions: list[int]
+    owner: list[int]
+    columns: list[int]
+
+
+def whole_travel(model: ErrorModel) -> Box:
+    """Return the box of all travels, bounds per axis in chain order, m or rad."""
+    return tuple(axis.travel for axis in model.machine.axes)
+
+
+def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
+    """Return the means over poses spread evenly in the box.
+
+    Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
+    Cost: O(nodes · functions²) for the levers and O(size²) for the rest; a few ms for five axes.
+    """
+    axes = [_axis_moments(model, k, bounds) for k, bounds in enumerate(box)]
+    poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
+    levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.functions), 3, *(len(a.nodes) for a in axes))
+    mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
+    for k, first in enumerate(axes):
+        mean[:, first.columns] = _mean(levers, axes, k)
+        for other in range(k, len(axes)):
+            block = _two_axes(levers, axes, k, other) if other > k else _same_axis(levers, axes, k)
+            weight[np.ix_(first.columns, axes[other].columns)] = block
+            weight[np.ix_(axes[other].columns, first.columns)] = block.T
+    _separate_reversals(model, mean, weight)
+    return VolumeMoments(mean, weight, _rest(model, levers, axes))
+
+
+def _axis_moments(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AxisMoments:
+    functions = [i for i, f in enumerate(model.functions) if f.axis == axis]
+    own = [model.functions[i] for i in functions]
+    points, weights = _quadrature([f.basis.knots for f in own], bounds)
+    nodes, lagrange = _lagrange(points, bounds, model.machine.axes[axis].rotary)
+    rows = np.hstack([f.basis.rows(points) for f in own]) if own else np.zeros((len(points), 0))
+    weighted = lagrange.T * weights
+    double = np.stack([rows.T @ (rows * share[:, None]) for share in weighted])
+    owner = [i for i, f in enumerate(own) for _ in range(f.basis.size)]
+    columns = [c for f in own for c in range(f.columns.start, f.columns.stop)]
+    return _AxisMoments(nodes, weighted.sum(axis=1), weighted @ rows, double, functions, owner, columns)
+
+
+def _quadrature(knots: list[Array], bounds: tuple[float, float]) -> tuple[Array, Array]:
+    """Composite Gauss-Legendre between all knots in the bounds, weights summing to one."""
+    start, stop = bounds
+    inner = np.unique(np.concatenate([*knots, np.linspace(start, stop, 5)]))
+    breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
+    x, w = np.polynomial.legendre.leggauss(_GAUSS)
+    half: Array = np.diff(breaks)[:, None] / 2
+    points: Array = (breaks[:-1, None] + half * (1 + x)).ravel()
+    weights: Array = (half * w).ravel() / (stop - start)
+    return points, weights
+
+
+def _lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple[Array, Array]:
+    """Return the nodes (k,) and the Lagrange functions at the points (m, k): the space products of levers live in."""
+    start, stop = bounds
+    middle: float = (start + stop) / 2
+    half: float = (stop - start) / 2
+    trigonometric = rotary and half > _SHORT_TURN / 2
+    count = 5 if trigonometric else _POLYNOMIAL_NODES if rotary else 3
+    even: Array = np.arange(count, dtype=float)
+    offsets: Array = -np.cos(np.pi * (even + 0.5) / count) * half
+    if trigonometric:
+        offsets = half * (2 * even + 1 - count) / count
+    space = _trigonometric if trigonometric else np.polynomial.chebyshev.chebvander
+    scale = 1.0 if trigonometric else half
+    at_nodes = space(offsets / scale, 4 if trigonometric else count - 1)
+    at_points = space((points - middle) / scale, 4 if trigonometric else count - 1)
+    lagrange: Array = np.asarray(np.linalg.solve(at_nodes.T, at_points.T).T, dtype=float)
+    return middle + offsets, lagrange
+
+
+def _trigonometric(angle: Array, order: int) -> Array:
+    harmonics = [f(n * angle) for n in range(1, order // 2 + 1) for f in (np.cos, np.sin)]
+    return np.stack([np.ones_like(angle), *harmonics], axis=1)
+
+
+def _averaged(axes: list[_AxisMoments], values: Array, kept: tuple[int, ...]) -> Array:
+    """Average an array (..., grid) over every axis that is not kept."""
+    lead = values.ndim - len(axes)
+    for k in reversed(range(len(axes))):
+        if k not in kept:
+            values = np.tensordot(values, axes[k].plain, axes=([lead + k], [0]))
+    return values
+
+
+def _products(levers: Array, first: _AxisMoments, second: _AxisMoments) -> Array:
+    """Scalar products of the levers of two axes' functions on the grid, (functions, functions, grid)."""
+    result: Array = np.einsum("fc...,gc...->fg...", levers[first.functions], levers[second.functions])
+    return result
+
+
+def _mean(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
+    axis = axes[k]
+    own = _averaged(axes, levers[axis.functions], (k,))[axis.owner]
+    result: Array = np.einsum("nci,in->cn", own, axis.single)
+    return result
+
+
+def _same_axis(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
+    axis = axes[k]
+    products = _averaged(axes, _products(levers, axis, axis), (k,))[np.ix_(axis.owner, axis.owner)]
+    result: Array = np.einsum("nmi,inm->nm", products, axis.double)
+    return result
+
+
+def _two_axes(levers: Array, axes: list[_AxisMoments], k: int, other: int) -> Array:
+    first, second = axes[k], axes[other]
+    products = _averaged(axes, _products(levers, first, second), (k, other))
+    half = np.einsum("ngij,in->ngj", products[first.owner], first.single)
+    result: Array = np.einsum("nmj,jm->nm", half[:, second.owner], second.single)
+    return result
+
+
+def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
+    sign = np.zeros(model.size)
+    for function in model.functions:
+        if function.kind == "reversal":
+            sign[function.columns] = function.axis + 1
+    reversal = sign > 0
+    mean[:, reversal] = 0.0
+    weight[sign[:, None] != sign[None, :]] = 0.0
+    weight[np.ix_(reversal, reversal)] /= 4.0
+
+
+def _rest(model: ErrorModel, levers: Array, axes: list[_AxisMoments]) -> float:
+    variances = np.array([f.rest**2 for f in model.functions])
+    squares: Array = np.einsum("fc...,fc...->f...", levers, levers)
+    return float(variances @ _averaged(axes, squares, ()))

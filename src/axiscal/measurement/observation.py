@@ -1,0 +1,156 @@
+"""What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
+
+y = g(t)ᵀ A + f(t)ᵀ b + v  (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns
+of every set-up, then the rests of the cells that have been visited: readings in one cell share its rest, so repeating
+there does not average it away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+
+Cell = tuple[int, int]
+"""Index of an error function with a rest, and the number of the cell along its axis."""
+
+
+class Rows(NamedTuple):
+    """rows : (m, size) over all unknowns; variances : (m,) noise and the rests of cells not visited yet, m² or rad²."""
+
+    rows: Array
+    variances: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """The linear map from all unknowns to readings.
+
+    errors : the machine's error model; setups : in the order of the campaign
+    cells : column of the rest of each visited cell
+    """
+
+    errors: ErrorModel
+    setups: tuple[Setup, ...]
+    cells: Mapping[Cell, int] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.errors.size + sum(len(s.unknowns) for s in self.setups) + len(self.cells)
+
+    def prior_covariance(self) -> Array:
+        """Return the covariance of all unknowns before the first reading, (size, size)."""
+        result = np.zeros((self.size, self.size))
+        result[: self.errors.size, : self.errors.size] = self.errors.prior_covariance()
+        own = [u.std**2 for s in self.setups for u in s.unknowns]
+        rests = [self.errors.functions[function].rest ** 2 for function, _ in self.cells]
+        tail = np.arange(self.errors.size, self.size)
+        result[tail, tail] = own + rests
+        return result
+
+    def unknowns_of(self, setup: int) -> slice:
+        """Return the columns of one set-up's own unknowns."""
+        start = self.errors.size + sum(len(s.unknowns) for s in self.setups[:setup])
+        return slice(start, start + len(self.setups[setup].unknowns))
+
+    def rows(self, setup: int, poses: Array, approaches: Array) -> Rows:
+        """Return what readings of a set-up would tell.  poses, approaches : (m, q)."""
+        mounted = self.setups[setup]
+        levers = self._levers(mounted, poses)
+        result = np.zeros((len(poses), self.size))
+        result[:, : self.errors.size] = self.errors.along(levers, poses, approaches)
+        for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
+            result[:, column] = self._own(unknown, mounted, poses)
+        variances = np.full(len(poses), mounted.noise**2)
+        for index in self._with_rest:
+            self._add_rest(index, levers[index], poses, result, variances)
+        return Rows(result, variances)
+
+    def visited(self, pose: Array) -> Observation:
+        """Return the map with columns for the cells of a pose that had none, in the order of the functions.  pose :
+        (q,).
+        """
+        found = [(i, int(_cells(self.errors.functions[i], pose[None])[0])) for i in self._with_rest]
+        fresh = [cell for cell in found if cell not in self.cells]
+        added = {cell: self.size + position for position, cell in enumerate(fresh)}
+        return replace(self, cells=MappingProxyType({**self.cells, **added}))
+
+    def rest_variances(self, after: Observation) -> Array:
+        """Return the prior variances of the columns that `after` has beyond this map."""
+        fresh = [cell for cell in after.cells if cell not in self.cells]
+        return np.array([self.errors.functions[function].rest ** 2 for function, _ in fresh])
+
+    def breaks(self, axis: int) -> Array:
+        """Return the coordinates between which rows are smooth along an axis: knots, and edges of visited cells."""
+        edges = [np.array(self.errors.machine.axes[axis].travel)]
+        edges += [f.basis.knots for f in self.errors.functions if f.axis == axis]
+        for index, cell in self.cells:
+            function = self.errors.functions[index]
+            if function.axis == axis:
+                edges.append(function.basis.knots[0] + function.cell * np.array([cell, cell + 1]))
+        low, high = edges[0]
+        inside = np.unique(np.concatenate(edges))
+        kept: Array = inside[(inside >= low) & (inside <= high)]
+        return kept
+
+    def smoothness(self, axis: int) -> tuple[int, float]:
+        """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
+
+        Rows are cubic; a lever arm adds one degree along a linear axis, and sine and cosine along a rotary one. Forms
+        are squares.
+        """
+        if not self.errors.machine.axes[axis].rotary:
+            angular = any(f.angular for f in self.errors.functions)
+            return (8 if angular else 6), 0.0
+        return 6, 2 * float(np.max(np.diff(self.breaks(axis))))
+
+    @cached_property
+    def _with_rest(self) -> tuple[int, ...]:
+        return tuple(i for i, function in enumerate(self.errors.functions) if function.rest > 0)
+
+    def _levers(self, mounted: Setup, poses: Array) -> Array:
+        reads_length = INSTRUMENTS[mounted.instrument].reads == "length"
+        levers = self.errors.levers(poses) if reads_length else self.errors.angular_levers(poses)
+        along: Array = levers @ np.array(mounted.direction)
+        return along
+
+    def _own(self, unknown: Unknown, mounted: Setup, poses: Array) -> Array:
+        if unknown.name == "zero":
+            return np.ones(len(poses))
+        axis = next(k for k in mounted.moves if not self.errors.machine.axes[k].rotary)
+        distance: Array = poses[:, axis] - sum(self.errors.machine.axes[axis].travel) / 2
+        return distance
+
+    def _add_rest(self, index: int, lever: Array, poses: Array, result: Array, variances: Array) -> None:
+        function = self.errors.functions[index]
+        cells = _cells(function, poses)
+        known = np.zeros(len(poses), dtype=bool)
+        for (owner, cell), column in self.cells.items():
+            if owner == index:
+                here = cells == cell
+                result[here, column] = lever[here]
+                known |= here
+        variances[~known] += (lever[~known] * function.rest) ** 2
+
+
+def _cells(function: ErrorFunction, poses: Array) -> NDArray[np.int64]:
+    start, stop = function.basis.knots[0], function.basis.knots[-1]
+    count = round((stop - start) / function.cell)
+    cells = np.floor((poses[:, function.axis] - start) / function.cell).astype(np.int64)
+    inside: NDArray[np.int64] = np.minimum(np.maximum(cells, 0), count - 1)
+    return inside
+
+
+def _indices(columns: slice) -> range:
+    return range(columns.start, columns.stop)

@@ -1,0 +1,135 @@
+"""The multivariate normal in factorised form C = U D Uᵀ: unit upper triangular U, non-negative diagonal D.
+
+The covariance itself is never updated, only its factors (Bierman 1977, ch. V), so it stays symmetric and positive
+semidefinite whatever the order and number of readings, and directions that no reading sees keep their digits.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.exceptions import CovarianceError
+from axiscal.numerics import Array
+
+_SYMMETRY = 1e-9
+_NEGATIVE = 1e-10
+_VANISHING = 1e-9
+
+
+class Factors(NamedTuple):
+    """U (n, n) unit upper triangular and d (n,) >= 0 with C = U diag(d) Uᵀ."""
+
+    upper: Array
+    diagonal: Array
+
+
+class Conditioned(NamedTuple):
+    """Factors and mean after one reading, with the innovation and its variance."""
+
+    factors: Factors
+    mean: Array
+    innovation: float
+    variance: float
+
+
+def factorise(covariance: Array) -> Factors:
+    """Return the UD factors of a positive semidefinite matrix.
+
+    covariance : (n, n), may be singular
+    Raises CovarianceError where it is not finite, not symmetric or not positive semidefinite.
+    The correlation matrix is factorised, so that variances of any scale keep their digits: by Cholesky from the last
+    variable to the first, or by its eigenvectors where it is singular.
+    """
+    matrix, scale = _checked(covariance)
+    try:
+        triangle = np.linalg.cholesky(matrix[::-1, ::-1])
+    except np.linalg.LinAlgError:
+        triangle = _singular(matrix)[::-1, ::-1]
+    columns = triangle[::-1, ::-1] * scale[:, None]
+    pivots = np.diagonal(columns).copy()
+    upper = np.divide(columns, pivots, out=np.eye(len(pivots)), where=pivots > 0)
+    return Factors(upper, pivots**2)
+
+
+def _singular(correlation: Array) -> Array:
+    """Return an upper triangular T with T Tᵀ the singular matrix; a vanishing pivot is lifted to rounding size."""
+    values, vectors = np.linalg.eigh(correlation)
+    if values[0] < -_NEGATIVE * len(values):
+        raise CovarianceError(
+            f"The covariance is not positive semidefinite: an eigenvalue of its correlation is {values[0]:.3g}."
+        )
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    lower: Array = np.linalg.qr(root[::-1].T).R.T
+    triangle: Array = lower[::-1, ::-1]
+    triangle = triangle * np.where(np.diagonal(triangle) < 0, -1.0, 1.0)
+    tiny = np.arange(len(values))
+    triangle[tiny, tiny] = np.maximum(triangle[tiny, tiny], _VANISHING * np.linalg.norm(triangle, axis=0))
+    return triangle
+
+
+def _checked(covariance: Array) -> tuple[Array, Array]:
+    """Return correlation matrix and standard deviations (1 where a variance is zero)."""
+    matrix = np.asarray(covariance, dtype=float)
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+        raise CovarianceError(f"A covariance is square; this one has shape {matrix.shape}.")
+    if not np.all(np.isfinite(matrix)):
+        raise CovarianceError("The covariance holds a value that is not finite.")
+    variance = np.diagonal(matrix)
+    if np.any(variance < 0):
+        raise CovarianceError(
+            f"The covariance is not positive semidefinite: variance {int(np.argmin(variance))} is {variance.min():.3g}."
+        )
+    scale = np.where(variance > 0, np.sqrt(variance), 1.0)
+    correlation = matrix / scale[:, None] / scale
+    if np.any(np.abs(correlation - correlation.T) > _SYMMETRY):
+        raise CovarianceError("The covariance is not symmetric.")
+    return (correlation + correlation.T) / 2, scale
+
+
+def condition(factors: Factors, mean: Array, row: Array, value: float, variance: float) -> Conditioned:
+    """Return factors and mean after the reading value = rowᵀ a + v, v ~ N(0, variance).
+
+    row : (n,); variance > 0. O(n²).
+    Bierman's scalar update, its column loop written as cumulative sums: with f = Uᵀ row, v = D f and
+    α_j = variance + Σ_{k≤j} f_k v_k,   d_j ← d_j α_{j−1}/α_j,   U_j ← U_j − (f_j/α_{j−1}) Σ_{k<j} v_k U_k
+    (Bierman 1977, table V.3.1). The same numbers as B&H eq. 21-23 and B&H eq. 31-33, without forming C.
+    """
+    upper, diagonal = factors
+    projected = row @ upper
+    weighted = diagonal * projected
+    alpha = np.empty(len(diagonal) + 1)
+    alpha[0] = variance
+    np.cumsum(projected * weighted, out=alpha[1:])
+    alpha[1:] += variance
+    sums = np.cumsum(upper * weighted, axis=1)
+    changed = upper.copy()
+    changed[:, 1:] -= sums[:, :-1] * (projected[1:] / alpha[1:-1])
+    innovation = float(value - row @ mean)
+    return Conditioned(
+        Factors(changed, diagonal * (alpha[:-1] / alpha[1:])),
+        mean + sums[:, -1] * (innovation / alpha[-1]),
+        innovation,
+        float(alpha[-1]),
+    )
+
+
+def root(factors: Factors) -> Array:
+    """Return F (n, n) with C = F Fᵀ."""
+    return factors.upper * np.sqrt(factors.diagonal)
+
+
+def variances(factors: Factors, rows: Array) -> Array:
+    """Return rowᵀ C row for each row, never negative (B&H eq. 20).  rows : (m, n)."""
+    projected: Array = rows @ root(factors)
+    result: Array = np.einsum("ij,ij->i", projected, projected)
+    return result
+
+
+def extend(factors: Factors, extra: Array) -> Factors:
+    """Return the factors with independent variables of the given variances appended.  extra : (k,)."""
+    size, count = len(factors.diagonal), len(extra)
+    upper = np.eye(size + count)
+    upper[:size, :size] = factors.upper
+    return Factors(upper, np.concatenate([factors.diagonal, extra]))

@@ -1,0 +1,51 @@
+"""Rigid motions T_AB of many poses at once: rotations (m, 3, 3) and translations (m, 3)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.numerics import Array
+
+
+class Motion(NamedTuple):
+    """p_A = rotation p_B + translation.  rotation : (m, 3, 3); translation : (m, 3)."""
+
+    rotation: Array
+    translation: Array
+
+    def then(self, rotation: Array) -> Motion:
+        """Return T_AB T_BC where T_BC turns about the origin of B."""
+        return Motion(self.rotation @ rotation, self.translation)
+
+    def moved(self, vector: Array) -> Motion:
+        """Return T_AB T_BC where T_BC shifts by a vector in B.  vector : (m, 3) or (3,)."""
+        return Motion(self.rotation, self.apply(vector))
+
+    def apply(self, point: Array) -> Array:
+        """Return the points of B in A.  point : (m, 3) or (3,)."""
+        turned: Array = np.einsum("mij,...j->mi" if point.ndim == 1 else "mij,mj->mi", self.rotation, point)
+        return turned + self.translation
+
+
+def identity(count: int) -> Motion:
+    """Return `count` motions that move nothing."""
+    return Motion(np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3)))
+
+
+def rotation(vector: Array) -> Array:
+    """Return exp([vector]×), the rotation about each vector by its length (Rodrigues).  vector : (m, 3) rad."""
+    angle = np.linalg.norm(vector, axis=1)[:, None, None]
+    cross = skew(vector)
+    sinc = np.sinc(angle / np.pi)
+    versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    result: Array = np.eye(3) + sinc * cross + versine * (cross @ cross)
+    return result
+
+
+def skew(vector: Array) -> Array:
+    """Return [vector]×, the matrices of the cross product.  vector : (m, 3)."""
+    x, y, z = vector.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
