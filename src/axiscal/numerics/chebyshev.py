@@ -170,7 +170,8 @@ def _sum(series: Array, shapes: Array) -> Array:
 def _with_derivatives(series: Array) -> Array:
     """Return series, first and second derivative, padded to one length: (b, 3, n)."""
     size = series.shape[1]
-    return np.einsum("bn,nim->bim", series, _jets(size))
+    padded: Array = np.einsum("bn,nim->bim", series, _jets(size))
+    return padded
 
 
 def _jet(series: Array, x: Array) -> Array:
