@@ -1,0 +1,94 @@
+"""One axis' deviation at chosen positions, as a controller's table holds it, and the file made of it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.units import format_quantity
+
+_AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompensationTable:
+    """The deviation of one axis, actual minus nominal along its own positive direction, tool relative to workpiece.
+
+    axis : its name, as in the chain; rotary : whether it turns
+    positions : (n,) m or rad, strictly increasing
+    forward, reverse : (n,) m or rad, the deviation when the position was approached upwards or downwards
+    std : (n,) m or rad, the standard deviation that the deviation is known to
+    Raises TableError for anything that no controller could hold.
+    """
+
+    axis: str
+    rotary: bool
+    positions: Array
+    forward: Array
+    reverse: Array
+    std: Array
+
+    def __post_init__(self) -> None:
+        if not _AXIS.fullmatch(self.axis):
+            raise TableError(f"{self.axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
+        for name in ("positions", "forward", "reverse", "std"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+            self._check(name, values)
+        if np.any(np.diff(self.positions) <= 0):
+            raise TableError(f"the positions of {self.axis} do not increase", "sort them, and give each once")
+
+    def _check(self, name: str, values: Array) -> None:
+        if values.ndim != 1 or values.size == 0 or values.shape != np.shape(self.positions):
+            shape = f"{np.shape(values)} for {np.shape(self.positions)} positions"
+            raise TableError(
+                f"the table of {self.axis} has {name} of shape {shape}", "give one number for each position"
+            )
+        if not np.all(np.isfinite(values)):
+            where = self.positions[int(np.argmin(np.isfinite(values)))]
+            raise TableError(f"{name} of {self.axis} is not finite at {where:g} m or rad", "leave that position out")
+
+    def deviation(self, position: Array, direction: int) -> Array:
+        """Return the deviation at positions (m,) approached in direction +1 or -1: linear between, constant outside."""
+        return np.interp(position, self.positions, self.forward if direction > 0 else self.reverse)
+
+    @property
+    def unit(self) -> str:
+        """The unit in which positions are shown."""
+        return "deg" if self.rotary else "mm"
+
+    @property
+    def fine_unit(self) -> str:
+        """The unit in which deviations are shown."""
+        return "arcsec" if self.rotary else "um"
+
+    @property
+    def reversal(self) -> tuple[float, float]:
+        """Smallest and largest size of the step between the two directions anywhere on the table, m or rad."""
+        step = self.forward - self.reverse
+        crosses = bool(np.any(step > 0) and np.any(step < 0))
+        return 0.0 if crosses else float(np.min(np.abs(step))), float(np.max(np.abs(step)))
+
+    def shown(self, value: float) -> str:
+        """Return a deviation (m or rad) as text."""
+        return format_quantity(value, self.fine_unit, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class TableFile:
+    """A file for a controller, read back and tried before it is offered.
+
+    name, text : the file; notes : sentences for the person who loads it
+    resolution : what rounding may leave, m or rad; residual : the largest error left when its own table is corrected
+    """
+
+    name: str
+    text: str
+    notes: tuple[str, ...]
+    resolution: float
+    residual: float
