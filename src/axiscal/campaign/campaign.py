@@ -170,7 +170,8 @@ class Campaign:
         """Return the target that is reached, in words; None if there is none."""
         target = self.description.target
         if target.readings is not None and len(self.state.readings) >= target.readings:
-            return f"{len(self.state.readings)} readings taken"
+            count = len(self.state.readings)
+            return f"{count} reading{'' if count == 1 else 's'} taken"
         known = self.engine.accuracy()
         if target.rms is not None and known.rms <= target.rms:
             return "rms target reached"
