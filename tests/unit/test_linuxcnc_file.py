@@ -12,8 +12,16 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from axiscal.compensation.controllers import linuxcnc
-from axiscal.compensation.controllers.linuxcnc import LinuxcncTable, correction, dead_band, offer, parse, verify, write
+from axiscal.compensation.controllers.linuxcnc import (
+    LinuxcncTable,
+    correction,
+    dead_band,
+    offer,
+    parse,
+    verify,
+    write,
+    writing,
+)
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
@@ -226,7 +234,7 @@ def test_the_sign_turned_on_purpose_is_not_offered(monkeypatch: pytest.MonkeyPat
     turned = write(table(forward=-good.forward, reverse=-good.reverse))
     with pytest.raises(TableError, match="would leave 6 um of the deviation of X"):
         verify(turned, good)
-    monkeypatch.setattr(linuxcnc, "write", lambda *_: turned)
+    monkeypatch.setattr(writing, "write", lambda *_: turned)
     with pytest.raises(TableError, match="would leave 6 um"):
         offer(good)
 
@@ -246,7 +254,8 @@ def test_directions_exchanged_are_not_offered() -> None:
         (lambda text: text + "0 0 0\n", "must increase"),
         (lambda text: text + "\n", "not .*read the table of X as meant"),
         (lambda text: text.replace("0.003000", "0.003010"), "would leave 0.01 um"),
-        (lambda text: text.replace("0.003000", "nan"), "would leave nan um"),
+        (lambda text: text.replace("0.003000", "nan"), "not finite"),
+        (lambda text: text.replace("0.003000", "inf"), "not finite"),
     ],
 )
 def test_a_file_that_the_controller_reads_differently_is_refused(change: Any, message: str) -> None:

@@ -1,8 +1,4 @@
-"""LinuxCNC `COMP_FILE` Type 0: rows `nominal actual_forward actual_reverse` in machine units.
-
-Nothing in such a file is checked by LinuxCNC: a fault in it is passed over in silence or drives the motor away.  So a
-file is read back here by the controller's own rules (`linuxcnc_file`), applied, and offered only when it corrects.
-"""
+"""A `COMP_FILE` of Type 0: rows `nominal actual_forward actual_reverse` in machine units."""
 
 from __future__ import annotations
 
@@ -10,13 +6,12 @@ import math
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc_file import ROWS, LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.notes import notes
+from axiscal.compensation.controllers.linuxcnc.reading import ROWS, LinuxcncTable, correction, parse
 from axiscal.compensation.table import CompensationTable, TableFile
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, from_unit, to_unit
-
-__all__ = ["LinuxcncTable", "correction", "dead_band", "offer", "parse", "verify", "write"]
 
 STEEPEST = 0.5
 """Largest slope: LinuxCNC adds at most half of the axis' speed for the correction (control.c, compute_screw_comp)."""
@@ -41,8 +36,10 @@ def verify(text: str, table: CompensationTable, unit: str | None = None) -> floa
     """
     unit = _machine_unit(table, unit)
     parsed = parse(text)
-    if parsed.errors or parsed.unread is not None or len(parsed.nominal) != len(table.positions):
+    finite = bool(np.all(np.isfinite([parsed.nominal, parsed.forward, parsed.reverse])))
+    if parsed.errors or parsed.unread is not None or not finite or len(parsed.nominal) != len(table.positions):
         trouble = "; ".join(parsed.errors) or f"it keeps {len(parsed.nominal)} of {len(table.positions)} rows"
+        trouble = trouble if finite else "it holds numbers that are not finite"
         raise TableError(f"LinuxCNC would not read the table of {table.axis} as meant: {trouble}", _REPORT)
     points = np.union1d(parsed.nominal, to_unit(table.positions, unit))
     points = np.r_[points, np.nextafter(points, -np.inf)]
@@ -69,17 +66,8 @@ def offer(
     text = write(table, unit)
     residual = verify(text, table, unit)
     unit = _machine_unit(table, unit)
-    notes = _notes(table, unit, joint, _reversal_note(table, acceleration, servo_period))
-    return TableFile(f"{table.axis}.comp", text, notes, resolution(table, unit), residual)
-
-
-def dead_band(acceleration: float, servo_period: float) -> tuple[float, float]:
-    """Return between which steps (m or rad) LinuxCNC at rest does not carry out a reversal: low < step <= high.
-
-    acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²; servo_period : s
-    """
-    unit_step = acceleration * servo_period**2
-    return 0.25 * unit_step, 0.5 * unit_step
+    said = notes(table, unit, joint, acceleration, servo_period)
+    return TableFile(f"{table.axis}.comp", text, said, resolution(table, unit), residual)
 
 
 def resolution(table: CompensationTable, unit: str) -> float:
@@ -126,39 +114,3 @@ def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str)
     if equal.size:
         what = f"two points of {table.axis} at {nominal[equal[0]]:.6f} {unit} are one in the six decimals of the file"
         raise TableError(what, f"set the points at least {1e-6:.6f} {unit} apart")
-
-
-def _reversal_note(table: CompensationTable, acceleration: float | None, servo_period: float) -> str:
-    smallest, largest = table.reversal
-    if largest == 0:
-        return "The table knows no reversal: both directions are the same."
-    if acceleration is None:
-        return (
-            "A reversal step between 0.25 and 0.5 of MAX_ACCELERATION times SERVO_PERIOD squared is never carried out."
-        )
-    low, high = dead_band(acceleration, servo_period)
-    if largest <= low or smallest > high:
-        return f"The reversal step, {_span(table, smallest, largest)}, is carried out at this acceleration."
-    band = f"between {table.shown(low)} and {table.shown(high)}"
-    step = _span(table, smallest, largest)
-    return f"WARNING: the reversal step is {step}, and at this MAX_ACCELERATION LinuxCNC never carries out one {band}."
-
-
-def _span(table: CompensationTable, smallest: float, largest: float) -> str:
-    return table.shown(largest) if smallest == largest else f"{table.shown(smallest)} to {table.shown(largest)}"
-
-
-def _notes(table: CompensationTable, unit: str, joint: int | None, reversal: str) -> tuple[str, ...]:
-    section = "[JOINT_n], n the joint of this axis" if joint is None else f"[JOINT_{joint}]"
-    first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
-    turns = " A rotary table does not repeat after a turn: keep the axis within it." if table.rotary else ""
-    tried = "" if unit != "in" else " Tables in inches were never tried on LinuxCNC."
-    return (
-        f"In the INI file, section {section}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC.",
-        "BACKLASH of the joint is ignored from then on; the two columns of the table hold the reversal.",
-        reversal,
-        f"Outside {first} to {last} {unit} the correction of the nearest end stays.{turns}",
-        "After a start or homing there is no correction until the joint has moved: move it once before measuring.",
-        "Give the drive 1.5 times MAX_VELOCITY and MAX_ACCELERATION: the correction comes on top of the motion.",
-        f"Positions shown by LinuxCNC do not contain the correction; it can be seen in joint.N.backlash-filt.{tried}",
-    )

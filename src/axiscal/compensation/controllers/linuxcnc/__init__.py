@@ -1,0 +1,11 @@
+"""LinuxCNC: `COMP_FILE` tables of one axis.
+
+Nothing in such a file is checked by LinuxCNC: a fault in it is passed over in silence or drives the motor away.  So a
+file is read back by the controller's own rules (`reading`), applied, and offered only when it corrects (`writing`).
+"""
+
+from axiscal.compensation.controllers.linuxcnc.notes import dead_band
+from axiscal.compensation.controllers.linuxcnc.reading import LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.writing import offer, verify, write
+
+__all__ = ["LinuxcncTable", "correction", "dead_band", "offer", "parse", "verify", "write"]
