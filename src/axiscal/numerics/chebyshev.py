@@ -80,7 +80,7 @@ def maximise_ratio(numerator: Array, denominator: Array) -> tuple[Array, Array]:
     """Return where on [-1, 1], ends included, each ratio N/D is largest, and how large: (b,), (b,) (B&H eq. 27).
 
     numerator : (b, p + 1), values at `nodes(p + 1)` of polynomials of degree p
-    denominator : (b, q + 1), likewise; positive on [-1, 1]
+    denominator : (b, q + 1), likewise; positive on [-1, 1], and not resolved below rounding of its largest value
     raises ShapeError : not finite, or a denominator that is not positive
     """
     check_forms(numerator, denominator)
@@ -156,9 +156,9 @@ def _polished(n: Array, d: Array, x: Array) -> tuple[Array, Array]:
 
 
 def _quotient(above: Array, below: Array) -> Array:
-    """Return N/D; nowhere the largest where rounding has made D vanish."""
-    sound = below > _EPS
-    return np.divide(above, below, out=np.full_like(above, -np.inf), where=sound)
+    """Return N/D; a D below the rounding of its largest value counts as that rounding."""
+    ratio: Array = above / np.maximum(below, _EPS)
+    return ratio
 
 
 def _sum(series: Array, shapes: Array) -> Array:

@@ -33,7 +33,8 @@ def maximise_along(
 ) -> tuple[Array, Array]:
     """Return the best position and value of N/D found in each interval: (b,), (b,) (B&H eq. 27).
 
-    forms : evaluates N and D afresh; smooth inside each interval
+    forms : evaluates N and D afresh; smooth on each interval up to its ends (where two intervals meet, the index says
+        from which side the position is meant)
     left, right : (b,) ends of the intervals, in the unit of position
     count : nodes per interval: degree + 1 for polynomials, `node_count` with sines
     group : (b,) which search an interval belongs to (default: all one). In each group the best interval is exact;
@@ -129,17 +130,16 @@ class _Search:
         left, right, owner = work.halves(wild)
         if len(tame.owner) == 0:
             return left, right, owner
-        again = tame.halves(self._solved(tame) & (not last))
+        again = tame.halves(self._misfits(tame) & (not last))
         return np.concatenate([left, again[0]]), np.concatenate([right, again[1]]), np.concatenate([owner, again[2]])
 
-    def _solved(self, work: _Work) -> NDArray[np.bool_]:
+    def _misfits(self, work: _Work) -> NDArray[np.bool_]:
         """Offer the stationary points of the intervals; return which of them the series did not follow."""
         x, claimed = maximise_ratio(work.numerator, work.denominator)
-        position = work.at(x[:, None])
-        inner = np.abs(x) < 1
-        numerator, denominator = self.offer(position, work.owner)
+        numerator, denominator = self.offer(work.at(x[:, None]), work.owner)
         fresh = numerator[:, 0] / denominator[:, 0]
-        return inner & (np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed)))
+        misfit: NDArray[np.bool_] = np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed))
+        return misfit
 
     def _hopeful(self, work: _Work) -> NDArray[np.bool_]:
         """Return which intervals may hold more than the best of their group.
