@@ -85,7 +85,7 @@ class _Cubic:
         return np.diff(self.second, axis=0) / (6 * np.diff(self.knots)[:, None])
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
-        """Return m(t)ᵀ of B        """Return m(t)ᵀ of B&H eq. 18-19, or its derivative of order 0 to 3.H eq. 18-19, the value of B&H eq. 2, or its derivative of order 0 to 3.
+        """Return m(t)ᵀ of B&H eq. 18-19, the value of B&H eq. 2, or its derivative of order 0 to 3.
 
         t : (m,) or scalar, m or rad; at a knot the interval on its right counts
         returns : (m, size)
