@@ -219,7 +219,7 @@ def _misfit(text: str, unit_name: str, dimension: Dimension) -> UnitError:
             f"{_quoted(text)} is {_NOUNS[others[0].dimension]}, not {_NOUNS[dimension]}", _expected(dimension)
         )
     hint = _suggestion(unit_name, dimension)
-    return UnitError(f'{_quoted(text)} has an unknown unit "{unit_name[:40]}"', hint or _expected(dimension))
+    return UnitError(f"{_quoted(text)} has an unknown unit {_quoted(unit_name)}", hint or _expected(dimension))
 
 
 def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
@@ -228,7 +228,7 @@ def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
 
     names = [known for known, of in _UNITS if dimension in (None, of)]
     same = [known for known in names if known.casefold() == name.casefold()]
-    near = same or _SYNONYMS.get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.5)
+    near = same or _SYNONYMS.get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.6)
     return f'Perhaps "{near[0]}" is meant' if near and near[0] in names else None
 
 

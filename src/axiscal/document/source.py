@@ -120,11 +120,18 @@ def _syntax_failure(fault: str, text: str, path: Path) -> DescriptionError:
     """Return the failure for a TOML syntax fault, with the line it stands in."""
     lines = text.split("\n")
     place = _PLACE.search(fault)
-    number = int(place[1]) if place and place[1] else max(1, len(text.rstrip().split("\n")))
     reason = fault[: place.start()] if place else fault
+    number = int(place[1]) if place and place[1] else _last_open_line(reason, lines)
     content = lines[number - 1].strip() if number <= len(lines) else ""
     what = f"not valid TOML: {reason[:1].lower()}{reason[1:]}, in the line {shown(content)}"
     return DescriptionError(what, _syntax_remedy(reason, content), path, number)
+
+
+def _last_open_line(reason: str, lines: list[str]) -> int:
+    """Return the line to show when a text ended too early: where a single quote was left open, or its last."""
+    wanted = [number for number, line in enumerate(lines, 1) if line.strip()]
+    opened = [number for number in wanted if lines[number - 1].count("'") % 2]
+    return opened[-1] if opened and "'" in reason else wanted[-1] if wanted else 1
 
 
 def _syntax_remedy(reason: str, content: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 
 LINEAR_LETTERS = "XYZUVWPQR"
@@ -65,7 +66,7 @@ class Axis:
         letter = name[:1]
         if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
             raise DescriptionError(
-                f'"{name}" is not an axis name', "Axis names begin with one of X Y Z U V W P Q R A B C"
+                f"{shown(name)} is not an axis name", "Axis names begin with one of X Y Z U V W P Q R A B C"
             )
         rotary = letter in ROTARY_LETTERS
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)

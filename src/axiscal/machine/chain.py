@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from axiscal.document import shown
 from axiscal.exceptions import ChainError
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS
 
@@ -53,11 +54,11 @@ def _sides(words: list[str], text: str) -> tuple[list[str], list[str]]:
     for end, word in ((0, "w"), (-1, "t")):
         if not words or words[end] != word:
             where = "begin with w, the workpiece" if word == "w" else "end with t, the tool"
-            raise ChainError(f"the chain {_quoted(text)} does not {where}", _EXAMPLE)
+            raise ChainError(f"the chain {shown(text)} does not {where}", _EXAMPLE)
     inner = words[1:-1]
     if inner.count("b") != 1:
         times = "no" if "b" not in inner else "more than one"
-        raise ChainError(f"the chain {_quoted(text)} has {times} bed b", _EXAMPLE)
+        raise ChainError(f"the chain {shown(text)} has {times} bed b", _EXAMPLE)
     bed = inner.index("b")
     return inner[:bed], inner[bed + 1 :]
 
@@ -66,14 +67,14 @@ def _link(word: str, workpiece_side: bool, text: str) -> Link:
     """Return one axis; raises ChainError for a word that is none, or whose prime does not fit its side of the bed."""
     found = _LINK.fullmatch(word)
     if found is None:
-        raise ChainError(f"{_quoted(word)} in the chain {_quoted(text)} is not an axis", _word_remedy(word))
+        raise ChainError(f"{shown(word)} in the chain {shown(text)} is not an axis", _word_remedy(word))
     name, primed = found["name"], bool(found["prime"])
     if workpiece_side and not primed:
         remedy = f"Axes between w and b carry the workpiece and have a prime: write {name}', or put it behind b"
-        raise ChainError(f"{name} in the chain {_quoted(text)} has no prime", remedy)
+        raise ChainError(f"{name} in the chain {shown(text)} has no prime", remedy)
     if primed and not workpiece_side:
         remedy = f"Axes between b and t carry the tool and have no prime: write {name}, or put it before b"
-        raise ChainError(f"{name}' in the chain {_quoted(text)} has a prime", remedy)
+        raise ChainError(f"{name}' in the chain {shown(text)} has a prime", remedy)
     return Link(name, workpiece_side)
 
 
@@ -90,11 +91,6 @@ def _check_names(names: list[str], text: str) -> None:
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice:
         remedy = f"Every axis stands in the chain once; name a second one {twice[0]}2 or with another letter"
-        raise ChainError(f"{twice} stands twice in the chain {_quoted(text)}", remedy)
+        raise ChainError(f"{twice} stands twice in the chain {shown(text)}", remedy)
     if not 1 <= len(names) <= MOST_AXES:
-        raise ChainError(f"the chain {_quoted(text)} has {len(names)} axes", f"One to {MOST_AXES} axes are possible")
-
-
-def _quoted(text: str) -> str:
-    shown = text if len(text) <= 60 else text[:57] + "..."
-    return '"' + "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in shown) + '"'
+        raise ChainError(f"the chain {shown(text)} has {len(names)} axes", f"One to {MOST_AXES} axes are possible")

@@ -36,7 +36,8 @@ class Machine:
         names = [axis.name for axis in self.axes]
         if axis_name not in names:
             raise DescriptionError(
-                f'there is no axis "{axis_name[:60]}" on the machine "{self.name}"', f"Its axes are {', '.join(names)}"
+                f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}",
+                f"Its axes are {', '.join(names)}",
             )
         return names.index(axis_name)
 

@@ -33,34 +33,41 @@ def error_entries(document: Document, tables: dict[str, ErrorTable], axes: dict[
 def _entry(document: Document, key: str, table: ErrorTable, axes: dict[str, Axis]) -> ErrorEntry:
     keys: Keys = ("errors", key)
     try:
-        name = parse_error_name(key)
-        axis = _axis_of(name, axes)
-        _check_location(name, axis)
-        _check_keys(name, table)
+        name, axis = _checked_name(key, table, axes)
+        entry = _prior(document, keys, table, name, axis)
+        entry.knot_count(axis)
     except InputError as fault:
-        raise document.fault(fault, *keys) from None
+        raise fault if fault.file is not None else document.fault(fault, *keys) from None
+    return entry
+
+
+def _checked_name(key: str, table: ErrorTable, axes: dict[str, Axis]) -> tuple[ErrorName, Axis]:
+    """Return the name taken apart and its axis; raises DescriptionError when the keys of the entry do not fit it."""
+    name = parse_error_name(key)
+    axis = _axis_of(name, axes)
+    _check_location(name, axis)
+    _check_keys(name, table)
+    return name, axis
+
+
+def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, axis: Axis) -> ErrorEntry:
+    """Return the entry with its quantities in SI units."""
     value: Dimension = "angle" if name.angular else "length"
     position: Dimension = "angle" if axis.rotary else "length"
-    estimated = table.rest is not None and table.rest.strip() == "estimate"
-    rest = None if table.rest is None or estimated else _error_size(document, (*keys, "rest"), table.rest, value)
     spacing, length = (
         None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
         for of, text in (("spacing", table.spacing), ("length", table.length))
     )
-    std = _std(document, keys, table, value)
-    entry = ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, document.line(*keys))
-    try:
-        entry.knot_count(axis)
-    except InputError as fault:
-        raise document.fault(fault, *keys) from None
-    return entry
+    std, rest = _std(document, keys, table, value), _rest(document, keys, table, value)
+    estimated = rest is None and table.rest is not None
+    return ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, document.line(*keys))
 
 
 def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:
     """Return the axis that an error belongs to; it, and the axis it is measured from, must be in the chain."""
     for wanted in (name.axis, name.reference):
         if wanted is not None and wanted not in axes:
-            raise DescriptionError(f'there is no axis "{wanted}" in the chain', f"The axes are {', '.join(axes)}")
+            raise DescriptionError(f"there is no axis {shown(wanted)} in the chain", f"The axes are {', '.join(axes)}")
     if name.reference == name.axis:
         raise DescriptionError(f"{name.axis} cannot be its own reference", "Name another axis behind the 0")
     return axes[name.axis]
@@ -108,6 +115,17 @@ def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension
     if table.std is not None:
         return _error_size(document, (*keys, "std"), table.std, dimension)
     return _error_size(document, (*keys, "band"), table.band or "", dimension) / 4
+
+
+def _rest(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
+    """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
+    if table.rest is None or table.rest.strip() == "estimate":
+        return None
+    try:
+        return _error_size(document, (*keys, "rest"), table.rest, dimension)
+    except InputError as fault:
+        remedy = f'{fault.remedy}; or "estimate" to learn it from the readings'
+        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
 
 
 def _error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 
 Kind = Literal["motion", "location", "reversal"]
@@ -49,7 +50,7 @@ def parse_error_name(text: str) -> ErrorName:
         component, axis, reversal = found["component"], found["axis"], found["reversal"] or ""
         kind: Kind = "reversal" if reversal else "motion"
         return ErrorName(f"E{component}{axis}{reversal}", axis, kind, COMPONENTS.index(component))
-    raise DescriptionError(f'"{text[:60]}" is not the name of an error', _likely(text) or _REMEDY)
+    raise DescriptionError(f"{shown(text)} is not the name of an error", _likely(text) or _REMEDY)
 
 
 def _likely(text: str) -> str | None:

@@ -1,0 +1,137 @@
+"""Machines from generated chains and from damaged files: a machine, or a failure of ours, never anything else."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.document import Document
+from axiscal.exceptions import AxiscalError, ChainError, InputError
+from axiscal.machine import builtin_names, load_machine, machine_from_text
+from axiscal.machine.chain import parse_chain
+from axiscal.machine.names import parse_error_name
+
+NAMES = [letter + digit for letter in "XYZUVWPQRABC" for digit in ("", "1", "9")]
+SOURCES = [load_machine(name).text for name in builtin_names()]
+
+
+@st.composite
+def chains(draw: st.DrawFn) -> tuple[str, list[tuple[str, bool]]]:
+    """Draw a chain and the axes that it holds."""
+    names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=6, unique=True))
+    bed = draw(st.integers(0, len(names)))
+    words = ["w", *(f"{name}'" for name in names[:bed]), "b", *names[bed:], "t"]
+    if draw(st.booleans()):
+        words.insert(-1, "(C)")
+    text = "[" + " ".join(words) + "]" if draw(st.booleans()) else "-".join(words)
+    return text, [(name, place < bed) for place, name in enumerate(names)]
+
+
+@given(chains())
+def test_every_chain_of_the_grammar_is_read_back(drawn: tuple[str, list[tuple[str, bool]]]) -> None:
+    text, axes = drawn
+    assert [(link.name, link.workpiece_side) for link in parse_chain(text)] == axes
+
+
+@given(st.text(max_size=60) | st.text("wbtXYZABC'-()[] 1", max_size=30))
+def test_any_text_is_a_chain_or_a_chain_error(text: str) -> None:
+    try:
+        links = parse_chain(text)
+    except ChainError:
+        return
+    assert 1 <= len({link.name for link in links}) == len(links) <= 6
+
+
+@given(st.text(max_size=20) | st.text("EXYZABC0O()_reversal12", max_size=14))
+def test_any_text_is_an_error_name_or_an_input_error(text: str) -> None:
+    try:
+        name = parse_error_name(text)
+    except InputError:
+        return
+    assert parse_error_name(name.canonical).canonical == name.canonical
+
+
+@st.composite
+def damaged(draw: st.DrawFn) -> str:
+    """Draw a built-in machine with a few lines cut, swapped, or filled with something else."""
+    lines = draw(st.sampled_from(SOURCES)).splitlines()
+    for _ in range(draw(st.integers(1, 4))):
+        place = draw(st.integers(0, len(lines) - 1))
+        start = draw(st.integers(0, len(lines[place])))
+        end = draw(st.integers(start, min(len(lines[place]), start + 12)))
+        junk = draw(st.text(max_size=6) | st.sampled_from(FRAGMENTS))
+        lines[place] = lines[place][:start] + junk + lines[place][end:]
+    return "\n".join(lines)
+
+
+FRAGMENTS = ["", '"', "'", "{", "}", "[", "]", "=", "\n", "nan", "1e400", "-", "0", '"""', "deg", "mm", "[errors]", "."]
+
+
+@given(damaged())
+def test_a_damaged_file_is_a_machine_or_a_failure_of_ours(text: str) -> None:
+    try:
+        machine = machine_from_text(text)
+    except AxiscalError as failure:
+        message = str(failure)
+    else:
+        message = "right"
+        assert all(axis.travel[0] < axis.travel[1] for axis in machine.axes)
+        assert all(math.isfinite(entry.std) and entry.std > 0 for entry in machine.errors)
+        assert all(2 <= entry.knot_count(machine.axis(entry.axis)) <= 400 or entry.constant for entry in machine.errors)
+    assert message.isprintable()
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_machine_or_a_failure_of_ours(text: str) -> None:
+    try:
+        machine_from_text(text)
+    except AxiscalError as failure:
+        message = str(failure)
+    else:
+        message = "right"
+    assert message.isprintable()
+
+
+keys = st.text(min_size=1, max_size=5)
+values = st.recursive(
+    st.integers(-9, 9) | st.booleans() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=3),
+    max_leaves=8,
+)
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return '"' + "".join(f"\\U{ord(c):08x}" for c in value) + '"'
+    if isinstance(value, list):
+        return "[\n" + ",\n".join(map(_toml, value)) + "\n]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_toml(key)} = {_toml(inner)}" for key, inner in value.items()) + "}"
+    return str(value)
+
+
+@given(st.dictionaries(keys, values, max_size=4))
+def test_every_key_of_a_generated_document_stands_in_its_line(data: dict[str, object]) -> None:
+    """The writer counts the lines; the reader must find the same."""
+    expected, line, text = {}, 1, ""
+    for key, value in data.items():
+        expected[key] = line
+        text += f"{_toml(key)} = {_toml(value)}\n"
+        line = text.count("\n") + 1
+    document = Document.parse(text, "x.toml")
+    assert document.data == data
+    assert {key: document.line(key) for key in data} == expected
+    assert _paths(data) == set(document.lines)
+
+
+def _paths(value: object, above: tuple[str | int, ...] = ()) -> set[tuple[str | int, ...]]:
+    """Return every key path of nested dictionaries and lists."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    found: set[tuple[str | int, ...]] = set()
+    for key, inner in pairs:
+        found |= {(*above, key)} | _paths(inner, (*above, key))
+    return found

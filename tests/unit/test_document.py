@@ -1,0 +1,244 @@
+"""TOML documents: the line of every key, and files that cannot be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel, ConfigDict, Field
+
+from axiscal.document import Document, Length, Time, dotted, model_fault, read_model, shown
+from axiscal.exceptions import DescriptionError, InputError, TargetError, UnitError
+
+TEXT = """\
+# a comment with [brackets] = and "quotes"
+name = "A # no comment"
+path.to."the key" = 3
+'single quoted' = 1
+
+[tool]  # trailing
+length = "1 mm"
+inline = { a = 1, b = { c = 2 }, "d\\u0065" = [1,
+  2, { e = 5 },
+] }
+text = \"\"\"
+[not.a.table]
+x = 1 \\\"\"\" \" still text\"\"\"\"\"
+raw = '''
+y = ']' '''
+after = 1979-05-27 07:32:00 # a date with a blank
+
+[[setups]]
+name = "one"
+[setups.park]
+Y = "250 mm"
+
+[[setups]]
+name = "two"
+[[setups.unknowns]]
+zero = 1
+[[setups.unknowns]]
+zero = 2
+[ axes . "X" ]
+travel = [
+  "0 mm",   # lower
+  "600 mm",
+]
+"""
+
+LINES: list[tuple[tuple[str | int, ...], int]] = [
+    (("name",), 2),
+    (("path", "to", "the key"), 3),
+    (("single quoted",), 4),
+    (("tool",), 6),
+    (("tool", "length"), 7),
+    (("tool", "inline", "b", "c"), 8),
+    (("tool", "inline", "de"), 8),
+    (("tool", "inline", "de", 1), 9),
+    (("tool", "inline", "de", 2, "e"), 9),
+    (("tool", "text"), 11),
+    (("tool", "raw"), 14),
+    (("tool", "after"), 16),
+    (("setups",), 18),
+    (("setups", 0), 18),
+    (("setups", 0, "name"), 19),
+    (("setups", 0, "park"), 20),
+    (("setups", 0, "park", "Y"), 21),
+    (("setups", 1), 23),
+    (("setups", 1, "name"), 24),
+    (("setups", 1, "unknowns", 0, "zero"), 26),
+    (("setups", 1, "unknowns", 1), 27),
+    (("setups", 1, "unknowns", 1, "zero"), 28),
+    (("axes", "X"), 29),
+    (("axes", "X", "travel"), 30),
+    (("axes", "X", "travel", 0), 31),
+    (("axes", "X", "travel", 1), 32),
+]
+
+
+@pytest.mark.parametrize(("keys", "line"), LINES)
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_every_key_has_its_line(keys: tuple[str | int, ...], line: int, line_end: str) -> None:
+    document = Document.parse(TEXT.replace("\n", line_end), "x.toml")
+    assert document.line(*keys) == line
+
+
+def test_every_path_with_a_line_is_in_the_data() -> None:
+    document = Document.parse(TEXT, "x.toml")
+    for keys in document.lines:
+        entry = document.data
+        for key in keys:
+            entry = entry[key]  # type: ignore[index]
+
+
+def test_a_missing_key_has_the_line_of_its_table() -> None:
+    document = Document.parse(TEXT, "x.toml")
+    assert document.line("tool", "width") == 6
+    assert document.line("nothing") is None
+    assert document.line() is None
+
+
+BAD_FILES: list[tuple[bytes, int | None, str]] = [
+    (b"\xef\xbb\xbfname = 'x'", 1, "byte order mark"),
+    ("name = 'x'".encode("utf-16"), 1, "UTF-16"),
+    (b"a = 1\nname = '\xe4\xb0'", 2, "0xe4 is not UTF-8"),
+    (b"a = 1\n\nb = '\xb5m'", 3, "0xb5 is not UTF-8"),
+    (b"a = 1\nb = \x00", 2, "NUL"),
+    (b"a = 1\nb =", 2, "not valid TOML"),
+    (b"a = 1\na = 2\n", 2, "cannot overwrite a value"),
+    (b"[a]\n[b]\n[a]\n", 3, "declare"),
+    (b"a = 1\nb = 'unfinished\nc = 2", 2, "unfinished"),
+    (b"a = 12 mm", 1, "12 mm"),
+    (b"a = [12 mm, 3 mm]", 1, "12 mm"),
+    (b"a = 1\rb = 2", 1, "not valid TOML"),
+    (b"a\n", 1, "not valid TOML"),
+    (b"= 1\n", 1, "not valid TOML"),
+    (b"a = 2024-13-41", 1, "not valid TOML"),
+    (b"a = " + b"9" * 4900, None, "not valid TOML"),
+    (b"a = " + b"[\n" * 5000 + b"]\n" * 5000, None, "nested too deeply"),
+    (b"a = " + b"[\n" * 5000, None, "nested too deeply"),
+    (b".".join([b"a"] * 2000) + b" = 1", None, "nested too deeply"),
+    (b"a = '" + b"x" * 6000 + b"'", 1, "6006 characters"),
+    (b"# " + b"x\n# " * 400_000, None, "larger than 1 MB"),
+]
+
+
+@pytest.mark.parametrize(("content", "line", "fragment"), BAD_FILES)
+def test_a_file_that_is_no_toml_text_is_refused_once(
+    tmp_path: Path, content: bytes, line: int | None, fragment: str
+) -> None:
+    path = tmp_path / "machine.toml"
+    path.write_bytes(content)
+    with pytest.raises(DescriptionError) as failure:
+        Document.read(path)
+    assert failure.value.file == path
+    assert failure.value.line == line
+    assert fragment in str(failure.value)
+    assert len(str(failure.value)) < 400 + len(str(path))
+
+
+def test_paths_that_are_no_files_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "file.txt").touch()
+    with pytest.raises(DescriptionError, match="no such file"):
+        Document.read(tmp_path / "absent.toml")
+    with pytest.raises(DescriptionError, match="folder"):
+        Document.read(tmp_path)
+    with pytest.raises(DescriptionError, match="cannot be read"):
+        Document.read("x\0.toml")
+    with pytest.raises(DescriptionError, match="cannot be read"):
+        Document.read("x" * 5000 + ".toml")
+    with pytest.raises(DescriptionError, match="cannot be read"):
+        Document.read(tmp_path / "file.txt" / "x.toml")
+
+
+def test_a_file_without_permission_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, mode: str) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(DescriptionError, match="cannot be read: Permission denied"):
+        Document.read(tmp_path / "secret.toml")
+
+
+def test_a_file_is_read_with_its_text(tmp_path: Path) -> None:
+    path = tmp_path / "x.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    document = Document.read(path)
+    assert document.text == TEXT
+    assert document.data["setups"][1]["name"] == "two"
+
+
+class Park(BaseModel):
+    """A table of the test's own model."""
+
+    model_config = ConfigDict(extra="forbid")
+    noise: Length = Field(examples=['"0.3 um"'])
+    pause: Time | None = None
+    count: int = Field(1, examples=["7"], strict=True, ge=1)
+
+
+class Plan(BaseModel):
+    """The test's own model."""
+
+    model_config = ConfigDict(extra="forbid")
+    setups: list[Park]
+    parks: dict[str, Park] = {}
+
+
+GOOD = '[[setups]]\nnoise = "0.3 um"\n[[setups]]\nnoise = "2 um"\npause = "2 s"\n'
+
+FAULTS: list[tuple[str, type[InputError], int | None, str]] = [
+    (GOOD.replace('"2 um"', "2"), UnitError, 4, "setups[2].noise: 2 has no unit"),
+    (GOOD.replace('"2 um"', '"2"'), UnitError, 4, 'setups[2].noise: "2" has no unit'),
+    (GOOD.replace('"2 um"', "true"), UnitError, 4, "true is not a quantity"),
+    (GOOD.replace('"2 um"', "nan"), UnitError, 4, "nan has no unit"),
+    (GOOD.replace('"2 s"', '"2 um"'), UnitError, 5, '"2 um" is a length, not a time'),
+    (GOOD.replace("pause", "pauze"), TargetError, 5, 'Perhaps "pause" is meant'),
+    (GOOD.replace("pause", "wibble"), TargetError, 5, "The keys here are noise, pause, count"),
+    (GOOD.replace('noise = "2 um"', "count = 3"), TargetError, 3, 'Add a line such as noise = "0.3 um"'),
+    (GOOD + "count = 2.5", TargetError, 6, "2.5 is not possible here. Write a whole number, such as count = 7"),
+    (GOOD + "count = true", TargetError, 6, "true is not possible here"),
+    (GOOD + "count = 0", TargetError, 6, "setups[2].count: 0"),
+    ("setups = 3", TargetError, 1, "Write a list in square brackets"),
+    ("setups = [3]", TargetError, 1, "setups[1]: 3"),
+    ("", TargetError, None, '"setups" is missing in the file'),
+    (GOOD + '[parks.left]\nnoise = "1 um"\nnoize = 1', TargetError, 8, 'Perhaps "noise" is meant'),
+]
+
+
+@pytest.mark.parametrize(("text", "kind", "line", "fragment"), FAULTS)
+def test_a_fault_in_a_model_has_line_value_and_remedy(
+    text: str, kind: type[InputError], line: int | None, fragment: str
+) -> None:
+    with pytest.raises(InputError) as failure:
+        read_model(Document.parse(text, "plan.toml"), Plan, TargetError)
+    assert type(failure.value) is kind
+    assert failure.value.line == line
+    assert fragment in str(failure.value)
+
+
+def test_a_right_document_becomes_its_model_in_si() -> None:
+    plan = read_model(Document.parse(GOOD, "plan.toml"), Plan)
+    assert [setup.noise for setup in plan.setups] == [0.3e-6, 2e-6]
+    assert plan.setups[1].pause == 2.0
+
+
+def test_a_validator_of_a_model_may_raise_a_failure_of_ours() -> None:
+    class Checked(BaseModel):
+        when: str
+
+        def model_post_init(self, context: object, /) -> None:
+            raise model_fault(DescriptionError("too late", "Come earlier"))
+
+    with pytest.raises(DescriptionError, match=r"too late\. Come earlier\."):
+        read_model(Document.parse("when = 'now'", "x.toml"), Checked)
+
+
+def test_values_and_keys_are_shown_as_written() -> None:
+    assert shown(True) == "true"
+    assert shown("a\x1bb") == '"a\\x1bb"'
+    assert shown(["0 mm", 3]) == '["0 mm", 3]'
+    assert shown({"a": 1}) == "{a = …}"
+    assert shown(10**5000) == "an integer of more than 18 digits"
+    assert len(shown("x" * 1000)) == 60
+    assert dotted(("setups", 0, "noise")) == "setups[1].noise"

@@ -1,0 +1,184 @@
+"""A machine from its TOML text: axes, priors, knots."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import Axis, ErrorEntry, load_machine, machine_from_text
+from axiscal.machine.axis import LINEAR_ACCELERATION, LINEAR_SPEED, ROTARY_ACCELERATION, ROTARY_SPEED
+
+TEXT = """\
+name = "Mill"
+chain = "[w X' b Y C (C) t]"
+[tool]
+length = "120 mm"
+[axes.Y]
+travel = ["-100 mm", "300 mm"]
+[axes.X]
+travel = ["0 mm", "600 mm"]
+speed = "10 m/min"
+acceleration = "2 m/s^2"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+origin = ["1 mm", "2 mm", "-150 mm"]
+[errors]
+EXX = { std = "10 um", knots = 13, length = "150 mm" }
+EZX = { band = "20 um", spacing = "50 mm" }
+"C(0X)Y" = { std = "30 urad" }
+EXX_reversal = { std = "3 um" }
+EYX = { std = "5 um", knots = 13, rest = "0.5 um" }
+EXY = { std = "5 um", length = "90 mm", rest = "estimate" }
+ECC = { std = "5 arcsec" }
+ECC_reversal = { std = "5 arcsec", knots = 4 }
+X0C = { std = "5 um" }
+"""
+
+
+def test_axes_are_in_the_order_of_the_chain_in_si_units() -> None:
+    machine = machine_from_text(TEXT)
+    x, y, c = machine.axes
+    assert x == Axis("X", "X", False, (1, 0, 0), True, (0.0, 0.6), 10 / 60, 2.0, (0, 0, 0))
+    assert y == Axis("Y", "Y", False, (0, 1, 0), False, (-0.1, 0.3), LINEAR_SPEED, LINEAR_ACCELERATION, (0, 0, 0))
+    turn = (0.0, math.tau)
+    assert c == Axis("C", "C", True, (0, 0, 1), False, turn, ROTARY_SPEED, ROTARY_ACCELERATION, (0.001, 0.002, -0.15))
+    assert (x.sign, y.sign) == (-1, 1)
+    assert (y.cyclic, c.cyclic) == (False, True)
+    assert y.length == pytest.approx(0.4)
+    assert machine.tool == 0.12
+    assert (machine.name, machine.chain, machine.text) == ("Mill", "[w X' b Y C (C) t]", TEXT)
+    assert [machine.index(name) for name in "XYC"] == [0, 1, 2]
+    assert machine.axis("C") is c
+
+
+def test_priors_are_read_in_si_units() -> None:
+    errors = {entry.name: entry for entry in machine_from_text(TEXT).errors}
+    assert list(errors) == [
+        "EXX",
+        "EZX",
+        "C0Y",
+        "EXX_reversal",
+        "EYX",
+        "EXY",
+        "ECC",
+        "ECC_reversal",
+        "X0C",
+    ]
+    assert errors["EXX"] == ErrorEntry("EXX", 10e-6, knots=13, length=0.15, line=15)
+    assert errors["EZX"] == ErrorEntry("EZX", 5e-6, spacing=0.05, line=16)
+    assert errors["C0Y"] == ErrorEntry("C0Y", 30e-6, line=17)
+    assert errors["EYX"] == ErrorEntry("EYX", 5e-6, knots=13, rest=0.5e-6, line=19)
+    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, line=20)
+    assert errors["ECC"].std == pytest.approx(math.radians(5 / 3600))
+    assert (errors["ECC"].axis, errors["ECC"].kind, errors["ECC"].component) == ("C", "motion", 5)
+
+
+def test_knots_follow_the_stated_rule() -> None:
+    machine = machine_from_text(TEXT)
+    counts = {entry.name: entry.knot_count(machine.axis(entry.axis)) for entry in machine.errors}
+    assert counts == {
+        "EXX": 13,
+        "EZX": 13,
+        "C0Y": 1,
+        "EXX_reversal": 1,
+        "EYX": 13,
+        "EXY": 10,  # 400 mm by at most 45 mm
+        "ECC": 7,
+        "ECC_reversal": 4,
+        "X0C": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("entry", "count"),
+    [
+        (ErrorEntry("EXX", 1e-6, spacing=0.1), 7),
+        (ErrorEntry("EXX", 1e-6, spacing=0.099), 8),
+        (ErrorEntry("EXX", 1e-6, spacing=0.1 * (1 - 1e-12)), 7),
+        (ErrorEntry("EXX", 1e-6, spacing=5.0), 2),
+        (ErrorEntry("EXX", 1e-6, length=5.0), 5),
+        (ErrorEntry("EXX", 1e-6, length=0.2), 7),
+        (ErrorEntry("EXX", 1e-6), 7),
+        (ErrorEntry("EXX_reversal", 1e-6, spacing=0.3), 3),
+    ],
+)
+def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int) -> None:
+    axis = Axis.named("X", False, (0.1, 0.7))
+    knots = entry.knot_positions(axis)
+    assert len(knots) == entry.knot_count(axis) == count
+    assert (knots[0], knots[-1]) == (0.1, 0.7)
+    gaps = [after - before for before, after in pairwise(knots)]
+    assert gaps == pytest.approx([0.6 / (count - 1)] * (count - 1))
+
+
+def test_a_constant_has_no_knots() -> None:
+    assert ErrorEntry("C0Y", 1e-6).knot_positions(Axis.named("Y", False, (0.0, 1.0))) == ()
+
+
+def test_too_many_knots_are_refused() -> None:
+    axis = Axis.named("X", False, (0.0, 1.0))
+    assert ErrorEntry("EXX", 1e-6, spacing=1 / 399).knot_count(axis) == 400
+    with pytest.raises(DescriptionError, match="401 knots are too many"):
+        ErrorEntry("EXX", 1e-6, spacing=1 / 400).knot_count(axis)
+    with pytest.raises(DescriptionError, match="3 knots over a full turn are too few"):
+        ErrorEntry("ECC", 1e-6, knots=3).knot_count(Axis.named("C", False, (0.0, math.tau)))
+
+
+def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None:
+    assert Axis.named("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
+    assert not Axis.named("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic
+    assert not Axis.named("X", True, (0.0, math.tau)).cyclic
+
+
+@pytest.mark.parametrize(
+    ("name", "direction"),
+    [("X", 0), ("U", 0), ("P", 0), ("A", 0), ("Y", 1), ("V2", 1), ("Q", 1), ("B", 1), ("Z", 2), ("W", 2), ("R", 2)],
+)
+def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> None:
+    axis = Axis.named(name, False, (0.0, 1.0))
+    assert axis.direction == tuple(float(place == direction) for place in range(3))
+    assert axis.rotary == (name in "ABC")
+    assert axis.letter == name[0]
+
+
+@pytest.mark.parametrize("name", ["", "D", "x"])
+def test_a_letter_that_is_no_axis_is_refused(name: str) -> None:
+    with pytest.raises(DescriptionError, match="not an axis name"):
+        Axis.named(name, False, (0.0, 1.0))
+
+
+def test_an_axis_that_is_not_there_is_refused() -> None:
+    with pytest.raises(DescriptionError, match=r'no axis "W" on the machine "Mill"\. Its axes are X, Y, C'):
+        machine_from_text(TEXT).index("W")
+
+
+def test_a_machine_is_frozen() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        machine_from_text(TEXT).name = "x"  # type: ignore[misc]
+
+
+def test_a_machine_is_read_from_a_path_and_named_after_it_if_need_be(tmp_path: Path) -> None:
+    path = tmp_path / "old mill.toml"
+    path.write_text(TEXT.replace('name = "Mill"', ""), encoding="utf-8")
+    assert load_machine(path).name == "old mill"
+    assert load_machine(str(path)).axes == machine_from_text(TEXT).axes
+
+
+def test_a_name_that_is_neither_file_nor_machine_is_refused() -> None:
+    with pytest.raises(DescriptionError, match=r"neither a file nor a built-in machine\. Perhaps dmu60 is meant"):
+        load_machine("DMU60")
+    with pytest.raises(DescriptionError, match="The built-in machines are dmu60, one-axis"):
+        load_machine("zzz")
+    with pytest.raises(DescriptionError, match="no such file"):
+        load_machine("absent.toml")
+    with pytest.raises(DescriptionError):
+        load_machine("\0")
+    with pytest.raises(DescriptionError):
+        load_machine("x" * 10_000)
+    with pytest.raises(DescriptionError):
+        load_machine("")

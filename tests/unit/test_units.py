@@ -1,0 +1,159 @@
+"""Quantities with units, against values worked out by hand and by fractions."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import UnitError
+from axiscal.units import (
+    EXAMPLES,
+    Dimension,
+    dimension_of,
+    find_unit,
+    format_quantity,
+    from_unit,
+    parse_quantity,
+    to_unit,
+)
+
+RIGHT: list[tuple[str, Dimension, float]] = [
+    ("12 um", "length", 12e-6),
+    ("12 µm", "length", 12e-6),
+    ("12 μm", "length", 12e-6),
+    ("12um", "length", 12e-6),
+    ("  12  um ", "length", 12e-6),
+    ("-150 mm", "length", -0.15),
+    ("−150 mm", "length", -0.15),
+    ("+.5 m", "length", 0.5),
+    ("5. nm", "length", 5e-9),
+    ("1e3 mm", "length", 1.0),
+    ("1 in", "length", 0.0254),
+    ("0.5 arcsec", "angle", math.radians(0.5 / 3600)),
+    ("30 urad", "angle", 30e-6),
+    ("30 µrad", "angle", 30e-6),
+    ("180 deg", "angle", math.pi),
+    ("180°", "angle", math.pi),
+    ("60 arcmin", "angle", math.radians(1)),
+    ("1 rev", "angle", math.tau),
+    ("5 µm/m", "angle", 5e-6),
+    ("5 um / m", "angle", 5e-6),
+    ("0.1 mm/m", "angle", 1e-4),
+    ("90 min", "time", 5400.0),
+    ("1 s", "time", 1.0),
+    ("250 ms", "time", 0.25),
+    ("2 h", "time", 7200.0),
+    ("10 m/min", "speed", 10 / 60),
+    ("600 mm/s", "speed", 0.6),
+    ("30 rpm", "rotation_speed", math.pi),
+    ("360 deg/s", "rotation_speed", math.tau),
+    ("30 rev/min", "rotation_speed", math.pi),
+    ("2 m/s^2", "acceleration", 2.0),
+    ("2 m/s2", "acceleration", 2.0),
+    ("2 m/s²", "acceleration", 2.0),
+    ("3 rad/s^2", "rotation_acceleration", 3.0),
+    ("180 deg/s^2", "rotation_acceleration", math.pi),
+    ("20 degC", "temperature", 293.15),
+    ("20 °C", "temperature", 293.15),
+    ("0 K", "temperature", 0.0),
+    ("0.5 K", "temperature_difference", 0.5),
+    ("11.7 um/m/K", "expansion", 11.7e-6),
+    ("11.7 µm/(m K)", "expansion", 11.7e-6),
+    ("11.7 um/(m·K)", "expansion", 11.7e-6),
+    ("11.7e-6 1/K", "expansion", 11.7e-6),
+]
+
+
+@pytest.mark.parametrize(("text", "dimension", "value"), RIGHT)
+def test_a_quantity_is_read_to_si(text: str, dimension: Dimension, value: float) -> None:
+    assert parse_quantity(text, dimension) == pytest.approx(value, rel=1e-15, abs=0)
+
+
+@pytest.mark.parametrize("dimension", EXAMPLES)
+def test_the_example_shown_for_a_dimension_is_one(dimension: Dimension) -> None:
+    assert math.isfinite(parse_quantity(EXAMPLES[dimension], dimension))
+
+
+@pytest.mark.parametrize("text", ["120 mm", "0.3 um", "7 nm", "12.7 cm", "254 inch"])
+def test_lengths_are_the_nearest_double(text: str) -> None:
+    number, unit = text.split()
+    metres = {"mm": "1e-3", "um": "1e-6", "nm": "1e-9", "cm": "1e-2", "inch": "0.0254"}[unit]
+    exact = Fraction(number) * Fraction(metres)
+    assert abs(Fraction(parse_quantity(text, "length")) - exact) <= Fraction(math.ulp(float(exact)))
+
+
+WRONG: list[tuple[str, Dimension, str]] = [
+    ("", "length", "empty"),
+    ("   ", "length", "empty"),
+    ("12", "length", "missing unit"),
+    ("12 ", "length", "missing unit"),
+    ("-1e-3", "angle", "missing unit"),
+    ("nan um", "length", "not a finite number"),
+    ("NaN", "length", "not a finite number"),
+    ("inf mm", "length", "not a finite number"),
+    ("-Infinity mm", "length", "not a finite number"),
+    ("1e400 mm", "length", "too large"),
+    ("1e308 km", "length", "too large"),
+    ("1,5 mm", "length", "comma"),
+    ("1,000.5 mm", "length", "comma"),
+    ("12 s", "length", "is a time, not a length"),
+    ("12 um", "angle", "is a length, not an angle"),
+    ("10 m/min", "rotation_speed", "is a speed, not a rotational speed"),
+    ("20 degC", "temperature_difference", "is a temperature, not a temperature difference"),
+    ("5 MM", "length", 'Perhaps "mm" is meant'),
+    ("5 micron", "length", 'Perhaps "um" is meant'),
+    ("5 sec", "time", 'Perhaps "s" is meant'),
+    ("5 arcsecs", "angle", 'Perhaps "arcsec" is meant'),
+    ("5 furlong", "length", "unknown unit"),
+    ("mm", "length", "not a number with a unit"),
+    ("12 mm mm", "length", "unknown unit"),
+    ("1_000 mm", "length", "unknown unit"),
+    ("٣ mm", "length", "not a number with a unit"),
+    ("0x10 mm", "length", "unknown unit"),
+    ("m s", "time", "not a number"),
+    ("5 m s", "time", "unknown unit"),
+    ("\x00", "length", "not a number with a unit"),
+]
+
+
+@pytest.mark.parametrize(("text", "dimension", "fragment"), WRONG)
+def test_what_is_no_quantity_is_refused(text: str, dimension: Dimension, fragment: str) -> None:
+    with pytest.raises(UnitError) as failure:
+        parse_quantity(text, dimension)
+    assert fragment in str(failure.value)
+    if text.strip() and text.isprintable():
+        assert f'"{text}"' in failure.value.what
+
+
+def test_a_long_text_is_shown_shortened() -> None:
+    with pytest.raises(UnitError) as failure:
+        parse_quantity("x" * 10_000, "length")
+    assert len(str(failure.value)) < 250
+
+
+def test_arrays_are_converted_like_numbers() -> None:
+    values = np.array([0.0, 1.5, -20.0])
+    for unit in ("um", "arcsec", "m/min", "degC", "min"):
+        inside = from_unit(values, unit)
+        assert inside == pytest.approx([from_unit(float(value), unit) for value in values], rel=1e-15)
+        assert to_unit(inside, unit) == pytest.approx(values, rel=1e-12, abs=1e-12)
+
+
+def test_a_value_is_written_as_it_is_read() -> None:
+    assert format_quantity(12e-6, "um") == "12 um"
+    assert format_quantity(math.pi, "deg") == "180 deg"
+    assert format_quantity(1 / 3e6, "um", digits=3) == "0.333 um"
+    assert parse_quantity(format_quantity(0.123456789012345, "mm", digits=17), "length") == pytest.approx(
+        0.123456789012345, rel=1e-15
+    )
+
+
+def test_an_unknown_unit_is_refused_with_the_nearest() -> None:
+    with pytest.raises(UnitError, match='Perhaps "mm" is meant'):
+        from_unit(1.0, "Mm")
+    with pytest.raises(UnitError, match="Units are written like"):
+        find_unit("bushel")
+    assert dimension_of("um/m") == "angle"
