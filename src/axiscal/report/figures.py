@@ -212,7 +212,7 @@ def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol
 
 
 def _reading_text(row: HistoryRow) -> str:
-    value = "" if row.value_um is None else f"<br>{quantity(row.value_um, row.unit)}"
+    value = "" if row.value_um is None else f"<br>{plain(quantity(row.value_um, row.unit))}"
     return f"reading {row.reading}, {plain(row.setup or '')}<br>{plain(position_text(row.position))}{value}"
 
 
@@ -242,7 +242,7 @@ def _place_figure(rows: list[HistoryRow], across: str, up: str | None, summary: 
         "y": numbers(second, title),
         "marker": _order_marker(both, summary, 8.5),
         "text": [_reading_text(row) for row in both],
-        "hovertemplate": "%{text}<extra></extra>",
+        **_SHOW_TEXT,
     }
     drawn = layout(axis_style(axis_title(across)), axis_style(title), 260, margin={"l": 56, "r": 12, "t": 8, "b": 40})
     return {"data": [{"type": "scatter", "mode": "markers", **trace}], "layout": drawn}
@@ -258,7 +258,7 @@ def _order_marker(rows: list[HistoryRow], summary: Summary, size: float) -> Figu
 
 def axis_title(axis: str) -> str:
     """Return "X, mm" or "C, °"."""
-    return f"{plain(axis)}, {unit_text(axis_unit(axis))}"
+    return plain(f"{axis}, {unit_text(axis_unit(axis))}")
 
 
 def space(summary: Summary) -> Figure | None:
@@ -268,7 +268,7 @@ def space(summary: Summary) -> Figure | None:
         return None
     x, y, z = (numbers([(row.tcp_mm or ())[i] for row in rows], "tcp_mm") for i in range(3))
     marker = {**_order_marker(rows, summary, 4.5), "symbol": "circle", "opacity": 1}
-    hover = {"text": [_reading_text(row) for row in rows], "hovertemplate": "%{text}<extra></extra>"}
+    hover = {"text": [_reading_text(row) for row in rows], **_SHOW_TEXT}
     trace = {"type": "scatter3d", "mode": "markers", "x": x, "y": y, "z": z, "marker": marker, **hover}
     axis = {"backgroundcolor": "rgba(0,0,0,0)", "gridcolor": "var(--grid)", "color": "var(--soft)", "zeroline": False}
     scene: Figure = {f"{n}axis": {**axis, "title": {"text": f"{n}, mm"}, "tickfont": {"size": 10}} for n in "xyz"}
@@ -285,12 +285,12 @@ def _is_solid(*coordinates: list[float]) -> bool:
 
 def iso230(block: Iso230) -> Figure:
     """Return mean and mean ± 2 s of both directions at each target (ISO 230-2)."""
-    title = f"deviation, {unit_text(block.value_unit)}"
+    title = plain(f"deviation, {unit_text(block.value_unit)}")
     traces = [
         *_direction("up", block, block.mean_up, block.std_up, "var(--accent)", "var(--seen)"),
         *_direction("down", block, block.mean_down, block.std_down, "var(--truth)", "var(--truth-band)"),
     ]
-    x = axis_style(f"{plain(block.axis)}, {unit_text(block.position_unit)}")
+    x = axis_style(plain(f"{block.axis}, {unit_text(block.position_unit)}"))
     drawn = layout(x, axis_style(title), 300, margin={"l": 56, "r": 12, "t": 8, "b": 42})
     return {"data": traces, "layout": drawn}
 
@@ -304,12 +304,12 @@ def _direction(
     target, middle = numbers(block.target, "targets"), numbers(mean, f"mean {name}", size)
     spread = numbers(std, f"std {name}", size)
     text = [
-        f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}"
+        plain(f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}")
         for t, m, s in zip(target, middle, spread, strict=True)
     ]
     marks = {"line": {"color": colour, "width": 1.8}, "marker": {"size": 5.5, "color": colour}}
     line = {"type": "scatter", "mode": "lines+markers", "x": target, "y": middle, "text": text, **marks}
-    return [band(target, middle, [2 * s for s in spread], fill), {**line, "hovertemplate": "%{text}<extra></extra>"}]
+    return [band(target, middle, [2 * s for s in spread], fill), {**line, **_SHOW_TEXT}]
 
 
 def band(position: list[float], middle: list[float], half: list[float], fill: str) -> Figure:

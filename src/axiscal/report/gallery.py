@@ -67,9 +67,11 @@ def panel_figure(curve: Curve, shared: list[float]) -> Figure:
         *_points(curve),
     ]
     x = axis_style(
-        f"{plain(curve.axis)}, {unit_text(curve.position_unit)}", range=_span(where), nticks=6, **_turns(curve)
+        plain(f"{curve.axis}, {unit_text(curve.position_unit)}"), range=_span(where), nticks=6, **_turns(curve)
     )
-    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
+    y = axis_style(
+        plain(unit_text(curve.value_unit)), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)"
+    )
     ranges = {"shared": shared, "own": finite_range(_content(curve))}
     return {"data": traces, "layout": layout(x, y, 210), "ranges": ranges}
 
@@ -87,7 +89,7 @@ def _turns(curve: Curve) -> Figure:
 
 def _mean(curve: Curve, where: list[float], mean: list[float], whole: list[float]) -> Figure:
     text = [
-        f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}"
+        plain(f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}")
         for x, m, w in zip(where, mean, whole, strict=True)
     ]
     style = {"line": {"color": "var(--accent)", "width": 1.8}, "hovertemplate": "%{text}<extra></extra>"}
@@ -120,4 +122,4 @@ def _point_trace(curve: Curve, points: list[CurvePoint], symbol: str, colour: st
 
 def _point_text(point: CurvePoint, unit: str) -> str:
     label = "" if point.reading is None else f"reading {point.reading}, "
-    return f"{label}{plain(point.setup)}<br>{figure(point.value)} ± {quantity(BAND * point.std, unit)}"
+    return f"{label}{plain(point.setup)}<br>{plain(f'{figure(point.value)} ± {quantity(BAND * point.std, unit)}')}"

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Iterable
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -89,10 +90,12 @@ def policy(scripts: Iterable[str]) -> str:
     )
 
 
+@cache
 def _hash(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
+@cache
 def _plotly() -> str:
     source = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
     return source.replace("\r\n", "\n")  # as the HTML parser will, or the hash would not fit

@@ -17,6 +17,12 @@
     return Object.fromEntries(Object.entries(value).map(([key, item]) => [key, resolved(item, style)]));
   }
 
+  // On a phone there is no room beside the lines: a legend above the picture names them instead.
+  function withoutEndLabels(layout) {
+    layout.margin.r = 12;
+    layout.annotations = layout.annotations.filter((label) => label.x !== 1);
+  }
+
   function draw(plot) {
     const source = figures[Number(plot.dataset.figure)];
     const figure = resolved(source, getComputedStyle(root));
@@ -29,9 +35,11 @@
       figure.layout.xaxis.title.text = chosen.title;
       figure.layout.xaxis.range = [0, Math.max(1, ...chosen.x)];
       figure.layout.annotations = chosen.annotations;
+      if (plot.clientWidth < 560) withoutEndLabels(figure.layout);
     }
     if (source.ranges) figure.layout.yaxis.range = source.ranges[scale].slice();
     if (root.classList.contains("printing")) figure.layout.height *= 0.78;
+    if (figure.layout.scene) figure.layout.height = Math.min(figure.layout.height, plot.clientWidth);
     if (plot.clientWidth > 0) figure.layout.width = plot.clientWidth;
     return Plotly.react(plot, figure.data, figure.layout, { displayModeBar: false, responsive: false, scrollZoom: false });
   }
