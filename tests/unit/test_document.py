@@ -117,9 +117,10 @@ BAD_FILES: list[tuple[bytes, int | None, str]] = [
     (b"a = " + b"9" * 4900, None, "not valid TOML"),
     (b"a = " + b"[\n" * 5000 + b"]\n" * 5000, None, "nested too deeply"),
     (b"a = " + b"[\n" * 5000, None, "nested too deeply"),
-    (b".".join([b"a"] * 2000) + b" = 1", None, "nested too deeply"),
+    (b"a = 1\n" + b".".join([b"a"] * 2000) + b" = 1", 2, "more than 100 parts"),
+    (b"a = { " + b" . ".join([b"'a'"] * 600) + b" = 1 }", 1, "more than 100 parts"),
     (b"a = '" + b"x" * 6000 + b"'", 1, "6006 characters"),
-    (b"# " + b"x\n# " * 400_000, None, "larger than 1 MB"),
+    (b"# " + b"x\n# " * 400_000, None, "larger than 250 kB"),
 ]
 
 

@@ -12,11 +12,12 @@ from axiscal.document.lines import line_numbers
 from axiscal.document.wording import Key, dotted, shown
 from axiscal.exceptions import DescriptionError, InputError
 
-LARGEST = 1_000_000
+LARGEST = 250_000
 """Bytes; a description has a few thousand."""
 LONGEST_LINE = 5_000
-"""Characters; longer lines are data, or made to keep the parser busy (a key of a million dots)."""
+"""Characters."""
 
+_LONG_KEY = re.compile(r"""(?<![A-Za-z0-9_-])(?:(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')[ \t]*\.[ \t]*){100}""")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _BARE_QUANTITY = re.compile(r"[=\[,]\s*[+-]?[0-9][0-9.,]*\s*[^\s0-9.,\]}_:eE+#-]")
 _BARE_PARENTHESES = re.compile(r"""[^"'=]*[()][^"'=]*=""")
@@ -71,13 +72,16 @@ def _check_lines(text: str, path: Path) -> None:
     if len(text) > LARGEST:
         raise _too_large(path)
     for number, line in enumerate(text.split("\n"), 1):
+        # tomllib needs time and memory by the square of the number of dots in a key.
+        if line.count(".") > 100 and _LONG_KEY.search(line):
+            raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
         if len(line) > LONGEST_LINE:
             what = f"the line {shown(line[:40])} has {len(line)} characters, more than {LONGEST_LINE}"
             raise DescriptionError(what, "Break it into shorter lines", path, number)
 
 
 def _too_large(path: Path) -> DescriptionError:
-    what = f"the file is larger than {LARGEST / 1e6:.0f} MB"
+    what = f"the file is larger than {LARGEST // 1000} kB"
     return DescriptionError(what, "Give a description, which has a few thousand bytes", path)
 
 
