@@ -65,6 +65,13 @@ def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
         render(_bare(curves=[curve]))
 
 
+@pytest.mark.parametrize("field", ["mean", "std", "std_seen", "prior_std"])
+def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
+    curve = replace(_plain_curve([0.0, 1.0], 1.0), **{field: [1.0]})  # type: ignore[arg-type]
+    with pytest.raises(SummaryError, match=f"{field} of EXX has 1 values for 2 positions"):
+        render(_bare(curves=[curve]))
+
+
 def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
     rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, z, 1.0, 1.0, 2.0, 1.0) for n, z in ((1, 0.5), (2, 900.0), (3, -40.0))]
     figures = _figures(render(_bare(history=rows, readings=3)))

@@ -80,3 +80,12 @@ def test_whiskers_stand_on_one_symmetric_scale_per_unit() -> None:
     (only,) = lengths.whiskers
     assert only.truth is not None
     assert only.truth < only.dot < 50
+
+
+def test_a_small_constant_is_not_crushed_by_a_large_one() -> None:
+    zero, slope, reversal = (
+        Constant(n, "", 0.0, 0.1, prior, "um") for n, prior in (("z", 100.0), ("s", 30.0), ("r", 3.0))
+    )
+    wide, narrow = scales([reversal, zero, slope])[::-1]
+    assert [w.constant.name for w in wide.whiskers] == ["z", "s"]
+    assert [w.constant.name for w in narrow.whiskers] == ["r"]

@@ -10,6 +10,8 @@ from axiscal.report.figures import Figure, axis_style, band, finite_range, layou
 from axiscal.report.summary import Curve, CurvePoint, number, numbers
 from axiscal.report.wording import BAND, axis_unit, coordinate, figure, quantity, unit_text
 
+_HEIGHT, _HEIGHT_ALONE = 210, 360
+
 
 @dataclass(frozen=True, slots=True)
 class Panel:
@@ -30,27 +32,31 @@ class AxisGroup:
 def groups(curves: Sequence[Curve]) -> list[AxisGroup]:
     """Return the curves grouped by axis in order of appearance, and by unit within."""
     axes = dict.fromkeys(curve.axis for curve in curves)
-    return [AxisGroup(axis, _rows([curve for curve in curves if curve.axis == axis])) for axis in axes]
+    height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
+    return [AxisGroup(axis, _rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes]
 
 
-def _rows(curves: list[Curve]) -> list[list[Panel]]:
-    ordered = sorted(curves, key=lambda curve: curve.value_unit != "um")
-    return [_row(list(row)) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
+def _rows(curves: list[Curve], height: int) -> list[list[Panel]]:
+    ordered = sorted(curves, key=lambda curve: curve.value_unit)
+    ordered.sort(key=lambda curve: curve.value_unit != "um")
+    return [_row(list(row), height) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
 
 
-def _row(curves: list[Curve]) -> list[Panel]:
+def _row(curves: list[Curve], height: int) -> list[Panel]:
     shared = finite_range([value for curve in curves for value in _content(curve)])
-    return [Panel(curve, panel_figure(curve, shared)) for curve in curves]
+    return [Panel(curve, panel_figure(curve, shared, height)) for curve in curves]
 
 
 def _content(curve: Curve) -> list[float]:
-    halves = [BAND * std for std in curve.std]
-    edges = [mean + sign * half for mean, half in zip(curve.mean, halves, strict=True) for sign in (1, -1)]
+    size = len(curve.position)
+    means = numbers(curve.mean, f"mean of {curve.name}", size)
+    halves = [BAND * std for std in numbers(curve.std, f"std of {curve.name}", size)]
+    edges = [mean + sign * half for mean, half in zip(means, halves, strict=True) for sign in (1, -1)]
     truth = [] if curve.truth is None else list(curve.truth[1])
     return [*edges, *truth, *(point.value for point in curve.points), 0.0]
 
 
-def panel_figure(curve: Curve, shared: list[float]) -> Figure:
+def panel_figure(curve: Curve, shared: list[float], height: int) -> Figure:
     """Return one panel; `ranges` holds its own scale and the one it shares with its row."""
     size, where = len(curve.position), numbers(curve.position, f"position of {curve.name}")
     mean = numbers(curve.mean, f"mean of {curve.name}", size)
@@ -73,7 +79,7 @@ def panel_figure(curve: Curve, shared: list[float]) -> Figure:
         plain(unit_text(curve.value_unit)), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)"
     )
     ranges = {"shared": shared, "own": finite_range(_content(curve))}
-    return {"data": traces, "layout": layout(x, y, 210), "ranges": ranges}
+    return {"data": traces, "layout": layout(x, y, height), "ranges": ranges}
 
 
 def _span(where: list[float]) -> list[float]:

@@ -30,10 +30,30 @@ class Scale:
     whiskers: Sequence[Whisker]
 
 
+_LARGEST_RATIO = 6.0
+"""Constants that differ by more than this in extent get scales of their own, or the small ones would be dots."""
+
+
 def scales(constants: Sequence[Constant]) -> list[Scale]:
-    """Return the constants grouped by unit, each group on one symmetric scale."""
+    """Return the constants grouped by unit and magnitude, each group on one symmetric scale."""
     units = dict.fromkeys(constant.unit for constant in constants)
-    return [_scale(unit, [constant for constant in constants if constant.unit == unit]) for unit in units]
+    return [
+        _scale(unit, alike)
+        for unit in units
+        for alike in _magnitudes([constant for constant in constants if constant.unit == unit])
+    ]
+
+
+def _magnitudes(constants: list[Constant]) -> list[list[Constant]]:
+    """Return the constants in groups of like extent, in the order in which each group first appears."""
+    tops: list[float] = []
+    for reach in sorted((_reach(constant) for constant in constants), reverse=True):
+        if not tops or reach * _LARGEST_RATIO < tops[-1]:
+            tops.append(reach)
+    found: dict[float, list[Constant]] = {}
+    for constant in constants:
+        found.setdefault(min(top for top in tops if top >= _reach(constant)), []).append(constant)
+    return list(found.values())
 
 
 def _scale(unit: str, constants: list[Constant]) -> Scale:
