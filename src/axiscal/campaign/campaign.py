@@ -226,6 +226,10 @@ class Campaign:
         setup = self.description.setup(asked.setup)
         return Request(asked.reading, setup, self.description.machine.axes, asked.position, asked.approach)
 
+    def copy(self, path: Path) -> None:
+        """Write a copy of the record; raises RecordError if something is there already."""
+        self._record.copy(path)
+
     def close(self) -> None:
         """Close the record."""
         self._record.close()

@@ -88,6 +88,16 @@ class Gap:
     asked: Asked
     reason: str
 
+    @property
+    def setup(self) -> str:
+        """Name of its set-up."""
+        return self.asked.setup
+
+    @property
+    def position(self) -> tuple[float, ...]:
+        """Where it was to be taken, (n_axes,) m or rad."""
+        return self.asked.position
+
 
 @dataclass(frozen=True, slots=True)
 class Step:

@@ -99,6 +99,12 @@ class Record:
         with _told(self.path):
             return fold(self.events())
 
+    def copy(self, path: Path) -> None:
+        """Write a copy of the record to a file that is not there yet."""
+        refuse_existing(path)
+        with _told(path):
+            self._connection.execute("VACUUM INTO ?", (str(path),))
+
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
         self._connection.close()
