@@ -80,6 +80,12 @@ class Axis:
         return -1 if self.workpiece_side else 1
 
     @property
+    def positioning_error(self) -> str:
+        """Name of the error along (about) the axis itself: "EXX", "EXU", "ECC"."""
+        letters = "ABC" if self.rotary else "XYZ"
+        return f"E{letters[letter_direction(self.letter)]}{self.name}"
+
+    @property
     def length(self) -> float:
         """Length of the travel, m or rad."""
         return self.travel[1] - self.travel[0]

@@ -1,0 +1,182 @@
+"""The mathematics of one campaign: the belief that follows its readings, what it is worth, and what to read next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.belief import Belief, Innovations
+from axiscal.campaign.description import CampaignDescription
+from axiscal.campaign.engine import Proposal, Visit
+from axiscal.campaign.events import Gap
+from axiscal.design import criterion
+from axiscal.design.accuracy import Accuracy, Yardstick
+from axiscal.design.cost import visit_seconds
+from axiscal.design.lattice import Lattice, spread
+from axiscal.design.step import Scorer, Step, best_step
+from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import volume_moments
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.observation import Observation, Rows
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+
+_FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
+_STAY = 0.1
+_NEAR = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume."""
+
+    description: CampaignDescription
+
+    @cached_property
+    def errors(self) -> ErrorModel:
+        """The error model of the machine."""
+        return ErrorModel(self.description.machine)
+
+    @cached_property
+    def observation(self) -> Observation:
+        """The map from all unknowns to readings, before any cell is visited."""
+        return Observation(self.errors, self.description.setups)
+
+    @cached_property
+    def prior(self) -> Belief:
+        """The belief before the first reading."""
+        covariance = self.observation.prior_covariance()
+        return Belief(np.zeros(len(covariance)), covariance)
+
+    @cached_property
+    def lattice(self) -> Lattice:
+        """Candidates spread over everything that is allowed."""
+        count = int(np.clip(_PER_UNKNOWN * self.observation.size, _FEWEST, _MOST))
+        return spread(self.description.machine, self.description.setups, count)
+
+    @cached_property
+    def yardstick(self) -> Yardstick:
+        """The figures over the target's volume."""
+        box = self.description.target.volume
+        unseen = unseen_factor(self.prior.factor, self._allowed_rows())[: self.errors.size]
+        return Yardstick(self.errors, box, volume_moments(self.errors, box), unseen)
+
+    @cached_property
+    def hidden(self) -> tuple[Hidden, ...]:
+        """What no allowed reading can see, in words."""
+        return hidden(self.errors, self.yardstick.unseen)
+
+    def unit_of(self, setup: Setup, unknown: Unknown) -> str:
+        """Return the unit in which an unknown of a set-up is shown."""
+        reads_length = INSTRUMENTS[setup.instrument].reads == "length"
+        return "um" if reads_length and unknown.name == "zero" else "urad"
+
+    def index(self, setup: str) -> int:
+        """Return the index of a set-up by name; raises DescriptionError."""
+        return self.description.setups.index(self.description.setup(setup))
+
+    def _allowed_rows(self) -> Array:
+        parts = []
+        for i in range(len(self.description.setups)):
+            seen = self.observation.rows(i, *self.lattice.of(i))
+            parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
+        return np.concatenate(parts)
+
+
+class Calibration:
+    """The belief of one campaign, fed its readings in their order."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.observation = problem.observation
+        self.belief = problem.prior
+        self.innovations: list[Innovations] = []
+        self._accuracy: Accuracy | None = None
+
+    def absorb(self, reading: Reading) -> None:
+        """Take a reading into the belief; its innovation is kept."""
+        wider = self.observation.visited(np.array(reading.pose))
+        belief = self.belief.extended(self.observation.rest_variances(wider))
+        self.observation, self._accuracy = wider, None
+        seen = self.rows_of(reading)
+        self.belief = belief.update(seen.rows, reading.value, seen.variances)
+        self.innovations.append(self.belief.innovations)
+
+    def rows_of(self, reading: Reading) -> Rows:
+        """Return what a reading sees, and its variance."""
+        pose, approach = np.array(reading.pose), np.array(reading.approach, dtype=float)
+        seen = self.observation.rows(self.problem.index(reading.setup), pose[None], approach[None])
+        return seen if reading.std is None else Rows(seen.rows, np.array([reading.std**2]))
+
+    def accuracy(self) -> Accuracy:
+        """Return how well the machine is known now."""
+        if self._accuracy is None:
+            self._accuracy = self.problem.yardstick.measure(self.belief)
+        return self._accuracy
+
+    def propose(self, gaps: Sequence[Gap], last: Visit | None) -> Proposal | None:
+        """Return the reading that serves the criterion best; another set-up is mounted only where it pays."""
+        steps = self._steps(gaps)
+        if not steps:
+            return None
+        best = max(steps, key=lambda step: step.gain)
+        mounted = [s for s in steps if last is not None and s.setup == self.problem.index(last.setup)]
+        step = mounted[0] if mounted and mounted[0].gain > _STAY * best.gain else best
+        setup = self.problem.description.setups[step.setup]
+        approach = tuple(int(sign) for sign in step.approach)
+        return Proposal(setup.name, tuple(map(float, step.pose)), approach, step.gain)
+
+    def elapsed(self, visits: Sequence[Visit]) -> float:
+        """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
+        total, before = 0.0, None
+        for visit in visits:
+            setup = self.problem.description.setup(visit.setup)
+            start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
+            total += visit_seconds(self.problem.description.machine, setup, start, np.array(visit.pose))
+            before = visit
+        return total
+
+    def _steps(self, gaps: Sequence[Gap]) -> list[Step]:
+        """Return the best step of each set-up that has one outside the gaps."""
+        lattice = self._outside(gaps)
+        result = []
+        for setup in np.unique(lattice.setups):
+            mine = lattice.setups == setup
+            part = Lattice(lattice.setups[mine], lattice.poses[mine], lattice.approaches[mine])
+            step = best_step(self.observation, self.belief, self._weight(), part)
+            result.append(step if not self._at_gap(step.setup, step.pose[None], gaps)[0] else self._best_of(part))
+        return result
+
+    def _best_of(self, lattice: Lattice) -> Step:
+        """Return the best candidate itself, where the way to the exact maximum leads into a gap."""
+        scorer = Scorer.of(self.observation, self.belief, self._weight())
+        return scorer.step(lattice, int(scorer.gains(lattice).argmax()))
+
+    def _outside(self, gaps: Sequence[Gap]) -> Lattice:
+        lattice = self.problem.lattice
+        keep = np.ones(len(lattice), dtype=bool)
+        for setup in np.unique(lattice.setups):
+            mine = lattice.setups == setup
+            keep[mine] = ~self._at_gap(int(setup), lattice.poses[mine], gaps)
+        return Lattice(lattice.setups[keep], lattice.poses[keep], lattice.approaches[keep])
+
+    def _at_gap(self, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
+        """Return which poses (m, q) of a set-up are where a reading could not be taken."""
+        lengths = np.array([axis.length for axis in self.problem.description.machine.axes])
+        result = np.zeros(len(poses), dtype=bool)
+        for gap in gaps:
+            if self.problem.index(gap.asked.setup) == setup:
+                result |= np.all(np.abs(poses - np.array(gap.asked.position)) < _NEAR * lengths, axis=1)
+        return result
+
+    def _weight(self) -> Array:
+        name = self.problem.description.target.criterion
+        if name == "joint":
+            return criterion.joint_root(self.problem.errors)
+        return self.problem.yardstick.root if name == "volume" else self.problem.yardstick.worst_rows(self.belief)

@@ -1,0 +1,143 @@
+"""From a campaign to what is said of it: the summary behind `result.json` and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.engine import Visit
+from axiscal.campaign.versions import versions
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.report.curves import constants, curves
+from axiscal.report.findings import findings, observability, residual_check
+from axiscal.report.summary import HistoryRow, Iso230, SetupUse, Summary, TableOffer, TruthCheck
+from axiscal.simulation import VirtualMachine
+from axiscal.units import to_unit
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extras:
+    """What a campaign itself does not know: tables that were written, a truth that is known, a finished standard
+    test.
+    """
+
+    tables: Sequence[TableOffer] = ()
+    truth: VirtualMachine | None = None
+    truth_check: TruthCheck | None = None
+    iso230: Sequence[Iso230] = ()
+    files: Sequence[str] = ()
+
+
+def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> Summary:
+    """Return the summary of a campaign.
+
+    calibration : after all its readings
+    """
+    problem, description = calibration.problem, campaign.description
+    rows = _history(campaign, problem)
+    target = description.target
+    return Summary(
+        title=f"Calibration of {description.machine.name}",
+        machine=description.machine.name,
+        chain=description.machine.chain,
+        campaign_file=description.source,
+        date=campaign.begun[:10],
+        setups=[_setup_use(setup, campaign) for setup in description.setups],
+        stopped_because=campaign.state.finished or "not finished",
+        readings=len(campaign.state.readings),
+        minutes=rows[-1].minutes,
+        rms_um=rows[-1].rms_um,
+        worst_um=rows[-1].worst_um,
+        unseen_rms_um=to_unit(problem.yardstick.unseen_rms, "um"),
+        history=rows,
+        curves=curves(calibration, campaign.state.readings, extras.truth),
+        reversals=(),
+        constants=constants(calibration, extras.truth),
+        observability=observability(problem),
+        warnings=findings(calibration, campaign.state.readings),
+        tables=extras.tables,
+        target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
+        target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
+        truth=extras.truth_check,
+        iso230=extras.iso230,
+        reading_residual=residual_check(calibration),
+        versions=versions(),
+        files=extras.files,
+    )
+
+
+def _history(campaign: Campaign, problem: Problem) -> list[HistoryRow]:
+    """Replay the readings: how well the machine was known after each, and how much each surprised."""
+    replay = Calibration(problem)
+    rows = [_row(replay, None, 0, 0.0)]
+    visits: list[Visit] = []
+    for number, reading in enumerate(campaign.state.readings, start=1):
+        replay.absorb(reading)
+        visits.append(Visit(reading.setup, reading.pose))
+        rows.append(_row(replay, reading, number, replay.elapsed(visits)))
+    return rows
+
+
+def _row(replay: Calibration, reading: Reading | None, number: int, seconds: float) -> HistoryRow:
+    known = replay.accuracy()
+    rms, worst, minutes = to_unit(known.rms, "um"), to_unit(known.worst, "um"), to_unit(seconds, "min")
+    if reading is None:
+        return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
+    description, last = replay.problem.description, replay.innovations[-1]
+    unit = _unit(description.setup(reading.setup))
+    return HistoryRow(
+        reading=number,
+        setup=reading.setup,
+        position=_position(replay.problem, reading),
+        value_um=to_unit(reading.value, unit),
+        innovation=to_unit(float(last.value[0]), unit),
+        innovation_std=to_unit(float(last.std[0]), unit),
+        rms_um=rms,
+        worst_um=worst,
+        minutes=minutes,
+        unit=unit,
+        tcp_mm=_tool_point(replay.problem, reading),
+        approach=" ".join(
+            axis.name + "+-"[sign < 0]
+            for axis, sign in zip(description.machine.axes, reading.approach, strict=True)
+            if sign
+        ),
+    )
+
+
+def _unit(setup: Setup) -> str:
+    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
+
+
+def _position(problem: Problem, reading: Reading) -> dict[str, float]:
+    axes = problem.description.machine.axes
+    pairs = zip(axes, reading.pose, strict=True)
+    return {axis.name: to_unit(value, "deg" if axis.rotary else "mm") for axis, value in pairs}
+
+
+def _tool_point(problem: Problem, reading: Reading) -> tuple[float, float, float]:
+    x, y, z = (to_unit(float(v), "mm") for v in frames(problem.description.machine, np.array([reading.pose])).tcp[0])
+    return x, y, z
+
+
+def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+    axes = campaign.description.machine.axes
+    taken = sum(reading.setup == setup.name for reading in campaign.state.readings)
+    moves = [axes[k].name for k in setup.moves]
+    unit = _unit(setup)
+    noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
+    return SetupUse(setup.name, setup.instrument, _direction(setup), moves, noise, taken)
+
+
+def _direction(setup: Setup) -> str:
+    for letter, component in zip("xyz", setup.direction, strict=True):
+        if abs(component) == 1:
+            return letter if component > 0 else f"-{letter}"
+    return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"

@@ -1,0 +1,164 @@
+"""Every error of the machine as the belief knows it: curves with their bands and readings, and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration
+from axiscal.error_model.iso230 import words
+from axiscal.error_model.model import ErrorFunction
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.report.summary import Constant, Curve, CurvePoint
+from axiscal.simulation import VirtualMachine
+from axiscal.units import to_unit
+
+_POSITIONS = 101
+_BEARS_ON = 0.1
+_SEEN = 0.5
+
+
+def curves(calibration: Calibration, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[Curve]:
+    """Return every error that is a function of position."""
+    parts = _partial_residuals(calibration, readings)
+    return [
+        _curve(calibration, function, parts, truth)
+        for function in calibration.problem.errors.functions
+        if function.basis.size > 1
+    ]
+
+
+def value_unit(function: ErrorFunction) -> str:
+    """Return the unit in which values of an error are shown."""
+    return "urad" if function.angular else "um"
+
+
+def _curve(
+    calibration: Calibration, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+) -> Curve:
+    axis = calibration.problem.errors.machine.axes[function.axis]
+    positions = np.linspace(*axis.travel, _POSITIONS)
+    rows = function.basis.rows(positions)
+    unit, position_unit = value_unit(function), "deg" if axis.rotary else "mm"
+    whole, seen = _spread(calibration, function, rows)
+    prior = np.sqrt(np.einsum("ij,jk,ik->i", rows, function.covariance, rows) + function.rest**2)
+    shown = to_unit(positions, position_unit).tolist()
+    return Curve(
+        name=function.name,
+        axis=axis.name,
+        caption=words(function.name),
+        position=shown,
+        mean=to_unit(rows @ calibration.belief.mean[function.columns], unit).tolist(),
+        std=to_unit(whole, unit).tolist(),
+        std_seen=to_unit(seen, unit).tolist(),
+        prior_std=to_unit(prior, unit).tolist(),
+        position_unit=position_unit,
+        value_unit=unit,
+        truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
+        points=[part.point(calibration, function) for part in parts if part.bears_on(function)],
+    )
+
+
+def _spread(calibration: Calibration, function: ErrorFunction, rows: Array) -> tuple[Array, Array]:
+    """Return the whole standard deviation, and the one without what no allowed reading sees."""
+    known = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ calibration.problem.yardstick.unseen[function.columns]) ** 2, axis=1)
+    rest = function.rest**2
+    return np.sqrt(known + rest), np.sqrt(np.maximum(known - hidden, 0.0) + rest)
+
+
+def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:
+    for own, curve in zip(truth.model.functions, truth.curves, strict=True):
+        if own.name == function.name:
+            return curve(positions)
+    return np.zeros_like(positions)
+
+
+def constants(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+    """Return location errors, constant reversals, and the unknowns of the set-ups."""
+    own = [_constant(calibration, f, truth) for f in calibration.problem.errors.functions if f.basis.size == 1]
+    return own + _setup_unknowns(calibration, truth)
+
+
+def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualMachine | None) -> Constant:
+    column, unit = function.columns.start, value_unit(function)
+    std = float(np.linalg.norm(calibration.belief.factor[column]))
+    prior = float(np.sqrt(function.covariance[0, 0]))
+    hidden = float(np.linalg.norm(calibration.problem.yardstick.unseen[column]))
+    return Constant(
+        name=function.name,
+        words=words(function.name),
+        mean=to_unit(float(calibration.belief.mean[column]), unit),
+        std=to_unit(std, unit),
+        prior_std=to_unit(prior, unit),
+        unit=unit,
+        seen=hidden**2 < _SEEN * prior**2,
+        truth=None if truth is None else to_unit(float(_truth(truth, function, np.zeros(1))[0]), unit),
+    )
+
+
+def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+    result = []
+    for index, setup in enumerate(calibration.problem.description.setups):
+        columns = calibration.observation.unknowns_of(index)
+        for column, unknown in zip(range(columns.start, columns.stop), setup.unknowns, strict=True):
+            unit = calibration.problem.unit_of(setup, unknown)
+            known = None if truth is None else truth.offsets.get(setup.name, {}).get(unknown.name, 0.0)
+            result.append(
+                Constant(
+                    name=f"{setup.name}: {unknown.name}",
+                    words=f"{unknown.name} of the set-up",
+                    mean=to_unit(float(calibration.belief.mean[column]), unit),
+                    std=to_unit(float(np.linalg.norm(calibration.belief.factor[column])), unit),
+                    prior_std=to_unit(unknown.std, unit),
+                    unit=unit,
+                    truth=None if known is None else to_unit(known, unit),
+                )
+            )
+    return result
+
+
+class _Part:
+    """One reading, with what the whole model leaves of it."""
+
+    def __init__(self, number: int, reading: Reading, row: Array, left: float, std: float) -> None:
+        self.number, self.reading, self.row, self.left, self.std = number, reading, row, left, std
+
+    def _share(self, function: ErrorFunction) -> float:
+        own = self.row[function.columns]
+        return float(own @ function.covariance @ own)
+
+    def bears_on(self, function: ErrorFunction) -> bool:
+        """Whether the reading was expected to depend on this error noticeably."""
+        return self._share(function) > _BEARS_ON * self.total
+
+    total: float = 0.0
+
+    def point(self, calibration: Calibration, function: ErrorFunction) -> CurvePoint:
+        """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
+        position = self.reading.pose[function.axis]
+        basis = function.basis.rows(np.array([position]))[0]
+        lever = float(self.row[function.columns] @ basis / (basis @ basis))
+        value = float(basis @ calibration.belief.mean[function.columns]) + self.left / lever
+        unit, rotary = value_unit(function), calibration.problem.errors.machine.axes[function.axis].rotary
+        return CurvePoint(
+            position=to_unit(position, "deg" if rotary else "mm"),
+            value=to_unit(value, unit),
+            std=to_unit(self.std / abs(lever), unit),
+            setup=self.reading.setup,
+            reading=self.number,
+        )
+
+
+def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) -> list[_Part]:
+    parts = []
+    for number, reading in enumerate(readings, start=1):
+        seen = calibration.rows_of(reading)
+        row = seen.rows[0]
+        std = float(np.sqrt(seen.variances[0]))
+        part = _Part(number, reading, row, reading.value - float(row @ calibration.belief.mean), std)
+        part.total = sum(part._share(f) for f in calibration.problem.errors.functions)
+        parts.append(part)
+    return parts
