@@ -12,11 +12,9 @@ import pytest
 from axiscal.evaluation import Positioning, PositioningTest, evaluate, read_iso230
 from axiscal.exceptions import EvaluationError, ReadingError
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "axis_iso230"
+GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "iso230"
 REAL = ["ess_target_x", "ess_muts_x", "ess_muts_y"]
 ROUNDING = 2e-5  # mm, of the published figures
-
-needs_data = pytest.mark.skipif(not SHARED.is_dir(), reason="the measured data are not beside this checkout")
 
 GOOD = """# one axis
 target_mm,direction,run,deviation_um
@@ -41,11 +39,10 @@ def evaluated(tmp_path: Path, text: str) -> Positioning:
     return evaluate(read_iso230(written(tmp_path, text)))
 
 
-@needs_data
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
-    expected = json.loads((SHARED / f"{name}.expected.json").read_text())
-    document = evaluate(read_iso230(SHARED / f"{name}.csv")).as_json()
+    expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
+    document = evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()
     published = expected["reported_by_source"]
     figures = {"A": "A", "A_up": "A_fwd", "A_down": "A_bwd", "E_up": "E_fwd", "E_down": "E_bwd"} | {
         "R_up": "R_fwd", "R_down": "R_bwd", "B": "B", "B_mean": "B_avg", "M": "M"
@@ -58,12 +55,11 @@ def test_every_published_iso_figure_of_a_real_test(name: str) -> None:
         assert shown / 1e3 == pytest.approx(value, abs=ROUNDING), figure
 
 
-@needs_data
 @pytest.mark.parametrize("name", REAL)
 def test_every_published_iso_figure_of_each_target(name: str) -> None:
-    expected = json.loads((SHARED / f"{name}.expected.json").read_text())
+    expected = json.loads((GOLDEN / f"{name}.expected.json").read_text())
     published = expected["reported_by_source"]
-    document = json.loads(json.dumps(evaluate(read_iso230(SHARED / f"{name}.csv")).as_json()))
+    document = json.loads(json.dumps(evaluate(read_iso230(GOLDEN / f"{name}.csv")).as_json()))
     columns = {"mean": "x_avg_bi", "B_i": "B_i", "s_up": "s_fwd", "s_down": "s_bwd"} | {
         "R_up_i": "R_fwd_i", "R_down_i": "R_bwd_i", "R_i": "R_i"
     }  # fmt: skip

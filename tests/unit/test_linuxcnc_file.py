@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,9 +24,6 @@ from axiscal.compensation.controllers.linuxcnc import (
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
-
-SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "compensation_formats"
-needs_data = pytest.mark.skipif(not SHARED.is_dir(), reason="the sample files are not beside this checkout")
 
 SEEN = "-100 -100.010 -100.014\n0 0 -0.004\n100 100.020 100.016\n200 200.005 200.001\n"
 ROW = "0 0.25 -0.5\n"
@@ -146,17 +142,19 @@ def test_trims_are_kept_in_32_bits() -> None:
     assert parse("100 100.1 100").forward[0] == np.float32(100 - 100.1)
 
 
-@needs_data
-def test_the_sample_that_linuxcnc_brings_along() -> None:
-    parsed = parse((SHARED / "linuxcnc_screwcompX.dat").read_text())
-    assert (len(parsed.nominal), parsed.errors, parsed.unread) == (11, (), None)
-    assert correction(parsed, at(-4, 2, 3, 99), 1) == pytest.approx([0.2, 0.003, 0.003, 0.001], abs=1e-8)
+def test_rows_as_in_the_sample_that_linuxcnc_brings_along() -> None:
+    """Rows of configs/sim/screwcompX.dat, with its blanks."""
+    parsed = parse("-10 -10.001  -9.999\n -4  -4.2  -3.998\n  2   1.997   2.003\n 10   9.999  10.000\n")
+    assert (len(parsed.nominal), parsed.errors, parsed.unread) == (4, (), None)
+    assert correction(parsed, at(-4, 2, 6, 99), 1) == pytest.approx([0.2, 0.003, 0.002, 0.001], abs=1e-8)
     assert correction(parsed, at(-99, 10), -1) == pytest.approx([-0.001, 0], abs=1e-8)
 
 
-@needs_data
 def test_the_table_that_a_rotary_axis_is_shipped_with() -> None:
-    parsed = parse((SHARED / "pocketnc_a.comp.default").read_text(), file_type=1)
+    """PocketNC's a.comp.default: zero trims, of Type 1; read as Type 0 it would turn the axis by 45 degrees."""
+    text = "0 0 0\n45 0 0\n90 0 0\n135 0 0\n"
+    assert correction(parse(text), at(45), 1) == pytest.approx([45])
+    parsed = parse(text, file_type=1)
     assert rows(parsed) == [(0, 0, 0), (45, 0, 0), (90, 0, 0), (135, 0, 0)]
 
 

@@ -1,0 +1,86 @@
+"""The files of a simulated LinuxCNC machine with one joint for each axis: text only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One axis in machine units, mm or deg and seconds, with the text of its COMP_FILE."""
+
+    axis: str
+    low: float = -500.0
+    high: float = 500.0
+    velocity: float = 5000.0
+    acceleration: float = 5e5
+    table: str | None = None
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the axis turns."""
+        return self.axis[0] in "ABC"
+
+
+def files(joints: Sequence[Joint], servo_period: float) -> Mapping[str, str]:
+    """Return name and text of every file that LinuxCNC reads."""
+    tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
+    return {
+        "machine.ini": _ini(joints, servo_period),
+        "machine.hal": _hal(len(joints)),
+        "sim.tbl": "T1 P1 D6 Z0\n",
+    } | tables
+
+
+def _ini(joints: Sequence[Joint], servo_period: float) -> str:
+    letters = "".join(joint.axis for joint in joints)
+    fastest, hardest = max(joint.velocity for joint in joints), max(joint.acceleration for joint in joints)
+    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": "mm", "ANGULAR_UNITS": "degree"}
+    for limit, kind in product(("MAX", "DEFAULT"), ("LINEAR", "ANGULAR")):
+        traj |= {f"{limit}_{kind}_VELOCITY": fastest, f"{limit}_{kind}_ACCELERATION": hardest}
+    sections: dict[str, dict[str, object]] = {
+        "EMC": {"VERSION": 1.1, "MACHINE": "axiscal"},
+        "DISPLAY": {"DISPLAY": "./driver.py"},
+        "TASK": {"TASK": "milltask", "CYCLE_TIME": 0.001},
+        "RS274NGC": {"PARAMETER_FILE": "sim.var"},
+        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(servo_period * 1e9)},
+        "EMCIO": {"EMCIO": "io", "CYCLE_TIME": 0.1, "TOOL_TABLE": "sim.tbl"},
+        "HAL": {"HALFILE": "machine.hal"},
+        "KINS": {"KINEMATICS": f"trivkins coordinates={letters}", "JOINTS": len(joints)},
+        "TRAJ": traj,
+    }
+    for number, joint in enumerate(joints):
+        sections |= _axis(number, joint)
+    lines = (
+        f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in body.items()) for name, body in sections.items()
+    )
+    return "\n".join(lines)
+
+
+def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
+    limits: dict[str, object] = {
+        "MIN_LIMIT": joint.low,
+        "MAX_LIMIT": joint.high,
+        "MAX_VELOCITY": joint.velocity,
+        "MAX_ACCELERATION": joint.acceleration,
+    }
+    drive = {"TYPE": "ANGULAR" if joint.rotary else "LINEAR", "FERROR": 100, "MIN_FERROR": 100}
+    home = {"HOME": 0, "HOME_SEQUENCE": 0}
+    table = {} if joint.table is None else {"COMP_FILE": f"joint{number}.comp", "COMP_FILE_TYPE": 0}
+    return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home | table}
+
+
+def _hal(joints: int) -> str:
+    lines = [
+        "loadrt [KINS]KINEMATICS",
+        "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS",
+        "addf motion-command-handler servo-thread",
+        "addf motion-controller servo-thread",
+        "net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
+        "net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
+        "net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed",
+    ]
+    lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in range(joints)]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,137 @@
+"""Tables loaded into Debian's LinuxCNC: it reads them as our model says and commands what our prediction says."""
+
+from __future__ import annotations
+
+import shutil
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.compensation.controllers.linuxcnc import correction, offer, parse
+from axiscal.compensation.table import CompensationTable
+from axiscal.numerics import Array
+from tests.linuxcnc.configuration import Joint
+from tests.linuxcnc.launcher import LinuxcncError, Run, Step, run
+
+pytestmark = [
+    pytest.mark.linuxcnc,
+    pytest.mark.skipif(shutil.which("linuxcnc") is None, reason="Debian package linuxcnc-uspace is not installed"),
+]
+
+CLOSE = 1e-5  # mm or deg
+SCALES = {"X": 1e-3, "Y": 1e-3, "C": np.pi / 180}
+
+
+def deviations(axis: str) -> CompensationTable:
+    """A table with reversal, as measured ones are: some tens of um or arcsec, uneven points."""
+    rng = np.random.default_rng(ord(axis))
+    positions = (np.linspace(-200, 200, 32) + np.r_[0, rng.uniform(-4, 4, 30), 0]) * SCALES[axis]
+    wave = 2e-5 * np.sin(positions / (80 * SCALES[axis])) + rng.normal(0, 1e-6, 32)
+    reverse = wave - 8e-6 - 3e-6 * np.cos(positions / (60 * SCALES[axis]))
+    return CompensationTable(axis, axis == "C", positions, wave, wave if axis == "Y" else reverse, np.full(32, 1e-6))
+
+
+def visits(points: Array) -> list[str]:
+    """Moves that reach every point once upwards and once downwards, in all axes at once."""
+    lines = []
+    for point in points:
+        for side in (1, -1):
+            lines += [f"G0 X{point - side * 5:.6f} Y{-point - side * 5:.6f} C{point / 2 - side * 5:.6f}"]
+            lines += [f"G0 X{point:.6f} Y{-point:.6f} C{point / 2:.6f}"]
+    return lines
+
+
+POINTS = np.r_[-240.0, -200.0, np.random.default_rng(7).uniform(-199, 199, 20), 0.0, 200.0, 240.0]
+
+
+@cache
+def visited() -> Run:
+    """One start of LinuxCNC with all three tables; hardly any acceleration is left in the last cycle of a move."""
+    joints = [Joint(axis, acceleration=1e5, table=offer(deviations(axis)).text) for axis in SCALES]
+    return run(joints, visits(POINTS))
+
+
+def reached(run: Run) -> list[tuple[int, Step]]:
+    """Direction of approach and end of every second move, those that end on a point."""
+    return [(1 if number % 2 == 0 else -1, step) for number, step in enumerate(run.steps[1::2])]
+
+
+def test_nothing_is_said_to_the_operator() -> None:
+    assert visited().errors == ()
+
+
+@pytest.mark.parametrize(("joint", "axis"), list(enumerate(SCALES)))
+def test_motor_commands_are_as_predicted_in_both_directions(joint: int, axis: str) -> None:
+    parsed = parse(offer(deviations(axis)).text)
+    for direction, step in reached(visited()):
+        command = step.command[joint]
+        predicted = command + correction(parsed, np.array([command]), direction)[0]
+        assert step.settled
+        assert step.motor[joint] == pytest.approx(predicted, abs=CLOSE)
+
+
+@pytest.mark.parametrize(("joint", "axis"), list(enumerate(SCALES)))
+def test_the_error_of_the_machine_is_gone(joint: int, axis: str) -> None:
+    """The tool is where the motor is sent, plus the deviation there: within what a slope of the deviation allows."""
+    table = deviations(axis)
+    steepest = max(np.max(np.abs(np.diff(v) / np.diff(table.positions))) for v in (table.forward, table.reverse))
+    allowed = CLOSE + steepest * np.max(np.abs(table.reverse)) / SCALES[axis]
+    before, after = [], []
+    for direction, step in reached(visited()):
+        motor = np.array([step.motor[joint]])
+        deviation = table.deviation(motor * SCALES[axis], direction)[0] / SCALES[axis]
+        before.append(abs(deviation))
+        after.append(abs(motor[0] + deviation - step.command[joint]))
+    assert max(after) < allowed < 0.1 * max(before)
+
+
+def test_before_the_first_motion_there_is_no_correction() -> None:
+    assert visited().start == (0, 0, 0)
+    assert abs(correction(parse(offer(deviations("X")).text), np.array([0.0]), 1)[0]) > CLOSE
+
+
+SPOILT = {
+    "X": "# made by hand\n0 0.1 0.1\n",
+    "Y": "0 0.1 0.1\n\n100 100.5 100.5\n",
+    "Z": "0 0.1 0.1\n50 50.2 50.2\n20 20.9 20.9\n100 100.3 100.3\n",
+    "C": "".join(f"{i - 100} {i - 99.9:.3f} {i - 99.9:.3f}\n" for i in range(258)),
+    "B": "0\t1e-1\t+0x1p-3 ; tab\r\n100 100.2 100.4",
+    "A": "0 0.1 0.1" + " " * 300 + "\n100 100.5 100.5\n",
+}
+
+
+def test_spoilt_files_are_read_as_our_model_reads_them() -> None:
+    joints = [Joint(axis, acceleration=2000.0, table=text) for axis, text in SPOILT.items()]
+    moves = [" ".join(["G0", *(f"{axis}{at}" for axis in SPOILT)]) for at in (-20, 10, 70, 130)]
+    ended = run(joints, moves)
+    parsed = [parse(text, joint) for joint, text in enumerate(SPOILT.values())]
+    assert sorted(ended.errors) == sorted(error for table in parsed for error in table.errors)
+    assert len(ended.errors) == 3
+    for direction, step in zip((-1, 1, 1, 1), ended.steps, strict=True):
+        for joint, table in enumerate(parsed):
+            command = step.command[joint]
+            predicted = command + correction(table, np.array([command]), direction)[0]
+            assert step.motor[joint] == pytest.approx(predicted, abs=CLOSE), (joint, command)
+
+
+@pytest.mark.parametrize(("step", "stuck"), [(0.010, False), (0.020, True), (0.040, False)])
+def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> None:
+    """With 50 m/s² and 1 ms a reversal step above 12.5 um and up to 25 um is never carried out."""
+    positions, level = np.array([-0.1, 0.1]), np.zeros(2)
+    table = CompensationTable("X", False, positions, level, level - step * 1e-3, level)
+    file = offer(table, acceleration=50.0)
+    ended = run([Joint("X", acceleration=50000.0, table=file.text)], ["G0 X5", "G0 X2"])
+    assert any(note.startswith("WARNING") for note in file.notes) is stuck
+    assert ended.steps[1].settled is not stuck
+    assert ended.steps[1].motor[0] - 2 == pytest.approx(0 if stuck else step, abs=1e-6)
+
+
+def test_a_run_that_takes_too_long_is_ended() -> None:
+    with pytest.raises(LinuxcncError, match="did not finish in 3 s"):
+        run([Joint("X", velocity=1.0)], ["G1 F60 X400"], timeout=3)
+
+
+def test_a_failure_is_told() -> None:
+    with pytest.raises(LinuxcncError, match="G0 X900 was not completed"):
+        run([Joint("X")], ["G0 X900"])
