@@ -102,14 +102,20 @@ class Belief:
         table, read, noise = self._readings(rows, values, variances)
         factors, mean = self.factors, self.mean
         surprise, expected = np.empty(len(read)), np.empty(len(read))
-        for i, (row, value, variance) in enumerate(zip(table, read, noise, strict=True)):
-            factors, mean, surprise[i], expected[i] = gaussian.condition(factors, mean, row, value, variance)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for i, (row, value, variance) in enumerate(zip(table, read, noise, strict=True)):
+                factors, mean, surprise[i], expected[i] = gaussian.condition(factors, mean, row, value, variance)
+        if not all(np.all(np.isfinite(result)) for result in (mean, *factors, expected)):
+            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
         return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
 
     def _readings(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> tuple[Array, Array, Array]:
         table = np.atleast_2d(np.asarray(rows, dtype=float))
         read = np.atleast_1d(np.asarray(values, dtype=float))
-        noise = np.broadcast_to(np.asarray(variances, dtype=float), read.shape)
+        noise = np.asarray(variances, dtype=float)
+        if read.ndim != 1 or noise.shape not in {(), (1,), read.shape}:
+            raise ShapeError(f"Readings of shape {read.shape} cannot have variances of shape {noise.shape}.")
+        noise = np.broadcast_to(noise, read.shape)
         if table.shape != (len(read), self.size):
             wanted = (len(read), self.size)
             raise ShapeError(f"{wanted[0]} readings of {wanted[1]} coefficients need rows {wanted}, got {table.shape}.")
@@ -122,13 +128,18 @@ class Belief:
     def predict(self, rows: ArrayLike) -> Prediction:
         """Return mean and standard deviation of rowᵀ A for each row (B&H eq. 18-20).  rows : (m, n) or (n,)."""
         table = np.atleast_2d(np.asarray(rows, dtype=float))
-        if table.shape[1] != self.size:
-            raise ShapeError(f"Rows of {self.size} coefficients expected, got shape {table.shape}.")
+        if table.ndim != 2 or table.shape[1] != self.size or not np.all(np.isfinite(table)):
+            raise ShapeError(f"Finite rows of {self.size} coefficients expected, got shape {table.shape}.")
         return Prediction(table @ self.mean, np.sqrt(gaussian.variances(self.factors, table)))
 
     def extended(self, variances: ArrayLike) -> Belief:
-        """Return the belief with independent zero-mean variables appended.  variances : (k,) >= 0."""
-        extra = np.asarray(variances, dtype=float)
+        """Return the belief with independent zero-mean variables appended.  variances : (k,) >= 0.
+
+        Raises ShapeError.
+        """
+        extra = np.array(variances, dtype=float)
+        if extra.ndim != 1 or not np.all(np.isfinite(extra)) or np.any(extra < 0):
+            raise ShapeError("The variances of new variables must be finite, not negative, and one in a row.")
         mean = np.concatenate([self.mean, np.zeros(len(extra))])
         return _fill(Belief.__new__(Belief), mean, gaussian.extend(self.factors, extra), _NONE)
 

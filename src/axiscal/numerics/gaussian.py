@@ -15,7 +15,7 @@ from axiscal.numerics import Array
 
 _SYMMETRY = 1e-9
 _NEGATIVE = 1e-10
-_VANISHING = 1e-9
+_EPS = float(np.finfo(np.float64).eps)
 
 
 class Factors(NamedTuple):
@@ -44,29 +44,43 @@ def factorise(covariance: Array) -> Factors:
     """
     matrix, scale = _checked(covariance)
     try:
-        triangle = np.linalg.cholesky(matrix[::-1, ::-1])
+        triangle = np.linalg.cholesky(matrix[::-1, ::-1])[::-1, ::-1]
     except np.linalg.LinAlgError:
-        triangle = _singular(matrix)[::-1, ::-1]
-    columns = triangle[::-1, ::-1] * scale[:, None]
-    pivots = np.diagonal(columns).copy()
-    upper = np.divide(columns, pivots, out=np.eye(len(pivots)), where=pivots > 0)
-    return Factors(upper, pivots**2)
+        return _scaled(_from_root(_singular_root(matrix)), scale)
+    pivots = np.diagonal(triangle)
+    return _scaled(Factors(triangle / pivots, pivots**2), scale)
 
 
-def _singular(correlation: Array) -> Array:
-    """Return an upper triangular T with T Tᵀ the singular matrix; a vanishing pivot is lifted to rounding size."""
+def _scaled(factors: Factors, scale: Array) -> Factors:
+    return Factors(factors.upper * scale[:, None] / scale, factors.diagonal * scale**2)
+
+
+def _singular_root(correlation: Array) -> Array:
+    """Return F with F Fᵀ the singular matrix; eigenvalues of rounding size are zero."""
     values, vectors = np.linalg.eigh(correlation)
     if values[0] < -_NEGATIVE * len(values):
         raise CovarianceError(
             f"The covariance is not positive semidefinite: an eigenvalue of its correlation is {values[0]:.3g}."
         )
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    lower: Array = np.linalg.qr(root[::-1].T).R.T
-    triangle: Array = lower[::-1, ::-1]
-    triangle = triangle * np.where(np.diagonal(triangle) < 0, -1.0, 1.0)
-    tiny = np.arange(len(values))
-    triangle[tiny, tiny] = np.maximum(triangle[tiny, tiny], _VANISHING * np.linalg.norm(triangle, axis=0))
-    return triangle
+    values[values < len(values) * _EPS * values[-1]] = 0.0
+    root: Array = vectors * np.sqrt(values)
+    root[np.diagonal(correlation) == 0] = 0.0
+    return root
+
+
+def _from_root(root: Array) -> Factors:
+    """Return the UD factors of F Fᵀ by modified Gram-Schmidt from the last row to the first (Thornton 1976, ch. 4).
+
+    A row that the later ones leave at rounding size has no variance of its own: its pivot is zero.
+    """
+    rows, upper, diagonal = root.copy(), np.eye(len(root)), np.zeros(len(root))
+    for j in reversed(range(len(root))):
+        own = rows[j] @ rows[j]
+        if own > (len(root) * _EPS) ** 2:
+            upper[:j, j] = rows[:j] @ rows[j] / own
+            rows[:j] -= np.outer(upper[:j, j], rows[j])
+            diagonal[j] = own
+    return Factors(upper, diagonal)
 
 
 def _checked(covariance: Array) -> tuple[Array, Array]:
@@ -81,7 +95,10 @@ def _checked(covariance: Array) -> tuple[Array, Array]:
         raise CovarianceError(
             f"The covariance is not positive semidefinite: variance {int(np.argmin(variance))} is {variance.min():.3g}."
         )
-    scale = np.where(variance > 0, np.sqrt(variance), 1.0)
+    fixed = variance == 0
+    if np.any(matrix[fixed] != 0) or np.any(matrix[:, fixed] != 0):
+        raise CovarianceError("The covariance is not positive semidefinite: a variance of zero has covariances.")
+    scale = np.where(fixed, 1.0, np.sqrt(variance))
     correlation = matrix / scale[:, None] / scale
     if np.any(np.abs(correlation - correlation.T) > _SYMMETRY):
         raise CovarianceError("The covariance is not symmetric.")

@@ -1,0 +1,107 @@
+"""A million updates against 80 digits: `python -m tests.certify.belief --updates 1000000`.
+
+Two natural splines of 20 control values, of which only the sum is read. The readings stand at few distinct poses, so
+the exact posterior is one information sum. Judged are the standard deviations of the sum: eigenvalues and diagonal of
+a covariance do not show the loss of digits, what can be observed does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.belief import Belief
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import NaturalSpline, even_knots
+
+CASES = ((20e-6, 0.5e-6), (1e-3, 0.5e-6), (1e-2, 0.1e-6), (1.0, 0.1e-6), (1.0, 1e-9))
+"""Prior and noise standard deviation, m."""
+LIMITS = (1e-9, 1e-9, 1e-9, np.inf, np.inf)
+DIGITS = 80
+_SIZE, _DISTINCT, _CHUNK, _PROBES = 20, 64, 10_000, 50
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """error : worst relative error of a predicted standard deviation; mean : worst error of a mean, in predicted
+    standard deviations; bad : how many variances are not positive.
+    """
+
+    error: float
+    mean: float
+    bad: int
+
+
+def sums(poses: Array) -> Array:
+    """Return the rows that read the sum of both splines.  poses : (m, 2) in [0, 1]."""
+    spline = NaturalSpline(even_knots(0.0, 1.0, _SIZE))
+    return np.hstack([spline.rows(poses[:, 0]), spline.rows(poses[:, 1])])
+
+
+def judged(prior: float, noise: float, updates: int, seed: int = 1) -> Verdict:
+    """Feed so many readings one by one and compare with the exact posterior."""
+    rng = np.random.default_rng(seed)
+    distinct, probes = sums(rng.random((_DISTINCT, 2))), sums(rng.random((_PROBES, 2)))
+    truth = prior * rng.standard_normal(2 * _SIZE)
+    values = distinct @ truth + noise * rng.standard_normal(_DISTINCT)
+    belief, counts, begun = _begin(prior), np.zeros(_DISTINCT, dtype=int), 0
+    while begun < updates:
+        order = rng.integers(0, _DISTINCT, min(_CHUNK, updates - begun))
+        belief = belief.update(distinct[order], values[order], noise**2)
+        counts += np.bincount(order, minlength=_DISTINCT)
+        begun += len(order)
+    mean, std = exact(np.full(2 * _SIZE, prior**2), distinct, values, counts, noise**2, probes)
+    found = belief.predict(probes)
+    bad = np.sum(~(found.std > 0)) + np.sum(~(np.diagonal(belief.covariance) > 0))
+    return Verdict(float(np.max(np.abs(found.std / std - 1))), float(np.max(np.abs(found.mean - mean) / std)), int(bad))
+
+
+def _begin(prior: float) -> Belief:
+    return Belief(np.zeros(2 * _SIZE), prior**2 * np.eye(2 * _SIZE))
+
+
+def exact(
+    prior: Array, rows: Array, values: Array, counts: NDArray[np.int_], variance: float, probes: Array
+) -> tuple[Array, Array]:
+    """Return mean and standard deviation of the probes' rows, from the information sum in 80 digits.
+
+    prior : (n,) variances; counts : (m,) how often each row was read with that value
+    """
+    mpmath: Any = importlib.import_module("mpmath")  # untyped, and slow to load
+    with mpmath.workdps(DIGITS):
+        h, weight = mpmath.matrix(rows.tolist()), [mpmath.mpf(float(c)) / mpmath.mpf(variance) for c in counts]
+        weighted = h.T * mpmath.diag(weight)
+        information: Any = mpmath.diag([1 / mpmath.mpf(float(p)) for p in prior]) + weighted * h
+        covariance = information**-1
+        centre = covariance * (weighted * mpmath.matrix(values.tolist()))
+        g = mpmath.matrix(probes.tolist())
+        spread = g * covariance
+        std = [mpmath.sqrt(mpmath.fdot(spread[i, :], g[i, :])) for i in range(g.rows)]
+        return np.array([float(x) for x in g * centre]), np.array([float(x) for x in std])
+
+
+def main() -> int:
+    """Judge the five cases; status 1 where a limit is passed or a variance is not positive."""
+    parser = argparse.ArgumentParser(prog="python -m tests.certify.belief", description=main.__doc__)
+    parser.add_argument("--updates", type=int, default=1_000_000)
+    updates, failed = parser.parse_args().updates, False
+    for (prior, noise), limit in zip(CASES, LIMITS, strict=True):
+        begin, verdict = time.monotonic(), judged(prior, noise, updates)
+        failed |= verdict.error > limit or verdict.bad > 0
+        sys.stdout.write(
+            f"prior {prior * 1e6:9g} um, noise {noise * 1e6:5g} um, {updates} updates: std {verdict.error:.1e},"
+            f" mean {verdict.mean:.1e} std, not positive {verdict.bad}  ({time.monotonic() - begin:.0f} s)\n"
+        )
+        sys.stdout.flush()
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""The factorised normal: singular and badly scaled covariances, and the update against the textbook formula."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import CovarianceError
+from axiscal.numerics import Array, gaussian
+
+
+def covariance(size: int, rank: int, decades: float, seed: int) -> Array:
+    """Return a random covariance of a rank, standard deviations spread over decades."""
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((size, rank)) * 10 ** rng.uniform(-decades, 0, size)[:, None]
+    return root @ root.T
+
+
+def product(factors: gaussian.Factors) -> Array:
+    return factors.upper @ np.diag(factors.diagonal) @ factors.upper.T
+
+
+@pytest.mark.parametrize(("size", "rank"), [(1, 1), (5, 5), (40, 40), (40, 39), (40, 7), (40, 1)])
+@pytest.mark.parametrize("decades", [0.0, 8.0])
+def test_factors_multiply_to_the_covariance(size: int, rank: int, decades: float) -> None:
+    matrix = covariance(size, rank, decades, size + rank)
+    factors = gaussian.factorise(matrix)
+    scale = np.sqrt(np.diagonal(matrix))
+    assert np.abs((product(factors) - matrix) / scale[:, None] / scale).max() < 1e-12
+    assert np.array_equal(factors.upper, np.triu(factors.upper))
+    assert np.array_equal(np.diagonal(factors.upper), np.ones(size))
+    assert np.all(factors.diagonal >= 0)
+
+
+def test_variables_that_are_known_exactly_stay_so() -> None:
+    matrix = np.zeros((4, 4))
+    matrix[np.ix_([0, 2], [0, 2])] = covariance(2, 2, 0.0, 1)
+    factors = gaussian.factorise(matrix)
+    assert np.abs(product(factors) - matrix).max() < 1e-15
+    after = gaussian.condition(factors, np.zeros(4), np.ones(4), 1.0, 1e-3)
+    assert np.array_equal(after.mean[[1, 3]], np.zeros(2))
+
+
+def test_no_variables_at_all() -> None:
+    assert gaussian.factorise(np.zeros((0, 0))).diagonal.shape == (0,)
+    assert np.array_equal(product(gaussian.factorise(np.zeros((3, 3)))), np.zeros((3, 3)))
+
+
+def test_variances_down_to_the_smallest_numbers() -> None:
+    matrix = np.diag([1e-320, 1e-300, 1e-150, 1.0, 1e150, 1e300])
+    factors = gaussian.factorise(matrix)
+    assert factors.diagonal == pytest.approx(np.diagonal(matrix), rel=1e-3)
+    assert np.array_equal(factors.upper, np.eye(6))
+
+
+@pytest.mark.parametrize(
+    ("matrix", "said"),
+    [
+        (np.eye(3)[:2], "square"),
+        (np.zeros(3), "square"),
+        (np.diag([1.0, np.nan]), "finite"),
+        (np.diag([1.0, np.inf]), "finite"),
+        (np.diag([1.0, -1e-12]), "variance 1"),
+        (np.array([[1.0, 0.5], [0.4, 1.0]]), "symmetric"),
+        (np.array([[1.0, 1.1], [1.1, 1.0]]), "eigenvalue"),
+        (np.array([[1e-12, 1.01e-12], [1.01e-12, 1e-12]]), "eigenvalue"),
+        (np.array([[0.0, 1e-9], [1e-9, 1.0]]), "variance of zero"),
+    ],
+)
+def test_what_is_no_covariance_is_refused(matrix: Array, said: str) -> None:
+    with pytest.raises(CovarianceError, match=said):
+        gaussian.factorise(matrix)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 63, 130])
+def test_an_update_is_the_textbook_formula(size: int) -> None:
+    """B&H eq. 21-23 with the full covariance."""
+    rng = np.random.default_rng(size)
+    matrix, mean, row = covariance(size, size, 1.0, size), rng.standard_normal(size), rng.standard_normal(size)
+    value, variance = 0.7, 0.3
+    found = gaussian.condition(gaussian.factorise(matrix), mean, row, value, variance)
+    expected = row @ matrix @ row + variance
+    gain = matrix @ row / expected
+    assert found.innovation == pytest.approx(value - row @ mean)
+    assert found.variance == pytest.approx(expected)
+    assert np.abs(found.mean - (mean + gain * (value - row @ mean))).max() < 1e-12 * np.abs(found.mean).max()
+    assert np.abs(product(found.factors) - (matrix - np.outer(gain, row @ matrix))).max() < 1e-12 * matrix.max()
+
+
+def test_an_update_leaves_its_input_alone() -> None:
+    factors, mean = gaussian.factorise(covariance(5, 5, 0.0, 2)), np.ones(5)
+    copies = factors.upper.copy(), factors.diagonal.copy()
+    gaussian.condition(factors, mean, np.arange(5.0), 1.0, 0.1)
+    assert np.array_equal(factors.upper, copies[0])
+    assert np.array_equal(factors.diagonal, copies[1])
+    assert np.array_equal(mean, np.ones(5))
+
+
+def test_variances_agree_with_the_root_and_are_never_negative() -> None:
+    matrix = covariance(30, 4, 6.0, 5)
+    factors = gaussian.factorise(matrix)
+    rows = np.vstack([np.random.default_rng(1).standard_normal((20, 30)), np.linalg.svd(matrix)[2][-10:]])
+    found = gaussian.variances(factors, rows)
+    root = gaussian.root(factors)
+    assert np.all(found >= 0)
+    assert found == pytest.approx(np.sum((rows @ root) ** 2, axis=1))
+
+
+def test_new_variables_are_independent_of_the_old() -> None:
+    matrix = covariance(3, 3, 0.0, 8)
+    wider = product(gaussian.extend(gaussian.factorise(matrix), np.array([2.0, 0.0])))
+    expected = np.zeros((5, 5))
+    expected[:3, :3], expected[3, 3] = matrix, 2.0
+    assert np.abs(wider - expected).max() < 1e-14
