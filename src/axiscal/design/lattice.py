@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -25,6 +26,10 @@ class Lattice:
         """Return poses and approaches of one set-up."""
         mine = self.setups == setup
         return self.poses[mine], self.approaches[mine]
+
+    def within(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> Lattice:
+        """Return some of the candidates."""
+        return Lattice(self.setups[kept], self.poses[kept], self.approaches[kept])
 
     def __len__(self) -> int:
         return len(self.setups)
@@ -88,6 +93,22 @@ def raster_range(machine: Machine, setup: Setup, axis: int) -> tuple[int, int]:
     """Return the lowest and highest multiple of the raster in the travel of an axis."""
     low, high = (end / setup.raster[axis] for end in machine.axes[axis].travel)
     return int(np.ceil(low - 1e-9)), int(np.floor(high + 1e-9))
+
+
+def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
+    """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
+    first, last = raster_range(machine, setup, axis)
+    return setup.raster[axis] * np.arange(first, last + 1, dtype=np.float64)
+
+
+def knot_lattice(observation: Observation, axis: int, parts: int) -> Array:
+    """Return the knots of an axis' functions and the ends of its travel, each stretch cut in equal parts, (p,)."""
+    low, high = observation.errors.machine.axes[axis].travel
+    own = [f.basis.knots for f in observation.errors.functions if f.axis == axis]
+    knots = np.unique(np.concatenate([np.array([low, high]), *own]))
+    kept: Array = knots[(knots >= low) & (knots <= high)]
+    inside = kept[:-1, None] + np.diff(kept)[:, None] * (np.arange(parts) / parts)
+    return np.append(inside.ravel(), kept[-1])
 
 
 def corners(box: Box) -> Array:

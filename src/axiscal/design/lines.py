@@ -1,0 +1,130 @@
+"""How the gain runs along one axis while the others stand still, for many lines at once.
+
+Along axis k a row is λ(t)ᵀ times a few fixed vectors: the levers are affine in a linear coordinate and of first order
+in sine and cosine of a rotary one, the other axes' splines do not change, and the own splines m(t) multiply the own
+levers. So the products with [F, C Vᵀ] are made once per line, and a position costs a short vector.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.rests import Rests
+from axiscal.design.scorer import Scorer
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Spline
+
+_SAME = 1e-14
+
+
+class _Own(NamedTuple):
+    """Functions of the moving axis that share their knots: fixed vectors (lines, levers, size, r + w)."""
+
+    basis: Spline
+    vectors: Array
+
+
+class Lines:
+    """Numerator and denominator of the gain along one axis.
+
+    poses, approaches : (lines, q); the moving axis' own coordinate in them does not matter
+    """
+
+    def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
+        observation = scorer.observation
+        self._scorer, self._nodes = scorer, _nodes(observation, axis)
+        self._rotary = observation.errors.machine.axes[axis].rotary
+        lines, levers = len(poses), len(self._nodes)
+        at = np.repeat(poses, levers, axis=0)
+        at[:, axis] = np.tile(self._nodes, lines)
+        towards = np.repeat(approaches, levers, axis=0)
+        rows = observation.rows(setup, at, towards).rows
+        self._own = [
+            _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers)))
+            for basis, columns in _own_columns(observation, axis)
+        ]
+        self._rests = Rests(observation, setup, axis, at, levers, scorer.both)
+        self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
+
+    def _fixed(self, rows: Array, axis: int) -> Array:
+        for _, columns in _own_columns(self._scorer.observation, axis):
+            rows[:, columns.ravel()] = 0.0
+        rows[:, self._rests.own_columns] = 0.0
+        fixed: Array = rows @ self._scorer.both
+        return fixed
+
+    def on(self, positions: Array) -> tuple[Array, Array]:
+        """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
+        levers = self._levers(positions)
+        seen = levers @ self._far
+        for own in self._own:
+            seen += _spread(levers, own, positions) @ own.vectors.reshape(len(seen), -1, seen.shape[2])
+        every = np.arange(len(seen))
+        self._rests.add(seen, np.broadcast_to(positions, seen.shape[:2]), every, levers)
+        return self._scorer.split(seen, self._rests.variances(positions[None], every, levers))
+
+    def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
+        shape = positions.shape
+        levers = self._levers(positions.ravel()).reshape(*shape, -1)
+        seen = levers @ self._far[line]
+        for own in self._own:
+            spread = _spread(levers.reshape(positions.size, -1), own, positions.ravel()).reshape(*shape, -1)
+            for one in np.unique(line):
+                mine = line == one
+                seen[mine] += spread[mine] @ own.vectors[one].reshape(-1, seen.shape[2])
+        self._rests.add(seen, positions, line, levers)
+        return self._scorer.split(seen, self._rests.variances(positions, line, levers))
+
+    def _levers(self, positions: Array) -> Array:
+        """Return λ(t), (p, levers): 1 at its own node, 0 at the others."""
+        if self._rotary:
+            turned: Array = (1 + 2 * np.cos(positions[:, None] - self._nodes)) / 3
+            return turned
+        share = (positions - self._nodes[0]) / (self._nodes[1] - self._nodes[0])
+        return np.stack([1 - share, share], axis=1)
+
+
+def _nodes(observation: Observation, axis: int) -> Array:
+    """Return positions at which the levers are sampled: two on a linear axis, three around a rotary one."""
+    low, high = observation.errors.machine.axes[axis].travel
+    if observation.errors.machine.axes[axis].rotary:
+        around: Array = (low + high) / 2 + 2 * np.pi / 3 * np.array([-1.0, 0.0, 1.0])
+        return around
+    return np.array([low, high])
+
+
+def _own_columns(observation: Observation, axis: int) -> list[tuple[Spline, NDArray[np.intp]]]:
+    """Return the splines of an axis, each with the columns (functions, size) of those that share it."""
+    groups: dict[bytes, tuple[Spline, list[NDArray[np.intp]]]] = {}
+    for function in observation.errors.functions:
+        if function.axis == axis:
+            key = bytes([function.basis.size == 1]) + function.basis.knots.tobytes()
+            columns = np.arange(function.columns.start, function.columns.stop)
+            groups.setdefault(key, (function.basis, []))[1].append(columns)
+    return [(basis, np.array(columns)) for basis, columns in groups.values()]
+
+
+def _vectors(rows: Array, columns: NDArray[np.intp], both: Array, shape: tuple[int, int]) -> Array:
+    """Return the own levers times the own part of [F, C Vᵀ].  The rows of a spline sum to one, so their sum is the
+    lever.
+    """
+    levers = rows[:, columns].sum(axis=2).reshape(*shape, -1)
+    if np.ptp(levers, axis=1).max(initial=0.0) <= _SAME * np.abs(levers).max(initial=0.0):
+        levers = levers[:, :1]
+    flat = levers.reshape(-1, len(columns)) @ both[columns].reshape(len(columns), -1)
+    vectors: Array = flat.reshape(*levers.shape[:2], columns.shape[1], both.shape[1])
+    return vectors
+
+
+def _spread(levers: Array, own: _Own, positions: Array) -> Array:
+    """Return λ(t) ⊗ m(t), or m(t) where the own levers are constant: (p, levers · size)."""
+    values = own.basis.rows(positions)
+    if own.vectors.shape[1] == 1:
+        return values
+    spread: Array = (levers[:, :, None] * values[:, None, :]).reshape(len(positions), -1)
+    return spread

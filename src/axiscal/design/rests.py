@@ -1,0 +1,88 @@
+"""The rests along a line: visited cells share theirs, in cells not visited yet they widen the noise."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+
+
+class Rests:
+    """What the rests add to the forms of several lines along one axis.
+
+    at : (lines · levers, q), each line's pose at the nodes of λ; both : [F, C Vᵀ]
+    """
+
+    def __init__(self, observation: Observation, setup: int, axis: int, at: Array, levers: int, both: Array) -> None:
+        functions = observation.errors.functions
+        self._noise = observation.setups[setup].noise ** 2
+        self._with = [i for i, f in enumerate(functions) if f.rest > 0]
+        self.own_columns = [column for (i, _), column in observation.cells.items() if functions[i].axis == axis]
+        if not self._with:
+            return
+        self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
+        self._functions = [functions[i] for i in self._with]
+        self._columns = [_columns_of_cells(observation, i) for i in self._with]
+        self._levers = _levers(observation, setup, at)[self._with].reshape(len(self._with), -1, levers)
+        parked = at[::levers]
+        cells = [cells_of(f, parked[:, f.axis]) for f in self._functions]
+        self._open = np.array([columns[cell] < 0 for columns, cell in zip(self._columns, cells, strict=True)])
+
+    def add(self, seen: Array, positions: Array, line: NDArray[np.intp], levers: Array) -> None:
+        """Add the rests of visited cells of the moving axis to rows times `both`, in place.
+
+        seen : (b, k, r + w); positions : (b, k); line : (b,); levers : λ (b, k, n) or (k, n)
+        """
+        if not self.own_columns:
+            return
+        for f, columns, own in zip(self._functions, self._columns, self._levers, strict=True):
+            if f.axis == self._axis and columns.max() >= 0:
+                reach = np.einsum(_reach(levers), levers, own[line])
+                seen += reach[..., None] * self._both[columns[cells_of(f, positions)]]
+
+    def variances(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
+        """Return the noise and the rests of cells not visited, (b, k)."""
+        shape = (len(line), positions.shape[1])
+        result = np.full(shape, self._noise)
+        if not self._with:
+            return result
+        for f, columns, own, still_open in zip(self._functions, self._columns, self._levers, self._open, strict=True):
+            reach = np.einsum(_reach(levers), levers, own[line]) * f.rest
+            fresh = columns[cells_of(f, positions)] < 0 if f.axis == self._axis else still_open[line, None]
+            result += np.where(fresh, reach**2, 0.0)
+        return result
+
+
+def cells_of(function: ErrorFunction, positions: Array) -> NDArray[np.intp]:
+    """Return the number of the cell at positions of a function's axis, of any shape."""
+    start, stop = function.basis.knots[0], function.basis.knots[-1]
+    last = round((stop - start) / function.cell) - 1
+    cells: NDArray[np.intp] = np.clip(np.floor((positions - start) / function.cell), 0, last).astype(np.intp)
+    return cells
+
+
+def _reach(levers: Array) -> str:
+    """λ at positions that all lines share, or at each line's own."""
+    return "kn,bn->bk" if levers.ndim == 2 else "bkn,bn->bk"
+
+
+def _columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
+    """Return the column of the rest of every cell of a function, -1 where it has not been visited."""
+    function = observation.errors.functions[index]
+    count = round((function.basis.knots[-1] - function.basis.knots[0]) / function.cell)
+    columns = np.full(count, -1)
+    for (owner, cell), column in observation.cells.items():
+        if owner == index:
+            columns[cell] = column
+    return columns
+
+
+def _levers(observation: Observation, setup: int, poses: Array) -> Array:
+    mounted, errors = observation.setups[setup], observation.errors
+    length = INSTRUMENTS[mounted.instrument].reads == "length"
+    levers: Array = (errors.levers(poses) if length else errors.angular_levers(poses)) @ np.array(mounted.direction)
+    return levers
