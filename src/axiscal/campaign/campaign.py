@@ -89,6 +89,11 @@ class Campaign:
         return self._record.path
 
     @property
+    def begun(self) -> str:
+        """When the record was begun: ISO 8601, UTC."""
+        return self._record.events()[0].at
+
+    @property
     def engine(self) -> Engine:
         """The belief after all readings, and the planner."""
         readings = list(self.state.readings)
@@ -121,17 +126,22 @@ class Campaign:
         self._append(asked)
         return asked
 
-    def record(self, value: float, std: float | None = None, at: Recorded | None = None) -> Reading:
+    def open_question(self) -> Asked:
+        """Return what has been asked and not been answered; raises RecordError if that is nothing."""
+        self._refuse_finished()
+        if self.state.pending is None:
+            remedy = "Ask for one with `axiscal next`, or say where a reading was taken with --setup and --at"
+            raise RecordError("No reading has been asked for", remedy, self.path)
+        return self.state.pending
+
+    def record(self, value: float, std: float | None = None, at: Asked | Recorded | None = None) -> Reading:
         """Keep a reading, of what was asked or of another place, and return it.
 
         value, std : m or rad; at : the place, whose value and std are not looked at
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
         self._refuse_finished()
-        place = at or self.state.pending
-        if place is None:
-            remedy = "Ask for one with `axiscal next`, or say where it was taken with --setup and --at"
-            raise RecordError("No reading has been asked for", remedy, self.path)
+        place = at or self.open_question()
         if not math.isfinite(value):
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
         if std is not None and not 0 < std < math.inf:
@@ -141,10 +151,7 @@ class Campaign:
 
     def skip(self, reason: str) -> Asked:
         """Note that the reading asked for cannot be taken, and return it; it is not asked for again."""
-        self._refuse_finished()
-        asked = self.state.pending
-        if asked is None:
-            raise RecordError("No reading has been asked for", "Ask for one with `axiscal next`", self.path)
+        asked = self.open_question()
         if not reason.strip():
             raise ReadingError("the reason is empty", "Say why the reading cannot be taken")
         self._append(Skipped(reason.strip()))

@@ -1,0 +1,53 @@
+"""`axiscal iso230`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import Json
+from axiscal.cli.printing import say, say_document
+
+_WORDS = {
+    "A": "accuracy of positioning, bidirectional",
+    "A_up": "  in the positive direction",
+    "A_down": "  in the negative direction",
+    "E": "systematic deviation, bidirectional",
+    "E_up": "  in the positive direction",
+    "E_down": "  in the negative direction",
+    "R": "repeatability, bidirectional",
+    "R_up": "  in the positive direction",
+    "R_down": "  in the negative direction",
+    "B": "reversal, the largest",
+    "B_mean": "reversal, the mean",
+    "M": "range of the mean deviation",
+}
+
+
+def iso230(
+    readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="target_mm, direction, run, deviation_um.")],
+    json: Json = False,
+) -> None:
+    """Print the ISO 230-2 figures of one axis.
+
+    Columns: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a rotary axis.
+
+    \b
+    Example:
+      axiscal iso230 readings.csv
+    """
+    from axiscal.evaluation import evaluate, read_iso230
+
+    document = evaluate(read_iso230(readings)).as_json()
+    if json:
+        say_document(document)
+        return
+    for name, words in _WORDS.items():
+        value = document[name]
+        figure = f"{'not measured':>12}" if value is None else f"{value:12.3f} {document['unit']}"
+        say(f"{name:7}{figure}   {words}")
+    warnings = document["warnings"]
+    for warning in warnings if isinstance(warnings, list) else []:
+        say(str(warning))

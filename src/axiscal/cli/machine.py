@@ -1,0 +1,73 @@
+"""`axiscal machine list / show / check`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import Json
+from axiscal.cli.printing import say, say_document
+
+app = typer.Typer(
+    help="The built-in machines, and a description of your own checked.", no_args_is_help=True, rich_markup_mode=None
+)
+
+
+@app.command("list")
+def list_machines(json: Json = False) -> None:
+    """List the built-in machines.
+
+    \b
+    Example:
+      axiscal machine list
+    """
+    from axiscal.machine import builtin_names, load_machine
+
+    machines = {name: load_machine(name) for name in builtin_names()}
+    if json:
+        rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
+        say_document({"schema": "axiscal-machines/1", "machines": rows})
+        return
+    for key, machine in machines.items():
+        say(f"{key:20} {machine.chain:24} {machine.name}")
+
+
+@app.command("show")
+def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in machine.")]) -> None:
+    """Print the description of a built-in machine, to be copied and changed.
+
+    \b
+    Example:
+      axiscal machine show three-axis-mill > machine.toml
+    """
+    from axiscal.machine import load_machine
+
+    say(load_machine(name).text.rstrip("\n"))
+
+
+@app.command("check")
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A machine description, or a built-in name.")],
+    json: Json = False,
+) -> None:
+    """Check a description.
+
+    \b
+    Example:
+      axiscal machine check machine.toml
+    """
+    from axiscal.campaign.target import travel_text
+    from axiscal.machine import load_machine
+
+    machine = load_machine(str(file))
+    if json:
+        axes = [axis.name for axis in machine.axes]
+        errors = [error.name for error in machine.errors]
+        say_document({"schema": "axiscal-machine/1", "name": machine.name, "axes": axes, "errors": errors})
+        return
+    say(f"{machine.name}: {machine.chain}, {len(machine.errors)} errors described.")
+    for axis in machine.axes:
+        side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
+        say(f"  {axis.name:3} {travel_text(axis)}, {side}")

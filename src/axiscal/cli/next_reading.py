@@ -1,0 +1,37 @@
+"""`axiscal next`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.printing import say, say_document
+
+
+def next_reading(
+    record: RecordFile,
+    beyond: Annotated[bool, typer.Option("--beyond", help="Ask for one more although a target is reached.")] = False,
+    json: Json = False,
+) -> None:
+    """Say which reading to take next.
+
+    The same question comes until it is answered by `record` or skipped.
+
+    \b
+    Example:
+      axiscal next mill.axiscal
+    """
+    from axiscal.campaign.campaign import Stop
+    from axiscal.cli.opening import open_campaign
+    from axiscal.cli.wording import question_document, question_text
+
+    with open_campaign(record) as campaign:
+        asked = campaign.next(beyond=beyond)
+        if json:
+            say_document(question_document(campaign, asked))
+        elif isinstance(asked, Stop):
+            say(f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {record} --out DIR")
+        else:
+            say(question_text(campaign, asked))

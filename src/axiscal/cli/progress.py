@@ -1,0 +1,38 @@
+"""Live progress on stderr: one line that changes on a terminal, one line per reading elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from axiscal.cli.printing import tell
+from axiscal.cli.wording import accuracy_text
+from axiscal.units import to_unit
+
+if TYPE_CHECKING:
+    from axiscal.campaign.campaign import Milestone
+    from axiscal.campaign.target import Target
+
+
+@contextmanager
+def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
+    """Yield what is to be told of every reading."""
+    if not sys.stderr.isatty():
+        yield lambda milestone: tell(progress_line(milestone, target))
+        return
+    from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
+
+    with Live(console=Console(stderr=True), refresh_per_second=8, redirect_stdout=False) as live:
+        yield lambda milestone: live.update(Text(progress_line(milestone, target)))
+
+
+def progress_line(milestone: Milestone, target: Target) -> str:
+    """Return one line: reading, accuracy with its targets, minutes with their budget."""
+    number = f"reading {milestone.number}" + (f" of {target.readings}" if target.readings is not None else "")
+    minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
+    minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
+    return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"

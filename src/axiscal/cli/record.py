@@ -1,0 +1,97 @@
+"""`axiscal record`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.printing import say, say_document
+
+if TYPE_CHECKING:
+    from axiscal.campaign.campaign import Campaign
+    from axiscal.measurement.reading import Reading
+
+
+def record(
+    record: RecordFile,
+    value: Annotated[
+        list[str] | None, typer.Argument(metavar="[VALUE]", help='The reading with its unit, such as "-1.7 um".')
+    ] = None,
+    std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
+    skip: Annotated[str | None, typer.Option(metavar="REASON", help="The reading cannot be taken, and why.")] = None,
+    at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
+    setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
+    approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
+    json: Json = False,
+) -> None:
+    """Keep a reading: actual minus commanded, along (about) the set-up's direction.
+
+    It is on the disk when the command ends. Values may be negative: "-1.7 um" is no option.
+
+    \b
+    Examples:
+      axiscal record mill.axiscal "-1.7 um"
+      axiscal record mill.axiscal 2.1um --std 0.2um
+      axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
+      axiscal record mill.axiscal --skip "the beam is blocked here"
+    """
+    from axiscal.cli.opening import open_campaign
+
+    text = " ".join(value or [])
+    if (skip is None) == (not text):
+        raise typer.BadParameter("give either VALUE or --skip REASON")
+    if skip is not None and (std or at or setup or approach):
+        raise typer.BadParameter("--skip is of the reading that was asked for; it takes no other option than --json")
+    if at is None and (setup or approach):
+        raise typer.BadParameter("--setup and --approach belong to --at")
+    document: dict[str, object]
+    with open_campaign(record) as campaign:
+        if skip is not None:
+            asked = campaign.skip(skip)
+            message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}
+        else:
+            kept = _keep(campaign, text, std, at, setup, approach)
+            message, document = _kept(campaign, kept), _kept_document(campaign, kept)
+    if json:
+        say_document({"schema": "axiscal-record/1", **document})
+    else:
+        say(f"{message}\nAsk for the next one: axiscal next {record}")
+
+
+def _keep(
+    campaign: Campaign, text: str, std: str | None, at: str | None, setup: str | None, approach: str | None
+) -> Reading:
+    from axiscal.cli.places import typed_place
+    from axiscal.measurement.instrument import INSTRUMENTS
+    from axiscal.units import parse_quantity
+
+    place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question()
+    dimension = INSTRUMENTS[campaign.description.setup(place.setup).instrument].reads
+    value = parse_quantity(text, dimension)
+    return campaign.record(value, None if std is None else parse_quantity(std, dimension), at=place)
+
+
+def _kept(campaign: Campaign, reading: Reading) -> str:
+    from axiscal.cli.wording import place_text, reading_unit
+    from axiscal.units import format_quantity
+
+    setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
+    place = place_text(axes, reading.pose, setup.moves)
+    value = format_quantity(reading.value, reading_unit(setup))
+    return f"Kept {value} at {place} ({len(campaign.state.readings)} so far)."
+
+
+def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
+    from axiscal.cli.wording import position_document, reading_unit
+    from axiscal.units import to_unit
+
+    unit = reading_unit(campaign.description.setup(reading.setup))
+    return {
+        "readings": len(campaign.state.readings),
+        "setup": reading.setup,
+        "position": position_document(campaign.description.machine.axes, reading.pose),
+        "value": to_unit(reading.value, unit),
+        "unit": unit,
+    }

@@ -1,0 +1,103 @@
+"""`axiscal run`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axiscal.cli.options import CampaignFile, Json, Out
+
+if TYPE_CHECKING:
+    from axiscal.campaign.campaign import Campaign
+    from axiscal.campaign.description import CampaignDescription
+    from axiscal.campaign.sources import Source
+
+
+def run(
+    campaign: CampaignFile,
+    out: Out,
+    source: Annotated[
+        str, typer.Option(metavar="SOURCE", help="sim, sim:SEED, truth:FILE.csv, csv:FILE or exec:COMMAND.")
+    ],
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
+    timeout: Annotated[
+        str, typer.Option(metavar="TIME", help="How long an exec: command may take over one reading.")
+    ] = "10 min",
+    json: Json = False,
+) -> None:
+    """Run the whole loop without a person: ask, read from SOURCE, until a target is reached.
+
+    Every reading is on the disk before the next one is asked for; after Ctrl-C or a source that dies, --resume goes on.
+
+    \b
+    Examples:
+      axiscal run campaign.toml --source sim:7 --out results
+      axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
+    """
+    from axiscal.campaign.description import read_campaign
+    from axiscal.cli.outputs import RECORD, write_outputs
+    from axiscal.units import parse_quantity
+
+    description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
+    out.mkdir(parents=True, exist_ok=True)
+    with _opened(out / RECORD, description, resume) as opened:
+        if opened.state.finished is None:
+            readings = _open_source(opened, source, seconds)
+            again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
+            _loop(opened, readings, again)
+        write_outputs(opened, out, as_json=json)
+
+
+def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campaign:
+    from axiscal.cli.opening import create_campaign, open_campaign
+    from axiscal.exceptions import RecordError
+
+    if not path.exists():
+        return create_campaign(path, description)
+    if not resume:
+        raise RecordError(
+            "This folder holds a campaign already", "Go on with it by --resume, or name another --out", path
+        )
+    opened = open_campaign(path)
+    kept = opened.description
+    if (kept.text, kept.machine.text) != (description.text, description.machine.text):
+        opened.close()
+        remedy = "Name another --out for the changed description, or take the changes back"
+        raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
+    return opened
+
+
+def _open_source(campaign: Campaign, text: str, timeout: float) -> Source:
+    from axiscal.campaign.sources import open_source
+    from axiscal.simulation import Simulator
+
+    description = campaign.description
+    simulator = Simulator(description.machine, description.setups)
+    return open_source(text, simulator, timeout, taken=len(campaign.state.readings))
+
+
+def _loop(campaign: Campaign, source: Source, again: str) -> None:
+    from axiscal.cli.progress import shown_progress
+    from axiscal.exceptions import AxiscalError, InputError
+
+    try:
+        with shown_progress(campaign.description.target) as watch:
+            campaign.run(source, watch)
+    except InputError as failure:
+        remedy = f"{failure.remedy.rstrip('.')}. {_kept(campaign, again)}"
+        raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
+    except KeyboardInterrupt:
+        raise AxiscalError(f"Stopped by Ctrl-C. {_kept(campaign, again)}") from None
+    finally:
+        source.close()
+
+
+def _kept(campaign: Campaign, again: str) -> str:
+    from axiscal.cli.wording import count_text
+
+    count = len(campaign.state.readings)
+    return (
+        f"{count_text(count, 'reading')} {'is' if count == 1 else 'are'} kept in {campaign.path}; go on with: {again}"
+    )

@@ -1,0 +1,50 @@
+"""`axiscal start`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import CampaignFile, Json
+from axiscal.cli.printing import say, say_document
+
+
+def start(
+    campaign: CampaignFile,
+    record: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[RECORD]", help="The record to make; default: the campaign's name with .axiscal, here."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the record, instead of RECORD.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Begin a campaign with a person at the machine: make its record.
+
+    The record carries both descriptions; later changes of the files do not touch it.
+
+    \b
+    Example:
+      axiscal start campaign.toml mill.axiscal
+    """
+    from axiscal.campaign.description import read_campaign
+    from axiscal.cli.opening import create_campaign
+    from axiscal.cli.wording import count_text
+
+    if record is not None and out is not None:
+        raise typer.BadParameter("give either RECORD or --out, not both")
+    description = read_campaign(campaign)
+    path = record or (out or Path()) / f"{campaign.stem}.axiscal"
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    create_campaign(path, description).close()
+    if json:
+        say_document({"schema": "axiscal-start/1", "record": str(path)})
+    else:
+        setups = count_text(len(description.setups), "set-up")
+        say(f"{path} is ready: {description.machine.name}, {setups}.\nAsk for the first reading: axiscal next {path}")

@@ -1,0 +1,76 @@
+"""`axiscal status`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.printing import say, say_document
+
+if TYPE_CHECKING:
+    from axiscal.campaign.campaign import Campaign
+
+
+def status(record: RecordFile, json: Json = False) -> None:
+    """Say where a campaign stands: readings, accuracy, minutes, what was skipped, what is asked.
+
+    \b
+    Example:
+      axiscal status mill.axiscal
+    """
+    from axiscal.cli.opening import open_campaign
+
+    with open_campaign(record, write=False) as campaign:
+        if json:
+            say_document(_document(campaign))
+        else:
+            say("\n".join(_lines(campaign)))
+
+
+def _lines(campaign: Campaign) -> list[str]:
+    from axiscal.cli.wording import accuracy_text, count_text, place_text, question_text
+    from axiscal.units import format_quantity
+
+    status, description = campaign.status(), campaign.description
+    state, target, axes = status.state, description.target, description.machine.axes
+    lines = [
+        f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
+        f"{format_quantity(status.seconds, 'min', 3)} of machine time",
+        accuracy_text(status.accuracy, target.rms, target.worst),
+    ]
+    lines += [f"Skipped {place_text(axes, gap.position)}: {gap.reason}" for gap in state.skipped]
+    if state.finished is not None:
+        return [*lines, f"Finished: {state.finished}"]
+    if status.reached is not None:
+        lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
+    return [*lines, question_text(campaign, state.pending)] if state.pending else lines
+
+
+def _document(campaign: Campaign) -> dict[str, object]:
+    from axiscal.units import to_unit
+
+    status = campaign.status()
+    state = status.state
+    return {
+        "schema": "axiscal-status/1",
+        "machine": campaign.description.machine.name,
+        "readings": len(state.readings),
+        "minutes": to_unit(status.seconds, "min"),
+        "rms_um": to_unit(status.accuracy.rms, "um"),
+        "worst_um": to_unit(status.accuracy.worst, "um"),
+        "target": _target(campaign),
+        "reached": status.reached,
+        "finished": state.finished,
+        "question": campaign.request(state.pending).message() if state.pending else None,
+        "skipped": [campaign.request(gap.asked).message() | {"reason": gap.reason} for gap in state.skipped],
+    }
+
+
+def _target(campaign: Campaign) -> dict[str, float | None]:
+    from axiscal.units import to_unit
+
+    target = campaign.description.target
+    lengths = {"rms_um": target.rms, "worst_um": target.worst}
+    shown = {name: None if value is None else to_unit(value, "um") for name, value in lengths.items()}
+    budget = None if target.budget is None else to_unit(target.budget, "min")
+    return {**shown, "readings": target.readings, "budget_min": budget}

@@ -1,0 +1,28 @@
+"""`axiscal undo`."""
+
+from __future__ import annotations
+
+from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.printing import say, say_document
+
+
+def undo(record: RecordFile, json: Json = False) -> None:
+    """Take back the last reading, skip or finish.
+
+    Its question is open again. The record still shows that it happened.
+
+    \b
+    Example:
+      axiscal undo mill.axiscal
+    """
+    from axiscal.campaign.events import Finished, Recorded
+    from axiscal.cli.opening import open_campaign
+
+    with open_campaign(record) as campaign:
+        event = campaign.undo().event
+        left = len(campaign.state.readings)
+    what = "the reading" if isinstance(event, Recorded) else "the end" if isinstance(event, Finished) else "the skip"
+    if json:
+        say_document({"schema": "axiscal-undo/1", "undone": type(event).__name__.lower(), "readings": left})
+    else:
+        say(f"Took back {what}; {left} readings are kept.")
