@@ -1,0 +1,39 @@
+"""`axiscal reproduce`."""
+
+from __future__ import annotations
+
+import json as json_text
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import Json
+from axiscal.cli.printing import say, say_document, tell
+
+Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
+
+
+def reproduce(out: Folder = None, json: Json = False) -> None:
+    """Simulate again what the source paper simulated, and draw its figures 4 to 7.
+
+    \b
+    Example:
+      axiscal reproduce --out paper
+    """
+    from axiscal.reproduction.experiment import document, run, table
+
+    experiment = run()
+    numbers = document(experiment)
+    if out is not None:
+        from axiscal.reproduction.page import render
+
+        out.mkdir(parents=True, exist_ok=True)
+        page = out / "reproduce.html"
+        page.write_text(render(experiment), "utf-8")
+        (out / "reproduce.json").write_text(json_text.dumps(numbers, indent=2, allow_nan=False) + "\n", "utf-8")
+        tell(f"The figures are in {page}.")
+    if json:
+        say_document(numbers)
+    else:
+        say(table(experiment))
