@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.campaign import Campaign, Milestone, Stop
+from axiscal.campaign.campaign import OUT_OF_REACH, Campaign, Milestone, Stop
 from axiscal.campaign.description import CampaignDescription, read_campaign
 from axiscal.campaign.engine import Proposal, Visit
 from axiscal.campaign.events import Asked, Gap, Recorded
@@ -302,3 +302,18 @@ def test_whatever_goes_wrong_is_an_axiscal_error(tmp_path: Path) -> None:
     (tmp_path / "r.axiscal").write_text("nothing")
     with pytest.raises(AxiscalError):
         Campaign.open(tmp_path / "r.axiscal", CountingEngine)
+
+
+def test_a_target_that_no_reading_brings_nearer_ends_the_run(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CountingEngine, "accuracy", lambda self: Known(9e-6, 1e-5))
+    campaign = start('rms = "2 um"')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == OUT_OF_REACH
+    assert len(campaign.state.readings) == 50
+
+
+def test_readings_that_were_wanted_are_taken_even_if_they_help_little(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(CountingEngine, "accuracy", lambda self: Known(9e-6, 1e-5))
+    campaign = start('rms = "2 um"\nreadings = 55')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == "55 readings taken"

@@ -10,7 +10,7 @@ Its state is folded from the record at every step; the belief follows the readin
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -28,6 +28,10 @@ from axiscal.measurement.reading import Reading
 
 PATIENCE = 25
 """So many skipped readings in a row are taken for a source that does not work."""
+
+FUTILE = 50
+OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
+_HARDLY = 0.99
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,10 +215,11 @@ class Campaign:
         watch : told of every reading that is kept, and of the beginning
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
-        watch(self._milestone())
+        path = [self._milestone()]
+        watch(path[0])
         in_a_row = 0
         with noted_interrupts() as interrupts:
-            while not isinstance(asked := self.next(), Stop):
+            while not isinstance(asked := Stop(OUT_OF_REACH) if self._futile(path) else self.next(), Stop):
                 with interrupts.waiting():
                     answer = source.read(self.request(asked))
                 if isinstance(answer, Skip):
@@ -224,7 +229,8 @@ class Campaign:
                 else:
                     self.record(answer.value, answer.std)
                     in_a_row = 0
-                    watch(self._milestone())
+                    path.append(self._milestone())
+                    watch(path[-1])
                 interrupts.heed()
             return self.finish(asked.because)
 
@@ -265,6 +271,14 @@ class Campaign:
     def _milestone(self) -> Milestone:
         readings = self.state.readings
         return Milestone(len(readings), readings[-1] if readings else None, self.engine.accuracy(), self._seconds())
+
+    def _futile(self, path: Sequence[Milestone]) -> bool:
+        """Whether only an accuracy could stop the campaign, and many readings have hardly improved it."""
+        target = self.description.target
+        if len(path) <= FUTILE or target.readings is not None or target.budget is not None or self.reached():
+            return False
+        before, now = path[-1 - FUTILE].accuracy, path[-1].accuracy
+        return now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

@@ -48,6 +48,7 @@ def run(
             again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
             _loop(opened, readings, again)
         write_outputs(opened, out, as_json=json)
+        _refuse_unreached(opened)
 
 
 def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campaign:
@@ -92,6 +93,18 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
         raise AxiscalError(f"Stopped by Ctrl-C. {_kept(campaign, again)}") from None
     finally:
         source.close()
+
+
+def _refuse_unreached(campaign: Campaign) -> None:
+    from axiscal.campaign.campaign import OUT_OF_REACH
+    from axiscal.exceptions import TargetError
+
+    if campaign.state.finished == OUT_OF_REACH:
+        what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
+        remedy = (
+            "Add set-ups that see what these cannot, give less noise or a wider target; the results so far are written"
+        )
+        raise TargetError(what, remedy, campaign.description.source)
 
 
 def _kept(campaign: Campaign, again: str) -> str:

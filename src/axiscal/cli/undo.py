@@ -17,6 +17,7 @@ def undo(record: RecordFile, json: Json = False) -> None:
     """
     from axiscal.campaign.events import Finished, Recorded
     from axiscal.cli.opening import open_campaign
+    from axiscal.cli.wording import count_text
 
     with open_campaign(record) as campaign:
         event = campaign.undo().event
@@ -25,4 +26,4 @@ def undo(record: RecordFile, json: Json = False) -> None:
     if json:
         say_document({"schema": "axiscal-undo/1", "undone": type(event).__name__.lower(), "readings": left})
     else:
-        say(f"Took back {what}; {left} readings are kept.")
+        say(f"Took back {what}; {count_text(left, 'reading')} {'is' if left == 1 else 'are'} kept.")
