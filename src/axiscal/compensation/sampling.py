@@ -1,97 +1,164 @@
-"""From the belief to one table per axis: what a correction of that axis alone can take away.
+"""From the belief to tables: what a correction along one axis, over one axis, can take away.
 
 A carriage that is told to go c(t) less far moves the TCP by −c(t) along the axis. Over the volume the best c(t) in
 the least-squares sense is the mean deviation along the axis at t, over all positions of the other axes: the
-positioning error of the axis and, through the mean lever arm, its angular errors. What other axes contribute is
-constant along t and belongs to their tables.
+positioning error of the axis and, through the mean lever arm, its angular errors. Over the position of *another* axis
+the same mean holds straightness and squareness. A table is not that curve but a line between points, so its values
+are the ones whose line is nearest to the curve.
+
+The deviation believed is the posterior mean: what the readings did not show is shrunk to nothing, not corrected.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from axiscal.belief import Belief
+from axiscal.compensation.conditional import mean_along, turned
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.hats import Hats
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box
-from axiscal.machine.kinematics import frames
+from axiscal.exceptions import TableError
 from axiscal.numerics import Array
+from axiscal.units import format_quantity
 
 _POINTS_PER_INTERVAL = 4
 _MOST_POINTS = 129
-_GAUSS = 12
+_NOTHING = 1e-12
 
 
-def axis_tables(model: ErrorModel, belief: Belief, box: Box) -> tuple[CompensationTable, ...]:
-    """Return a table for every axis along which the belief knows a deviation.
+def axis_tables(
+    model: ErrorModel, belief: Belief, box: Box, spacing: float | None = None, most: int = _MOST_POINTS
+) -> tuple[CompensationTable, ...]:
+    """Return a table for every axis along which the belief knows a deviation of its own position.
 
-    belief : over the machine's coefficients first; box : the volume over which levers are averaged
+    belief : over the machine's coefficients first; box : the volume over which tables shall be best
+    spacing : distance of the points of linear axes, m; most : points that fit when no spacing is given
+    Raises TableError for a spacing that does not divide a travel.
     """
-    return tuple(axis_table(model, belief, box, k) for k in _correctable(model))
+    estimate = Estimate(model, belief, box)
+    axes = range(len(model.machine.axes))
+    tables = (own_table(estimate, k, points(model, k, spacing, most)) for k in axes if _has_errors(model, k))
+    return tuple(table for table in tables if _says_something(table))
 
 
-def _correctable(model: ErrorModel) -> list[int]:
-    named = {f.name.removesuffix("_reversal") for f in model.functions}
-    return [k for k, axis in enumerate(model.machine.axes) if axis.positioning_error in named]
+def cross_tables(
+    estimate: Estimate, spacing: float | None = None, most: int = _MOST_POINTS
+) -> tuple[CompensationTable, ...]:
+    """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness."""
+    axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
+    tables = []
+    for over in axes:
+        at = points(estimate.model, over, spacing, most)
+        moved = [k for k in axes if k != over]
+        tables += _tables(estimate, moved, over, at) if moved else []
+    return tuple(table for table in tables if _says_something(table))
 
 
-def axis_table(model: ErrorModel, belief: Belief, box: Box, axis: int) -> CompensationTable:
-    """Return the table of one axis at evenly spaced positions over its travel."""
-    positions = _positions(model, axis)
-    forward, reverse = (_rows(model, box, axis, positions, sign) for sign in (1, -1))
-    size = model.size
-    factor = belief.factor[:size]
-    std = np.sqrt(np.maximum(*(np.sum((rows @ factor) ** 2, axis=1) for rows in (forward, reverse))))
+def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTable:
+    """Return the table of an axis over its own position.  positions : (n,) m or rad, increasing."""
+    if not estimate.machine.axes[axis].rotary:
+        return _tables(estimate, [axis], axis, positions)[0]
+    hats = _hats(estimate, axis, positions)
+    rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
+    return _fitted(estimate, axis, axis, hats, rows)
+
+
+def points(model: ErrorModel, axis: int, spacing: float | None = None, most: int = _MOST_POINTS) -> Array:
+    """Return evenly spaced positions over the travel of an axis, both ends included.  Raises TableError."""
     own = model.machine.axes[axis]
-    rest = sum(f.rest for f in model.functions if f.name == own.positioning_error)
-    mean = belief.mean[:size]
-    deviations = forward @ mean, reverse @ mean
-    return CompensationTable(own.name, own.rotary, positions, *deviations, np.hypot(std, rest))
+    start, stop = own.travel
+    if spacing is None or own.rotary:
+        intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
+        return np.linspace(start, stop, max(min(_POINTS_PER_INTERVAL * intervals + 1, most), 2))
+    count = round((stop - start) / spacing)
+    if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
+        near = format_quantity((stop - start) / max(count, 1), "mm")
+        what = (
+            f"{format_quantity(spacing, 'mm')} does not divide the {format_quantity(stop - start, 'mm')} of {own.name}"
+        )
+        raise TableError(what, f"{near} would, or leave the spacing out")
+    return np.linspace(start, stop, count + 1)
 
 
-def _positions(model: ErrorModel, axis: int) -> Array:
-    start, stop = model.machine.axes[axis].travel
-    intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
-    count = min(_POINTS_PER_INTERVAL * intervals, _MOST_POINTS - 1) + 1
-    return np.linspace(start, stop, max(count, 2))
+def _has_errors(model: ErrorModel, axis: int) -> bool:
+    return any(f.axis == axis for f in model.functions)
 
 
-def _rows(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) -> Array:
-    """Return the rows (m, size) of the mean deviation along the axis, approached in the direction of sign."""
-    poses, weights = _poses(model, box, axis, positions)
-    motion = _motion(model, axis, poses)
-    levers = np.zeros((len(model.functions), len(poses)))
-    own = [i for i, f in enumerate(model.functions) if f.axis == axis]
-    if model.machine.axes[axis].rotary:
-        levers[own] = np.einsum("fmc,mc->fm", model.angular_levers(poses)[own], motion)
-    else:
-        levers[own] = np.einsum("fmc,mc->fm", model.levers(poses)[own], motion)
-    approaches = np.zeros_like(poses)
-    approaches[:, axis] = sign
-    rows = model.along(levers, poses, approaches).reshape(len(positions), len(weights), model.size)
-    mean: Array = np.einsum("pwn,w->pn", rows, weights)
+def _tables(estimate: Estimate, moved: Sequence[int], over: int, positions: Array) -> list[CompensationTable]:
+    hats = _hats(estimate, over, positions)
+    rows = np.stack(
+        [mean_along(estimate.model, estimate.box, moved, over, hats.nodes, sign) for sign in (1, -1)], axis=1
+    )
+    return [_fitted(estimate, axis, over, hats, own) for axis, own in zip(moved, rows, strict=True)]
+
+
+def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
+    knots = [f.basis.knots for f in estimate.model.functions if f.axis == over]
+    closed = estimate.machine.axes[over].cyclic
+    return Hats.on(positions, np.concatenate(knots) if knots else positions, estimate.box[over], closed)
+
+
+def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
+    """Return the table nearest to curves given as rows (2, nodes, size), forward and reverse."""
+    rows = hats.best() @ curves
+    anchor = _anchor(estimate, axis, over, hats, curves, rows)
+    rows, curves = rows - anchor, curves - anchor
+    forward, reverse = rows @ estimate.mean
+    departure = max(
+        hats.departure(curve @ estimate.mean, values) for curve, values in zip(curves, (forward, reverse), strict=True)
+    )
+    prior = _std(rows, _prior_factor(estimate.model))
+    own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
+    rest = _rest(estimate, axis, over)
+    return CompensationTable(
+        own.name, own.rotary, hats.points, forward, reverse, np.hypot(_std(rows, estimate.factor), rest),
+        looked_up.name, np.hypot(prior, rest), departure,
+    )  # fmt: skip
+
+
+def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, rows: Array) -> Array:
+    """Return the row (size,) of the constant that is taken off.
+
+    Without rotary axes a constant is a matter of the workpiece's zero, and the table is zero where the axis is. With
+    them the place of the rotor matters: the constant stays in the table of the axis itself, once.
+    """
+    if not any(a.rotary for a in estimate.machine.axes):
+        zero = np.clip(0.0, *hats.points[[0, -1]])
+        weights = np.array([np.interp(zero, hats.points, unit) for unit in np.eye(len(hats.points))])
+        at_zero: Array = weights @ rows.mean(axis=0)
+        return at_zero
+    if axis == over:
+        return np.zeros(rows.shape[-1])
+    mean: Array = hats.weights @ curves.mean(axis=0) / hats.weights.sum()
     return mean
 
 
-def _motion(model: ErrorModel, axis: int, poses: Array) -> Array:
-    """Return the direction in which the axis moves (or about which it turns) the TCP, (m, 3), workpiece frame."""
-    direction: Array = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
-    return direction
+def _prior_factor(model: ErrorModel) -> Array:
+    """Return F (size, size) with F Fᵀ the prior covariance, block by block."""
+    factor = np.zeros((model.size, model.size))
+    for function in model.functions:
+        values, vectors = np.linalg.eigh(function.covariance)
+        factor[function.columns, function.columns] = vectors * np.sqrt(np.maximum(values, 0.0))
+    return factor
 
 
-def _poses(model: ErrorModel, box: Box, axis: int, positions: Array) -> tuple[Array, Array]:
-    """Return poses (positions x nodes, q) with the weights (nodes,) of the other axes.
+def _std(rows: Array, factor: Array) -> Array:
+    """Return the larger standard deviation of both directions, (points,).  rows : (2, points, size)."""
+    result: Array = np.sqrt(np.max(np.sum((rows @ factor) ** 2, axis=-1), axis=0))
+    return result
 
-    Levers are affine in every linear coordinate, so its middle stands for its mean; rotary axes take Gauss nodes.
-    """
-    nodes, weights = [], []
-    for k, bounds in enumerate(box):
-        rotary = model.machine.axes[k].rotary and k != axis
-        x, w = np.polynomial.legendre.leggauss(_GAUSS if rotary else 1)
-        nodes.append(sum(bounds) / 2 + (bounds[1] - bounds[0]) / 2 * x)
-        weights.append(w / 2)
-    grid = np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")], axis=1)
-    share = np.prod(np.stack([g.ravel() for g in np.meshgrid(*weights, indexing="ij")]), axis=0)
-    poses = np.tile(grid, (len(positions), 1))
-    poses[:, axis] = np.repeat(positions, len(grid))
-    return poses, share
+
+def _rest(estimate: Estimate, axis: int, over: int) -> float:
+    """Return the rest of the errors that the table follows directly, m or rad."""
+    along = estimate.machine.axes[axis]
+    name = f"E{along.positioning_error[1]}{estimate.machine.axes[over].name}"
+    return float(sum(f.rest for f in estimate.model.functions if f.name == name))
+
+
+def _says_something(table: CompensationTable) -> bool:
+    return bool(max(np.max(np.abs(table.forward)), np.max(np.abs(table.reverse))) > _NOTHING)

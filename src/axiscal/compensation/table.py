@@ -1,4 +1,4 @@
-"""One axis' deviation at chosen positions, as a controller's table holds it, and the file made of it."""
+"""A deviation at chosen positions, as a controller's table holds it, and the file made of it."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
+_SILENT = 0.95
 _AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
 
 
@@ -19,9 +21,12 @@ class CompensationTable:
     """The deviation of one axis, actual minus nominal along its own positive direction, tool relative to workpiece.
 
     axis : its name, as in the chain; rotary : whether it turns
-    positions : (n,) m or rad, strictly increasing
+    positions : (n,) m or rad, strictly increasing, of the axis itself or of `over`
     forward, reverse : (n,) m or rad, the deviation when the position was approached upwards or downwards
     std : (n,) m or rad, the standard deviation that the deviation is known to
+    over : the linear axis over whose position the deviation goes; the axis itself unless said otherwise
+    prior_std : (n,) what `std` was before the first reading, as far as known
+    departure : largest distance between the table and the curve it was made of, over the volume, m or rad
     Raises TableError for anything that no controller could hold.
     """
 
@@ -31,11 +36,16 @@ class CompensationTable:
     forward: Array
     reverse: Array
     std: Array
+    over: str = ""
+    prior_std: Array | None = None
+    departure: float = 0.0
 
     def __post_init__(self) -> None:
-        if not _AXIS.fullmatch(self.axis):
-            raise TableError(f"{self.axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
-        for name in ("positions", "forward", "reverse", "std"):
+        object.__setattr__(self, "over", self.over or self.axis)
+        for axis in (self.axis, self.over):
+            if not _AXIS.fullmatch(axis):
+                raise TableError(f"{axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
+        for name in ("positions", "forward", "reverse", "std", *(["prior_std"] if self.prior_std is not None else [])):
             values = np.array(getattr(self, name), dtype=np.float64)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
@@ -60,7 +70,16 @@ class CompensationTable:
     @property
     def unit(self) -> str:
         """The unit in which positions are shown."""
-        return "deg" if self.rotary else "mm"
+        return "deg" if self.rotary and self.over == self.axis else "mm"
+
+    @property
+    def prior_only(self) -> NDArray[np.bool_]:
+        """Where the readings said nothing, (n,): the deviation there is what was believed beforehand."""
+        if self.prior_std is None:
+            return np.zeros(len(self.positions), dtype=bool)
+        open_before = self.prior_std > 1e-9 * np.max(self.prior_std)
+        silent: NDArray[np.bool_] = open_before & (self.std >= _SILENT * self.prior_std)
+        return silent
 
     @property
     def fine_unit(self) -> str:

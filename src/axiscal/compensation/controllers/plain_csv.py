@@ -41,7 +41,8 @@ def parse(text: str, file: str = "table.csv") -> CompensationTable:
     if len({column.dimension for column in found}) > 1:
         raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
     columns = [np.array([row.quantity(column) for row in source.rows]) for column in found]
-    return CompensationTable(names.pop(), found[0].dimension == "angle", *columns)
+    positions, forward, reverse, std = columns
+    return CompensationTable(names.pop(), found[0].dimension == "angle", positions, forward, reverse, std)
 
 
 def offer(table: CompensationTable) -> TableFile:

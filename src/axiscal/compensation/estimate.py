@@ -1,0 +1,44 @@
+"""What is believed of one machine over one volume: all that a table can be made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from axiscal.belief import Belief
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import Box
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Estimate:
+    """A belief with what it is about.
+
+    belief : over the machine's coefficients first, other unknowns after them
+    box : the volume over which tables shall be good, bounds per axis in chain order, m or rad
+    """
+
+    model: ErrorModel
+    belief: Belief
+    box: Box
+
+    @property
+    def machine(self) -> Machine:
+        """The machine."""
+        return self.model.machine
+
+    @property
+    def mean(self) -> Array:
+        """Posterior mean of the machine's coefficients, (size,)."""
+        return self.belief.mean[: self.model.size]
+
+    @property
+    def factor(self) -> Array:
+        """F (size, n) with F Fᵀ the posterior covariance of the machine's coefficients."""
+        return self.belief.factor[: self.model.size]
+
+    def deviation(self, poses: Array, approaches: Array) -> Array:
+        """Return the TCP deviation that is expected, (m, 3), m, workpiece frame.  poses, approaches : (m, q)."""
+        expected: Array = self.model.rows(poses, approaches) @ self.mean
+        return expected
