@@ -70,13 +70,13 @@ def _exhaustive(case: Case, scorer: Scorer, points: int) -> list[Array]:
 def _machine(generator: np.random.Generator, count: int) -> Machine:
     stacked = generator.random() < 0.5
     axes = tuple(_axis(generator, name, not stacked and generator.random() < 0.4) for name in "XYZ"[:count])
-    errors = [ErrorEntry("EZ" + a.name, generator.uniform(0.5, 2), knots=int(generator.integers(2, 9))) for a in axes]
+    errors = [ErrorEntry("EZ" + a.name, generator.uniform(0.5, 2), knots=int(generator.integers(3, 9))) for a in axes]
     if generator.random() < 0.3:
         errors.append(ErrorEntry(f"EZ{axes[0].name}_reversal", generator.uniform(0.1, 1)))
     if not stacked:
         tilts = generator.choice(["A", "B"], count)
         errors += [
-            ErrorEntry(f"E{tilt}{a.name}", generator.uniform(0.1, 1), knots=int(generator.integers(2, 7)))
+            ErrorEntry(f"E{tilt}{a.name}", generator.uniform(0.1, 1), knots=int(generator.integers(3, 7)))
             for tilt, a in zip(tilts, axes, strict=True)
         ]
     return Machine("random", axes, 0.3, tuple(errors), "", "")

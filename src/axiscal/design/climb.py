@@ -56,12 +56,12 @@ class Climb:
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
         spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
-        kept: list[int] = []
-        for i in np.argsort(-self.gains, kind="stable"):
-            near = [np.all(np.abs(self.poses[i] - self.poses[k]) <= _APART * spans) for k in kept]
-            if not any(n and np.all(self.approaches[i] == self.approaches[k]) for n, k in zip(near, kept, strict=True)):
-                kept.append(int(i))
-        return self.keep(np.array(kept, dtype=np.intp))
+        order = np.argsort(-self.gains, kind="stable")
+        poses, approaches = self.poses[order] / spans, self.approaches[order]
+        near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(
+            approaches[:, None] == approaches, axis=2
+        )
+        return self.keep(order[~np.any(np.tril(near, -1), axis=1)])
 
     def sweep_lattice(self) -> None:
         """Move every axis once to the best of a few positions in each interval."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.design.climb import Climb
@@ -21,11 +22,16 @@ from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _LATTICE_STARTS = 16
-_PEAKS = 16
+_MORE_STARTS = 48
+_FEW_AXES = 3
+_LOOKED_AT = 600
+_APART = 0.12
+_PEAKS = 32
+_STACKED_PEAKS = 16
 _SHARE = 0.92
 _HOPEFUL = 0.97
-_PEAKS_EXACT = 1
-_LATTICE_EXACT = 3
+_STACKED_EXACT = 1
+_LATTICE_EXACT = 6
 _FIRST_STEPS = 3
 
 
@@ -60,7 +66,7 @@ def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     climbs = [_stacked(scorer, setup) for setup in simple]
     if len(simple) < len(setups):
         climbs += _from_lattice(scorer, lattice.within(np.isin(lattice.setups, simple, invert=True)))
-    finalists = _finalists(climbs, [_PEAKS_EXACT] * len(simple) + [_LATTICE_EXACT] * (len(climbs) - len(simple)))
+    finalists = _finalists(climbs, [_STACKED_EXACT] * len(simple) + [_LATTICE_EXACT] * (len(climbs) - len(simple)))
     for climb in finalists:
         if len(climb.moves) > 1:
             climb.finish()
@@ -73,7 +79,7 @@ def _stacked(scorer: Scorer, setup: int) -> Climb:
         return _parked(scorer, setup)
     found = starts(scorer, setup)
     climb = Climb(scorer, setup, found.poses, found.approaches, found.gains)
-    return climb.best(_PEAKS, _SHARE, found.gains.max())
+    return climb.best(_STACKED_PEAKS, _SHARE, found.gains.max())
 
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
@@ -90,22 +96,37 @@ def _parked(scorer: Scorer, setup: int) -> Climb:
 def _from_lattice(scorer: Scorer, lattice: Lattice) -> list[Climb]:
     """Return the best candidates, each set-up with at least one, after a sweep."""
     gains = scorer.gains(lattice)
-    order = np.argsort(-gains, kind="stable")
-    _, firsts = np.unique(lattice.setups[order], return_index=True)
-    chosen = np.unique(np.concatenate([order[firsts], order[:_LATTICE_STARTS]]))
+    chosen = _scattered(scorer.observation, lattice, gains)
     climbs = []
     for setup in np.unique(lattice.setups[chosen]):
         mine = chosen[lattice.setups[chosen] == setup]
         climb = Climb(scorer, int(setup), lattice.poses[mine], lattice.approaches[mine], gains[mine])
-        climb.sweep_lattice()
+        for _ in range(2 if len(climb.moves) <= _FEW_AXES else 1):
+            climb.sweep_lattice()
         climbs.append(climb)
     return climbs
+
+
+def _scattered(observation: Observation, lattice: Lattice, gains: Array) -> NDArray[np.intp]:
+    """Return good candidates that do not stand close together, and the best of every set-up."""
+    spans = np.array([axis.length for axis in observation.errors.machine.axes])
+    order = np.argsort(-gains, kind="stable")
+    _, firsts = np.unique(lattice.setups[order], return_index=True)
+    chosen = list(order[firsts])
+    few = max(len(s.moves) for s in observation.setups) <= _FEW_AXES
+    wanted = (_MORE_STARTS if few else _LATTICE_STARTS) + len(firsts)
+    for i in order[:_LOOKED_AT]:
+        same = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]
+        apart = np.abs(lattice.poses[same] - lattice.poses[i]) / spans
+        if len(chosen) < wanted and np.all(apart.max(axis=1, initial=0.0) > _APART):
+            chosen.append(i)
+    return np.array(chosen, dtype=np.intp)
 
 
 def _finalists(climbs: list[Climb], counts: list[int]) -> list[Climb]:
     """Return the distinct best after Newton's steps, few enough for exact lines."""
     best = max(climb.gains.max() for climb in climbs)
-    kept = [(climb.best(_PEAKS, _SHARE, best), count) for climb, count in zip(climbs, counts, strict=True)]
+    kept = [(climb.distinct().best(_PEAKS, _SHARE, best), count) for climb, count in zip(climbs, counts, strict=True)]
     kept = [(climb, count) for climb, count in kept if len(climb.gains)]
     for climb, _ in kept:
         if len(climb.moves) > 1:
