@@ -9,7 +9,19 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli import estimate, finish, iso230, machine, next_reading, record, reproduce, run_loop, start, status, undo
+from axiscal.cli import (
+    estimate,
+    finish,
+    iso230,
+    machine,
+    next_reading,
+    record,
+    reproduce,
+    run_loop,
+    start,
+    status,
+    undo,
+)
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError
 
@@ -22,12 +34,12 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
     no_args_is_help=True,
-    context_settings={"max_content_width": 100, "help_option_names": ["--help", "-h"]},
+    context_settings={"max_content_width": 100},
 )
 app.add_typer(machine.app, name="machine")
 app.command("start")(start.start)
 app.command("next")(next_reading.next_reading)
-app.command("record", context_settings={"ignore_unknown_options": False})(record.record)
+app.command("record")(record.record)
 app.command("undo")(undo.undo)
 app.command("status")(status.status)
 app.command("finish")(finish.finish)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def record(
     record: RecordFile,
     value: Annotated[
-        list[str] | None, typer.Argument(metavar="[VALUE]", help='The reading with its unit, such as "-1.7 um".')
+        list[str] | None, typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".')
     ] = None,
     std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
     skip: Annotated[str | None, typer.Option(metavar="REASON", help="The reading cannot be taken, and why.")] = None,

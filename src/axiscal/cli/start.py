@@ -15,9 +15,7 @@ def start(
     campaign: CampaignFile,
     record: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[RECORD]", help="The record to make; default: the campaign's name with .axiscal, here."
-        ),
+        typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for the record, instead of RECORD.")

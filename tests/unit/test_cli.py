@@ -1,0 +1,432 @@
+"""The command line, end to end on a machine of one axis: what it prints, keeps, refuses, and with which exit status."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axiscal.campaign.sources import Answer, Request
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.cli import app
+from axiscal.exceptions import SourceError
+
+CAMPAIGN = """\
+machine = "one-axis"
+[target]
+readings = 4
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+noise = "0.5 um"
+"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    status: int
+    out: str
+    err: str
+
+    @property
+    def document(self) -> Any:
+        """The one JSON document on stdout."""
+        return json.loads(self.out)
+
+    def refused(self, *words: str) -> None:
+        """Check that this is a refusal: status 1, one paragraph on stderr with these words, no traceback."""
+        text = " ".join(self.err.split())
+        assert (self.status, self.out) == (1, ""), self
+        assert text.startswith("axiscal: ")
+        assert "Traceback" not in text
+        assert "\n\n" not in self.err.strip()
+        for word in words:
+            assert word in text
+
+
+Command = Callable[..., Outcome]
+
+
+@pytest.fixture
+def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """Run a command in a folder that holds a campaign."""
+    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str) -> Outcome:
+        status = app.run(words)
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return command
+
+
+@pytest.fixture
+def started(axiscal: Command) -> Command:
+    assert axiscal("start", "c.toml", "m.axiscal").status == 0
+    return axiscal
+
+
+def test_the_loop_with_a_person(axiscal: Command) -> None:
+    assert "c.axiscal is ready" in axiscal("start", "c.toml").out
+    for number in range(1, 5):
+        question = axiscal("next", "c.axiscal", "--json").document["question"]
+        assert (question["reading"], question["setup"], question["units"]) == (number, "laser", {"X": "mm"})
+        assert axiscal("record", "c.axiscal", f"{number} um").status == 0
+    assert axiscal("next", "c.axiscal", "--json").document == {
+        "schema": "axiscal-next/1",
+        "question": None,
+        "stop": "4 readings taken",
+    }
+    assert "4 readings taken" in axiscal("next", "c.axiscal").out
+    result = axiscal("finish", "c.axiscal", "--out", "results", "--json").document
+    assert (result["schema"], result["readings"], result["stopped_because"]) == (
+        "axiscal-result/1",
+        4,
+        "4 readings taken",
+    )
+    assert [row["reading"] for row in result["history"]] == [0, 1, 2, 3, 4]
+    assert result["history"][0]["position"] is None
+    assert json.loads(Path("results/result.json").read_text()) == result
+    assert axiscal("status", "results/campaign.axiscal", "--json").document["finished"] == "4 readings taken"
+
+
+def test_asking_again_gives_the_same_question(started: Command) -> None:
+    first = started("next", "m.axiscal")
+    assert first.status == 0
+    assert "Reading 1" in first.out
+    assert started("next", "m.axiscal").out == first.out
+
+
+@pytest.mark.parametrize(
+    ("words", "value"),
+    [
+        (["-1.7 um"], -1.7),
+        (["-1.7um"], -1.7),
+        (["-1.7", "um"], -1.7),
+        (["--", "-1.7um"], -1.7),
+        (["-.5", "um"], -0.5),
+        (["-1e3 nm"], -1.0),
+        (["2.1um", "--std", "0.2 um"], 2.1),
+        (["--std", "0.2 um", "-2.1 um"], -2.1),
+        (["3µm"], 3.0),
+    ],
+)
+def test_values_as_they_are_typed(started: Command, words: list[str], value: float) -> None:
+    started("next", "m.axiscal")
+    kept = started("record", "m.axiscal", "--json", *words)
+    assert kept.status == 0, kept
+    assert kept.document["value"] == pytest.approx(value, rel=1e-12)
+    assert kept.document["unit"] == "um"
+
+
+def test_a_reading_of_another_place(started: Command) -> None:
+    kept = started(
+        "record", "m.axiscal", "0.8 um", "--at", "X=120 mm", "--setup", "laser", "--approach", "X-", "--json"
+    )
+    assert kept.document["position"] == {"X": 120.0}
+    started("record", "m.axiscal", "0.8 um", "--at", "X = 0.13 m")
+    assert started("status", "m.axiscal", "--json").document["readings"] == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["1.7"], "has no unit"),
+        (["1.7", "urad"], "is an angle, not a length"),
+        (["nan um"], "not a finite number"),
+        (["one um"], "not a number with a unit"),
+        (["1,7 um"], "comma"),
+        (["1 um", "--std", "0 um"], "not a standard deviation"),
+        (["1 um", "--std", "-1 um"], "not a standard deviation"),
+        (["1 um", "--at", "X=120"], "has no unit"),
+        (["1 um", "--at", "X=1 km"], "outside the travel"),
+        (["1 um", "--at", "Y=1 mm"], 'no axis "Y"'),
+        (["1 um", "--at", "120 mm"], "is not a place"),
+        (["1 um", "--at", "X=1 mm X=2 mm"], "is not a place"),
+        (["1 um", "--at", ""], "X moves in the set-up"),
+        (["1 um", "--at", "X=1 mm", "--approach", "up"], "is not an approach"),
+        (["1 um", "--at", "X=1 mm", "--approach", "Y+"], 'no axis "Y"'),
+        (["1 um", "--at", "X=1 mm", "--setup", "lazer"], 'no set-up "lazer"'),
+        (["--skip", " "], "reason is empty"),
+    ],
+)
+def test_what_cannot_be_recorded_is_refused_and_costs_nothing(started: Command, words: list[str], says: str) -> None:
+    started("next", "m.axiscal")
+    started("record", "m.axiscal", "1 um")
+    started("next", "m.axiscal")
+    started("record", "m.axiscal", *words).refused(says)
+    assert started("status", "m.axiscal", "--json").document["readings"] == 1
+
+
+def test_skip_undo_status(started: Command) -> None:
+    question = started("next", "m.axiscal", "--json").document["question"]
+    assert started("record", "m.axiscal", "--skip", "the beam is blocked").status == 0
+    status = started("status", "m.axiscal", "--json").document
+    assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
+        ("the beam is blocked", question["position"])
+    ]
+    assert "Skipped" in started("status", "m.axiscal").out
+    assert started("undo", "m.axiscal", "--json").document["undone"] == "skipped"
+    assert started("next", "m.axiscal", "--json").document["question"] == question
+    started("undo", "m.axiscal").refused("nothing to take back")
+
+
+def test_a_finished_campaign_says_so(started: Command) -> None:
+    assert started("finish", "m.axiscal", "--out", "r").status == 0
+    assert started("finish", "m.axiscal", "--out", "r").status == 0
+    assert "Finished: ended by the operator" in started("status", "m.axiscal").out
+    started("next", "m.axiscal").refused("The campaign is finished", "axiscal undo")
+    assert "took back the end" in started("undo", "m.axiscal").out.lower()
+    assert started("next", "m.axiscal").status == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [],
+        ["measure"],
+        ["next"],
+        ["next", "m.axiscal", "n.axiscal"],
+        ["next", "--colour"],
+        ["record", "m.axiscal"],
+        ["record", "m.axiscal", "1 um", "--skip", "why"],
+        ["record", "m.axiscal", "--skip", "why", "--std", "1 um"],
+        ["record", "m.axiscal", "1 um", "--setup", "laser"],
+        ["start", "c.toml", "r.axiscal", "--out", "d"],
+        ["run", "c.toml", "--out", "d"],
+        ["finish", "m.axiscal"],
+        ["machine"],
+        ["machine", "sell"],
+    ],
+)
+def test_wrong_usage_is_status_2(started: Command, words: list[str]) -> None:
+    outcome = started(*words)
+    assert outcome.status == 2
+    assert "Traceback" not in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["start", "none.toml"], "none.toml: there is no such file"),
+        (["start", "."], "folder"),
+        (["start", "c.toml", "m.axiscal"], "exists already"),
+        (["start", "c.toml", "no/such/folder/r.axiscal"], "cannot be written"),
+        (["next", "none.axiscal"], "no such record"),
+        (["next", "c.toml"], "not a campaign record"),
+        (["status", "c.toml"], "not a campaign record"),
+        (["record", "m.axiscal", "1 um"], "No reading has been asked for"),
+        (["run", "c.toml", "--source", "laser", "--out", "d"], "is not a source"),
+        (["run", "c.toml", "--source", "csv:none.csv", "--out", "d"], "none.csv"),
+        (["run", "c.toml", "--source", "sim", "--out", "c.toml"], "c.toml"),
+        (["run", "c.toml", "--source", "sim", "--out", "d", "--timeout", "10"], "has no unit"),
+        (["estimate", "c.toml", "none.csv", "--out", "d"], "none.csv"),
+        (["iso230", "none.csv"], "none.csv"),
+        (["machine", "show", "mill"], "neither a file nor a built-in machine"),
+        (["machine", "check", "c.toml"], "c.toml"),
+    ],
+)
+def test_what_cannot_be_done_is_one_paragraph(started: Command, words: list[str], says: str) -> None:
+    started(*words).refused(says)
+
+
+def test_a_run_without_a_person(axiscal: Command) -> None:
+    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--json")
+    assert outcome.status == 0
+    assert outcome.document["readings"] == 4
+    lines = outcome.err.splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"reading {number} of 4" for number in range(5)]
+    assert "RMS" in lines[-1]
+    assert "min" in lines[-1]
+    again = axiscal("run", "c.toml", "--source", "sim:3", "--out", "e", "--json")
+    assert again.document["history"] == outcome.document["history"]
+
+
+def test_a_run_is_not_overwritten_and_can_be_resumed(axiscal: Command, tmp_path: Path) -> None:
+    (tmp_path / "two.csv").write_text("value_um\n1\n2\n")
+    failed = axiscal("run", "c.toml", "--source", "csv:two.csv", "--out", "d")
+    failed_text = " ".join(failed.err.split())
+    assert failed.status == 1
+    assert "there are 2 readings in it" in failed_text
+    assert "2 readings are kept in d/campaign.axiscal; go on with: axiscal run c.toml" in failed_text
+    axiscal("run", "c.toml", "--source", "csv:two.csv", "--out", "d").refused("holds a campaign already", "--resume")
+    (tmp_path / "four.csv").write_text("value_um\n1\n2\n3\n4\n")
+    resumed = axiscal("run", "c.toml", "--source", "csv:four.csv", "--out", "d", "--resume", "--json")
+    assert resumed.document["readings"] == 4
+    assert axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").status == 0
+
+
+def test_a_resumed_simulation_is_the_same_run(axiscal: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = axiscal("run", "c.toml", "--source", "sim:5", "--out", "whole", "--json").document
+    read = SimulatedSource.read
+
+    def unplugged(self: SimulatedSource, request: Request) -> Answer:
+        if request.reading == 3:
+            raise SourceError("unplugged", "plug it in")
+        return read(self, request)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(SimulatedSource, "read", unplugged)
+        assert "2 readings are kept" in axiscal("run", "c.toml", "--source", "sim:5", "--out", "parts").err
+    resumed = axiscal("run", "c.toml", "--source", "sim:5", "--out", "parts", "--resume", "--json").document
+    assert resumed["history"] == whole["history"]
+
+
+def test_a_changed_description_does_not_resume(axiscal: Command, tmp_path: Path) -> None:
+    axiscal("run", "c.toml", "--source", "sim", "--out", "d")
+    (tmp_path / "c.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 5"))
+    axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").refused("has been changed")
+
+
+INSTRUMENT = """
+import json, sys, time
+for number, line in enumerate(sys.stdin, 1):
+    asked = json.loads(line)
+    {special}
+    print(json.dumps({{"value": 0.01 * asked["position"]["X"], "unit": "um"}}), flush=True)
+"""
+
+
+def instrument(folder: Path, special: str) -> str:
+    (folder / "instrument.py").write_text(INSTRUMENT.format(special=special))
+    return f"exec:{shlex.quote(sys.executable)} instrument.py"
+
+
+def test_an_instrument_behind_a_command(axiscal: Command, tmp_path: Path) -> None:
+    outcome = axiscal("run", "c.toml", "--source", instrument(tmp_path, "pass"), "--out", "d", "--json")
+    assert outcome.document["readings"] == 4
+
+
+def test_an_instrument_that_dies_costs_nothing(axiscal: Command, tmp_path: Path) -> None:
+    dying = instrument(tmp_path, "if number == 3: sys.exit('laser lost')")
+    outcome = axiscal("run", "c.toml", "--source", dying, "--out", "d")
+    text = " ".join(outcome.err.split())
+    assert outcome.status == 1
+    assert "ended with status 1" in text
+    assert "2 readings are kept" in text
+    assert axiscal("status", "d/campaign.axiscal", "--json").document["readings"] == 2
+
+
+def spawned(folder: Path, *words: str) -> subprocess.Popen[str]:
+    environment = os.environ | {"PYTHONIOENCODING": "utf-8"}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    command = [sys.executable, "-m", "axiscal.cli", *words]
+    return subprocess.Popen(command, cwd=folder, env=environment, text=True, **pipes)  # type: ignore[call-overload,no-any-return]
+
+
+def test_ctrl_c_keeps_the_readings_and_says_how_to_go_on(tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    waiting = instrument(tmp_path, "if number == 3: time.sleep(60)")
+    process = spawned(tmp_path, "run", "c.toml", "--source", waiting, "--out", "d")
+    assert process.stderr is not None
+    seen = [process.stderr.readline() for _ in range(3)]
+    assert seen[-1].startswith("reading 2 of 4")
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    text = " ".join(err.split())
+    assert process.returncode == 1
+    assert "Stopped by Ctrl-C. 2 readings are kept in d/campaign.axiscal; go on with: axiscal run c.toml" in text
+    assert "--resume" in text
+    assert "Traceback" not in text
+
+
+def test_a_reader_that_goes_away_is_no_failure_to_talk_about(tmp_path: Path) -> None:
+    process = spawned(tmp_path, "machine", "show", "dmu60")
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    assert "Traceback" not in process.stderr.read()
+    process.stderr.close()
+    assert process.wait() in (0, 1)
+
+
+def test_the_version_needs_nothing_heavy() -> None:
+    program = (
+        "import sys; sys.argv = ['axiscal', '--version']; from axiscal.cli import main; main();"
+        "sys.exit(str({'numpy', 'typer', 'scipy', 'pydantic', 'rich'} & set(sys.modules) or ''))"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert run.stdout.startswith("axiscal 0.")
+    assert run.stderr.strip() == ""
+
+
+@pytest.mark.parametrize("words", [["next", "m.axiscal"], ["status", "m.axiscal"]])
+def test_a_question_needs_nothing_that_is_slow_to_load(started: Command, tmp_path: Path, words: list[str]) -> None:
+    program = (
+        f"import sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
+        "sys.exit(str({'plotly', 'jinja2', 'rich', 'scipy.stats'} & set(sys.modules) or ''))"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert run.stderr.strip() == ""
+
+
+def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr("axiscal.cli.opening.open_campaign", broken)
+    started("next", "m.axiscal").refused("A defect in axiscal: ZeroDivisionError", "AXISCAL_TRACEBACK=1")
+    monkeypatch.setenv("AXISCAL_TRACEBACK", "1")
+    with pytest.raises(ZeroDivisionError):
+        started("next", "m.axiscal")
+
+
+READINGS = "setup,X_mm,approach,value_um\nlaser,0,X+,0.5\nlaser,100,X+,1.5\nlaser,100,X-,-1.5\n"
+
+
+def test_readings_that_exist_are_evaluated(axiscal: Command, tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text(READINGS)
+    result = axiscal("estimate", "c.toml", "r.csv", "--out", "d", "--json").document
+    assert (result["readings"], result["stopped_because"]) == (3, "all readings evaluated")
+    assert result["history"][3]["rms_um"] < result["history"][0]["rms_um"]
+
+
+def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> None:
+    rows = [f"{x},{s},{run},{0.01 * x + run}" for run in (1, 2) for s in "+-" for x in (0, 50, 100)]
+    (tmp_path / "iso.csv").write_text("\n".join(["target_mm,direction,run,deviation_um", *rows]))
+    assert axiscal("estimate", "c.toml", "iso.csv", "--out", "d", "--json").document["readings"] == 12
+    figures = axiscal("iso230", "iso.csv", "--json").document
+    assert (figures["schema"], figures["E"]) == ("axiscal-iso230/1", pytest.approx(1.0))
+    text = axiscal("iso230", "iso.csv").out
+    assert "systematic deviation, bidirectional" in text
+    assert "1.000 um" in text
+
+
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ("lazer,0,X+,1", 'no set-up "lazer"'),
+        ("laser,1e6,X+,1", "outside the travel"),
+        ("laser,-1,X+,1", "outside the travel"),
+        ("laser,0,Y+,1", 'no axis "Y"'),
+        ("laser,,X+,1", "X moves in the set-up"),
+        ("laser,0,X+,nan", "not finite"),
+        ("laser,0,X+,", "no value"),
+        ("laser,0,X+", "3 cells"),
+    ],
+)
+def test_a_wrong_reading_is_shown_in_its_line(axiscal: Command, tmp_path: Path, row: str, says: str) -> None:
+    (tmp_path / "r.csv").write_text(READINGS + row + "\n")
+    axiscal("estimate", "c.toml", "r.csv", "--out", "d").refused("r.csv, line 5", says)
+    assert not (tmp_path / "d").exists()
+
+
+def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
+    names = [machine["name"] for machine in axiscal("machine", "list", "--json").document["machines"]]
+    assert {"one-axis", "dmu60", "three-axis-mill"} <= set(names)
+    for name in names:
+        assert name in axiscal("machine", "list").out
+        (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
+        assert axiscal("machine", "check", "copy.toml").status == 0
