@@ -144,7 +144,7 @@ class Belief:
         return _fill(Belief.__new__(Belief), mean, gaussian.extend(self.factors, extra), _NONE)
 
     def sample(self, generator: np.random.Generator, count: int) -> Array:
-        """Return draws from the belief, (count, n)."""
+        """Return draws from the belief, a normal density (B&H eq. 16): (count, n)."""
         return self.mean + generator.standard_normal((count, self.size)) @ gaussian.root(self.factors).T
 
 

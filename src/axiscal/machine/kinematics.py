@@ -52,7 +52,7 @@ def frames(machine: Machine, poses: Array) -> Frames:
 
 
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:
-    """Return orientation and TCP of the tool in the workpiece frame, exactly, nothing linearised.
+    """Return orientation and TCP of the tool in the workpiece frame, exactly, nothing linearised (B&H eq. 1).
 
     On the tool side an axis frame moves by E; on the workpiece side the workpiece does, so the chain sees E⁻¹.
     """

@@ -65,7 +65,7 @@ class Observation:
         return slice(start, start + len(self.setups[setup].unknowns))
 
     def rows(self, setup: int, poses: Array, approaches: Array) -> Rows:
-        """Return what readings of a set-up would tell.  poses, approaches : (m, q)."""
+        """Return what readings of a set-up would tell (B&H eq. 29-30).  poses, approaches : (m, q)."""
         mounted = self.setups[setup]
         levers = self._levers(mounted, poses)
         result = np.zeros((len(poses), self.size))

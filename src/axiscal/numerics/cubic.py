@@ -70,18 +70,21 @@ class _Cubic:
 
     @property
     def slope_matrix(self) -> Array:
-        """M1 of B&H eq. 11, shape (n - 1, size): slopes b at the left ends of the intervals (B&H eq. 4, 8)."""
+        """M1 of B&H eq. 11, shape (n - 1, size): slopes b at the left ends of the intervals (B&H eq. 4, 8).
+
+        With control values of covariance C theirs is M1 C M1ᵀ (B&H eq. 17).
+        """
         h = np.diff(self.knots)[:, None]
         return self._steps() / h - h / 6 * (2 * self.second[:-1] + self.second[1:])
 
     @property
     def curvature_matrix(self) -> Array:
-        """M2 of B&H eq. 11, shape (n - 1, size): halved second derivatives c (B&H eq. 5, 9)."""
+        """M2 of B&H eq. 11, shape (n - 1, size): halved second derivatives c (B&H eq. 5, 9; covariance B&H eq. 17)."""
         return self.second[:-1] / 2
 
     @property
     def cubic_matrix(self) -> Array:
-        """M3 of B&H eq. 11, shape (n - 1, size): cubic coefficients d (B&H eq. 6, 10)."""
+        """M3 of B&H eq. 11, shape (n - 1, size): cubic coefficients d (B&H eq. 6, 10; covariance B&H eq. 17)."""
         return np.diff(self.second, axis=0) / (6 * np.diff(self.knots)[:, None])
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
