@@ -50,7 +50,7 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
     }
 )
 """The instruments that read one length or one angle at a time. The indicator is a dial or lever gauge; the straightedge
-is read by an indicator and lies at an unknown angle; the level reads once a minute to 2 urad."""
+is read by an indicator and lies at an unknown angle; the level is an electronic one."""
 
 NOT_YET = ("ballbar", "rtest", "tracker", "tracer")
 """Names that are reserved in descriptions; their readings are not a single length or angle along a fixed direction."""
