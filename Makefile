@@ -5,12 +5,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo test check bench lock clean distclean
+.PHONY: help demo test check bench docs certify lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
+	@echo "make docs       make the generated pages of docs/ anew"
+	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
 
@@ -26,6 +28,12 @@ test check: .venv/dev.stamp
 
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
+
+docs: .venv/dev.stamp
+	$(BIN)/python -m tests.docs.equations
+
+certify: .venv/dev.stamp
+	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))
 
 lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/run.txt pyproject.toml

@@ -1,0 +1,123 @@
+"""The table of docs/equations.md: each numbered equation of the paper, what computes it, and what checks it.
+
+`python -m tests.docs.equations` writes it. Docstrings are the source: a function that computes an equation, and a test
+that checks it, cite it as `B&H eq. 23` or `B&H eq. 21-23`.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "equations.md"
+LAST = 37
+BEGIN, END = "<!-- table: made by python -m tests.docs.equations -->", "<!-- end of table -->"
+
+_CITATION = re.compile(r"B&H eq\. (\d+(?:-\d+)?(?:, \d+(?:-\d+)?)*)")
+_STATES = """\
+x_TCP = Σ K^k(t_k) + Σ V^k(t_k)
+S_i(t) = a_i + b_i u + c_i u² + d_i u³
+a_i = S(t_i), natural
+b_i, natural
+c_i, natural
+d_i, natural
+a_1 = a_n, cyclic
+b_1, cyclic
+c_1, cyclic
+d_1, cyclic
+b = M1 a, c = M2 a, d = M3 a
+∫ S''² dt → min
+M_b = −B_y y''
+y(x) = g_R(x) + a + bx + cx² + dx³
+x_d ≤ √(6 (S_u − S_l) / k_max)
+density of a
+C_b = M1 C_a M1ᵀ and so on
+Ŝ(t_p) = m_pᵀ â
+m_p from M1, M2, M3
+σ²(t_p) = m_pᵀ C_a m_p
+â after a reading
+C_a after a reading
+gain k_p
+interval variance σ_i²
+σ_i² = ∫ mᵀ C_a m dt
+J = Σ σ_i² → min
+t_p = arg min over roots and borders
+x_TCP = K(t) + Σ S^k(t_k)
+y = hᵀ x_TCP + v
+y = h̄ᵀ A + v
+Â after readings
+C_A after readings
+gain K
+interval covariance (σ_rs)²
+matrix C_I of these
+J = Σ Σ trace C_I
+t_p = arg min J¹(t)""".splitlines()
+
+
+@dataclass(frozen=True, slots=True)
+class Citation:
+    """Where an equation is cited: the file from the root, the name in it (Class.method), and the docstring."""
+
+    path: str
+    name: str
+    says: str
+
+
+def cited(docstring: str) -> set[int]:
+    """Return the numbers of the equations that a docstring cites."""
+    numbers: set[int] = set()
+    for found in _CITATION.finditer(" ".join(docstring.split())):
+        for part in found[1].split(", "):
+            first, _, last = part.partition("-")
+            numbers |= set(range(int(first), int(last or first) + 1))
+    return numbers
+
+
+def citations(folder: str, tests: bool) -> dict[int, list[Citation]]:
+    """Return per equation the functions, classes and methods below a folder that cite it, in order of their names.
+
+    tests : only functions that pytest runs
+    """
+    result: dict[int, list[Citation]] = {number: [] for number in range(1, LAST + 1)}
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        for name, docstring in _docstrings(ast.parse(path.read_text(encoding="utf-8")), ""):
+            if tests and not name.startswith("test_"):
+                continue
+            for number in cited(docstring):
+                result[number].append(Citation(path.relative_to(ROOT).as_posix(), name, docstring))
+    return result
+
+
+def _docstrings(node: ast.AST, prefix: str) -> Iterator[tuple[str, str]]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef | ast.ClassDef):
+            yield prefix + child.name, ast.get_docstring(child) or ""
+            yield from _docstrings(child, f"{prefix}{child.name}.")
+
+
+def table() -> str:
+    """Return the table as Markdown."""
+    functions, tests = citations("src/axiscal", tests=False), citations("tests", tests=True)
+    rows = [
+        f"| {number} | {states} | {_links(functions[number])} | {_links(tests[number])} |"
+        for number, states in enumerate(_STATES, start=1)
+    ]
+    return "\n".join(["| eq. | states | computed by | checked by |", "|---|---|---|---|", *rows])
+
+
+def _links(found: list[Citation]) -> str:
+    return "<br>".join(f"[`{c.name}`](../{c.path})" for c in found) or "–"
+
+
+def page(text: str) -> str:
+    """Return the page with its table made anew."""
+    head, _, rest = text.partition(BEGIN)
+    return f"{head}{BEGIN}\n{table()}\n{END}{rest.partition(END)[2]}"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
