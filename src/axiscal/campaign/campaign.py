@@ -183,10 +183,9 @@ class Campaign:
         if target.readings is not None and len(self.state.readings) >= target.readings:
             count = len(self.state.readings)
             return f"{count} reading{'' if count == 1 else 's'} taken"
-        known = self.engine.accuracy()
-        if target.rms is not None and known.rms <= target.rms:
+        if target.rms is not None and self.engine.accuracy().rms <= target.rms:
             return "rms target reached"
-        if target.worst is not None and known.worst <= target.worst:
+        if target.worst is not None and self.engine.accuracy().worst <= target.worst:
             return "worst target reached"
         return _BUDGET if self._over_budget(self._seconds()) else None
 
