@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from axiscal.belief import Belief, Innovations
 from axiscal.campaign.description import CampaignDescription
-from axiscal.campaign.engine import Proposal, Visit
+from axiscal.campaign.engine import Engine, Proposal, Visit
 from axiscal.campaign.events import Gap
 from axiscal.design import criterion
 from axiscal.design.accuracy import Accuracy, Yardstick
 from axiscal.design.cost import visit_seconds
 from axiscal.design.lattice import Lattice, spread
-from axiscal.design.step import Scorer, Step, best_step
+from axiscal.design.scorer import Scorer
+from axiscal.design.step import Step, best_step
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
@@ -30,6 +31,13 @@ from axiscal.numerics import Array
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAY = 0.1
 _NEAR = 0.01
+
+
+def calibration_of(engine: Engine) -> Calibration:
+    """Return the engine of a campaign as the calibration it is; raises TypeError for a foreign engine."""
+    if not isinstance(engine, Calibration):
+        raise TypeError(f"{type(engine).__name__} is not a Calibration")
+    return engine
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,13 +158,16 @@ class Calibration:
             mine = lattice.setups == setup
             part = Lattice(lattice.setups[mine], lattice.poses[mine], lattice.approaches[mine])
             step = best_step(self.observation, self.belief, self._weight(), part)
-            result.append(step if not self._at_gap(step.setup, step.pose[None], gaps)[0] else self._best_of(part))
+            result.append(self._candidate(part) if self._at_gap(step.setup, step.pose[None], gaps)[0] else step)
         return result
 
-    def _best_of(self, lattice: Lattice) -> Step:
+    def _candidate(self, lattice: Lattice) -> Step:
         """Return the best candidate itself, where the way to the exact maximum leads into a gap."""
-        scorer = Scorer.of(self.observation, self.belief, self._weight())
-        return scorer.step(lattice, int(scorer.gains(lattice).argmax()))
+        gains = Scorer.of(self.observation, self.belief, self._weight()).gains(lattice)
+        best = int(gains.argmax())
+        setup, pose, approach = int(lattice.setups[best]), lattice.poses[best], lattice.approaches[best]
+        seen = self.observation.rows(setup, pose[None], approach[None])
+        return Step(setup, pose, approach, float(gains[best]), float(seen.variances[0]), seen.rows[0])
 
     def _outside(self, gaps: Sequence[Gap]) -> Lattice:
         lattice = self.problem.lattice

@@ -1,0 +1,72 @@
+"""`axiscal demo`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from axiscal.campaign.calibration import Problem
+    from axiscal.report.summary import Summary
+
+
+def demo(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
+) -> None:
+    """Do the whole job on a built-in five-axis machine whose hidden errors come from real measured curves.
+
+    It plans, measures on a virtual machine, estimates, stops, writes tables and a report, and says what was promised
+    and what was reached.
+
+    \b
+    Example:
+      axiscal demo --out demo-out
+    """
+    from axiscal.campaign.calibration import Problem
+    from axiscal.cli.printing import say
+    from axiscal.cli.progress import shown_progress
+    from axiscal.demo.five_axis import description, run_demo
+
+    problem = Problem(description())
+    folder = _fresh(out)
+    say(_beginning(problem))
+    with shown_progress(problem.description.target) as watch:
+        summary = run_demo(problem, folder, watch)
+    say(_end(summary, folder))
+
+
+def _fresh(out: Path) -> Path:
+    """Return `out`, or the first of out-2, out-3, ... that holds no campaign yet."""
+    number, folder = 1, out
+    while (folder / "campaign.axiscal").exists():
+        number += 1
+        folder = out.with_name(f"{out.name}-{number}")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _beginning(problem: Problem) -> str:
+    from axiscal.cli.wording import micrometres
+
+    machine = problem.description.machine
+    setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in problem.description.setups)
+    target = problem.description.target
+    return (
+        f"{machine.name}, {machine.chain}: {len(machine.errors)} errors with {problem.errors.size} unknowns.\n"
+        f"Its hidden truth is made of measured curves (axiscal/demo/SOURCES.md). Set-ups:\n{setups}\n"
+        f"Target: {micrometres(target.rms or 0.0)} RMS at the tool over the volume."
+    )
+
+
+def _end(summary: Summary, folder: Path) -> str:
+    check = summary.truth
+    assert check is not None
+    return (
+        f"\n{summary.stopped_because}: {summary.readings} readings in {summary.minutes:.0f} minutes of machine time.\n"
+        f"RMS deviation of the tool as found  {check.before_rms_um or 0:6.2f} um\n"
+        f"promised by the estimate            {check.promised_rms_um:6.2f} um\n"
+        f"reached, since the truth is known   {check.reached_rms_um:6.2f} um\n"
+        f"Report: {folder / 'report.html'}\nTables: {folder / 'tables'}"
+    )

@@ -1,0 +1,48 @@
+"""`axiscal predict`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axiscal.cli.options import Json, RecordFile
+
+if TYPE_CHECKING:
+    from axiscal.campaign.prediction import PosePrediction
+
+
+def predict(
+    record: RecordFile,
+    poses: Annotated[Path, typer.Argument(metavar="POSES.csv", help="Columns X_mm, ... C_deg, and optional approach.")],
+    json: Json = False,
+) -> None:
+    """Say what the TCP deviation is at poses: mean and standard deviation along x, y, z of the workpiece frame.
+
+    Axes that are left out stand at the middle of their travel.
+
+    \b
+    Example:
+      axiscal predict mill.axiscal poses.csv --json
+    """
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.prediction import predict_poses
+    from axiscal.cli.opening import open_campaign
+    from axiscal.cli.printing import say, say_document
+    from axiscal.measurement.readers.poses import read_poses
+
+    wanted = read_poses(poses)
+    with open_campaign(record, write=False) as campaign:
+        found = predict_poses(calibration_of(campaign.engine), wanted, poses)
+    if json:
+        rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
+        say_document({"schema": "axiscal-predict/1", "poses": rows})
+        return
+    say(f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation")
+    for number, each in enumerate(found, start=1):
+        say(f"{number:5} " + " ".join(_cell(each, axis) for axis in range(3)))
+
+
+def _cell(found: PosePrediction, axis: int) -> str:
+    return f"{found.mean_um[axis]:9.3f} ± {found.std_um[axis]:6.3f}"

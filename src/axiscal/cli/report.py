@@ -1,0 +1,36 @@
+"""`axiscal report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.options import RecordFile
+
+
+def report(
+    record: RecordFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="Where to write it; default: beside the record.")
+    ] = None,
+) -> None:
+    """Write the report of a campaign, finished or not: one page that needs no network.
+
+    \b
+    Example:
+      axiscal report mill.axiscal --out mill.html
+    """
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.cli.opening import open_campaign
+    from axiscal.cli.printing import say
+    from axiscal.report.assembly import Extras, summarise
+    from axiscal.report.delivery import write_report
+
+    target = record.with_suffix(".html") if out is None else out
+    with open_campaign(record, write=False) as campaign:
+        summary = summarise(campaign, calibration_of(campaign.engine), Extras(files=[str(record)]))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_report(summary, target)
+    say(f"The report is in {target}.")

@@ -1,0 +1,1 @@
+"""The whole job on a built-in five-axis machine whose hidden errors come from measured curves."""

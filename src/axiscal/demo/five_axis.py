@@ -1,0 +1,54 @@
+"""Plan, measure, estimate, stop, compensate and report, on a machine whose truth is known to the demo only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+
+from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.demo.truth import measured_truth
+from axiscal.machine import load_machine
+from axiscal.report.assembly import Extras
+from axiscal.report.delivery import deliver, reached
+from axiscal.report.summary import Summary, TruthCheck
+from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.units import to_unit
+
+SEED = 2005
+
+
+def description() -> CampaignDescription:
+    """Return the demo's campaign on the built-in five-axis machine."""
+    text = resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+    return campaign_from_texts(text, "demo campaign.toml", load_machine("dmu60").text, "dmu60")
+
+
+def hidden_machine(problem: Problem) -> VirtualMachine:
+    """Return the machine with the measured curves, which the estimate never sees."""
+    simulator = Simulator(problem.description.machine, problem.description.setups)
+    return simulator.with_curves(measured_truth(problem.errors, SEED), SEED)
+
+
+def run_demo(problem: Problem, out: Path, watch: Callable[[Milestone], None]) -> Summary:
+    """Run the campaign into a folder and return what is said of it.  Raises RecordError if one is there already."""
+    truth = hidden_machine(problem)
+    with Campaign.create(out / "campaign.axiscal", problem.description, lambda _: Calibration(problem)) as campaign:
+        campaign.run(SimulatedSource(truth, SEED), watch)
+        calibration = calibration_of(campaign.engine)
+        return deliver(campaign, calibration, out, Extras(truth=truth, truth_check=truth_check(calibration, truth)))
+
+
+def truth_check(calibration: Calibration, truth: VirtualMachine) -> TruthCheck:
+    """Return the accuracy promised and the accuracy reached over the volume, and the RMS error as found."""
+    before, after = as_found_and_left(calibration, truth)
+    return TruthCheck(to_unit(calibration.accuracy().rms, "um"), to_unit(after, "um"), to_unit(before, "um"))
+
+
+def as_found_and_left(calibration: Calibration, truth: VirtualMachine) -> tuple[float, float]:
+    """Return the RMS deviation of the machine, and what the estimate does not know of it, m."""
+    blank = Calibration(calibration.problem)
+    return reached(blank, truth.deviation), reached(calibration, truth.deviation)
