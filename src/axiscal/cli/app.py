@@ -10,12 +10,15 @@ from typing import Annotated
 import typer
 
 from axiscal.cli import (
+    demo,
     estimate,
     finish,
     iso230,
     machine,
     next_reading,
+    predict,
     record,
+    report,
     reproduce,
     run_loop,
     start,
@@ -36,6 +39,7 @@ app = typer.Typer(
     no_args_is_help=True,
     context_settings={"max_content_width": 100},
 )
+app.command("demo")(demo.demo)
 app.add_typer(machine.app, name="machine")
 app.command("start")(start.start)
 app.command("next")(next_reading.next_reading)
@@ -45,6 +49,8 @@ app.command("status")(status.status)
 app.command("finish")(finish.finish)
 app.command("run")(run_loop.run)
 app.command("estimate")(estimate.estimate)
+app.command("predict")(predict.predict)
+app.command("report")(report.report)
 app.command("iso230")(iso230.iso230)
 app.command("reproduce")(reproduce.reproduce)
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from axiscal.cli.options import CampaignFile, Json, Out
+
+if TYPE_CHECKING:
+    from axiscal.campaign.description import CampaignDescription
+    from axiscal.report.assembly import Extras
 
 
 def estimate(
@@ -35,9 +39,21 @@ def estimate(
     from axiscal.measurement.readers.csv_readings import read_readings
 
     description = read_campaign(campaign, target_needed=False)
-    placed = placed_readings(read_readings(readings), description, readings)
+    raw = read_readings(readings)
+    placed = placed_readings(raw, description, readings)
+    extras = _standard_test(readings, description) if any(not reading.setup for reading in raw) else None
     out.mkdir(parents=True, exist_ok=True)
     with create_campaign(out / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
-        write_outputs(opened, out, as_json=json)
+        write_outputs(opened, out, as_json=json, extras=extras)
+
+
+def _standard_test(readings: Path, description: CampaignDescription) -> Extras:
+    """Return the ISO 230-2 figures of a finished test, for the report."""
+    from axiscal.evaluation import evaluate, read_iso230
+    from axiscal.report.assembly import Extras
+    from axiscal.report.standard import iso230_block
+
+    (axis,) = description.setups[0].moves
+    return Extras(iso230=[iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))])

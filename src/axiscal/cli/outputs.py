@@ -2,61 +2,33 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.cli.printing import say, say_document
 
 if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign, Milestone
+    from axiscal.campaign.campaign import Campaign
+    from axiscal.report.assembly import Extras
 
 RECORD = "campaign.axiscal"
 
 
-def write_outputs(campaign: Campaign, out: Path, *, as_json: bool) -> None:
-    """Write the results of a finished campaign to a folder and print them; raises OSError."""
-    result = result_document(campaign)
-    (out / "result.json").write_text(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
+    """Write tables, result and report of a finished campaign to a folder and print them; raises OSError, TableError."""
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.report.assembly import Extras
+    from axiscal.report.delivery import deliver
+    from axiscal.report.summary import result_json
+
+    summary = deliver(campaign, calibration_of(campaign.engine), out, extras or Extras())
     if as_json:
-        say_document(result)
+        say_document(result_json(summary))
         return
     say(
-        f"{result['stopped_because']}: {result['readings']} readings, {result['minutes']:.1f} minutes, "
-        f"RMS {result['rms_um']:.3g} um, worst {result['worst_um']:.3g} um.\nResults are in {out}."
+        f"{summary.stopped_because}: {summary.readings} readings, {summary.minutes:.1f} minutes, "
+        f"RMS {summary.rms_um:.3g} um, worst {summary.worst_um:.3g} um.\n"
+        f"Report: {out / 'report.html'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
     )
-
-
-def result_document(campaign: Campaign) -> dict[str, object]:
-    """Return the document `axiscal-result/1` as far as the campaign itself knows it."""
-    from axiscal.campaign.versions import versions
-
-    history = [_row(campaign, milestone) for milestone in campaign.history()]
-    last = history[-1]
-    return {
-        "schema": "axiscal-result/1",
-        "machine": campaign.description.machine.name,
-        "readings": last["reading"],
-        "minutes": last["minutes"],
-        "stopped_because": campaign.state.finished,
-        "rms_um": last["rms_um"],
-        "worst_um": last["worst_um"],
-        "history": history,
-        "versions": versions(),
-    }
-
-
-def _row(campaign: Campaign, milestone: Milestone) -> dict[str, object]:
-    from axiscal.cli.wording import position_document
-    from axiscal.units import to_unit
-
-    reading = milestone.reading
-    axes = campaign.description.machine.axes
-    return {
-        "reading": milestone.number,
-        "setup": None if reading is None else reading.setup,
-        "position": None if reading is None else position_document(axes, reading.pose),
-        "rms_um": to_unit(milestone.accuracy.rms, "um"),
-        "worst_um": to_unit(milestone.accuracy.worst, "um"),
-        "minutes": to_unit(milestone.seconds, "min"),
-    }
+    for warning in summary.warnings:
+        say(f"Mind: {warning.text}")
