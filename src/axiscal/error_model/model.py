@@ -109,7 +109,8 @@ class ErrorModel:
 
     def rows(self, poses: Array, approaches: Array) -> Array:
         """Return H(t) (B&H eq. 1, 28), (m, 3, size).  poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
-        return np.stack([self.along(self.levers(poses)[:, :, c], poses, approaches) for c in range(3)], axis=1)
+        levers = self.levers(poses)
+        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
 
     def angular_rows(self, poses: Array, approaches: Array) -> Array:
         """Return the rows of the tool's orientation deviation, (m, 3, size)."""

@@ -147,7 +147,8 @@ def _mean(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
 def _same_axis(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
     axis = axes[k]
     products = _averaged(axes, _products(levers, axis, axis), (k,))[np.ix_(axis.owner, axis.owner)]
-    result: Array = np.einsum("nmi,inm->nm", products, axis.double)
+    block = np.einsum("nmi,inm->nm", products, axis.double)
+    result: Array = (block + block.T) / 2
     return result
 
 
