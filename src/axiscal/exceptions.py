@@ -82,3 +82,7 @@ class ShapeError(AxiscalError, ValueError):
 
 class SummaryError(AxiscalError, ValueError):
     """Figures for the report that are not finite, or whose lengths do not fit together."""
+
+
+class ControlError(InputError):
+    """A control that is not there, did not start, or refused a move."""

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
 from functools import cache
 
 import numpy as np
 import pytest
 
 from axiscal.compensation.controllers.linuxcnc import correction, offer, parse
+from axiscal.compensation.controllers.linuxcnc.headless import Joint, Run, Step, available, run
 from axiscal.compensation.table import CompensationTable
+from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
-from tests.linuxcnc.configuration import Joint
-from tests.linuxcnc.launcher import LinuxcncError, Run, Step, run
 
 pytestmark = [
     pytest.mark.linuxcnc,
-    pytest.mark.skipif(shutil.which("linuxcnc") is None, reason="Debian package linuxcnc-uspace is not installed"),
+    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
 CLOSE = 1e-5  # mm or deg
@@ -128,10 +127,10 @@ def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> No
 
 
 def test_a_run_that_takes_too_long_is_ended() -> None:
-    with pytest.raises(LinuxcncError, match="did not finish in 3 s"):
+    with pytest.raises(ControlError, match="did not finish in 3 s"):
         run([Joint("X", velocity=1.0)], ["G1 F60 X400"], timeout=3)
 
 
 def test_a_failure_is_told() -> None:
-    with pytest.raises(LinuxcncError, match="G0 X900 was not completed"):
+    with pytest.raises(ControlError, match="G0 X900 was not completed"):
         run([Joint("X")], ["G0 X900"])

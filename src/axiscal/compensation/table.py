@@ -13,6 +13,7 @@ from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _SILENT = 0.95
+_OPEN = 0.2  # below this share of its largest the prior was narrow by construction: the table is zero there
 _AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
 
 
@@ -77,7 +78,7 @@ class CompensationTable:
         """Where the readings said nothing, (n,): the deviation there is what was believed beforehand."""
         if self.prior_std is None:
             return np.zeros(len(self.positions), dtype=bool)
-        open_before = self.prior_std > 1e-9 * np.max(self.prior_std)
+        open_before = self.prior_std > _OPEN * np.max(self.prior_std)
         silent: NDArray[np.bool_] = open_before & (self.std >= _SILENT * self.prior_std)
         return silent
 

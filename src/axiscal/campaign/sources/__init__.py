@@ -1,4 +1,4 @@
-"""Where readings come from: `sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`."""
+"""Where readings come from: `sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc[:SEED|:FILE]`."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
     kind, colon, rest = text.partition(":")
     if kind == "sim":
         return _simulated(simulator, rest, bool(colon))
+    if kind == "linuxcnc":
+        return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec") and not rest.strip():
         raise SourceError(f"the source '{text}' names nothing after '{kind}:'", _KINDS)
     if kind == "truth":
@@ -44,13 +46,29 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
     raise SourceError(f"'{text}' is not a source", _KINDS)
 
 
-_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND"
+_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND and linuxcnc, linuxcnc:SEED"
 
 
 def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
     from axiscal.campaign.sources.simulated import SimulatedSource
 
-    if named and not (seed.isascii() and seed.isdigit() and len(seed) <= 18):
-        raise SourceError(f"'{seed}' is not a seed", "Write a whole number from 0, as in sim:7")
-    number = int(seed) if named else 0
+    number = _seed(seed, "sim") if named else 0
     return SimulatedSource(simulator.drawn(number), number)
+
+
+def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
+    from axiscal.campaign.sources.linuxcnc import LinuxcncSource
+    from axiscal.simulation import VirtualMachine
+
+    from_file = rest.endswith(".csv")
+    number = TRUTH_SEED if from_file else _seed(rest, "linuxcnc") if named else 0
+    truth = simulator.from_curves(Path(rest), number) if from_file else simulator.drawn(number)
+    if not isinstance(truth, VirtualMachine):
+        raise SourceError("LinuxCNC can only move virtual machines of axiscal", _KINDS)
+    return LinuxcncSource(truth, number)
+
+
+def _seed(text: str, kind: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= 18):
+        raise SourceError(f"'{text}' is not a seed", f"Write a whole number from 0, as in {kind}:7")
+    return int(text)

@@ -51,4 +51,5 @@ def _reversal_note(table: CompensationTable, acceleration: float | None, servo_p
 
 
 def _span(table: CompensationTable, smallest: float, largest: float) -> str:
-    return table.shown(largest) if smallest == largest else f"{table.shown(smallest)} to {table.shown(largest)}"
+    ends = dict.fromkeys(table.shown(step) for step in (smallest, largest))
+    return " to ".join(ends)

@@ -1,19 +1,18 @@
 #!/usr/bin/python3
-"""The DISPLAY program of a headless LinuxCNC: homes, makes the moves of job.json, writes result.json.
+"""The DISPLAY program of a headless LinuxCNC: homes, then makes the moves that come through a socket.
 
-It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`.
+It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`. One JSON line answers one.
 """
 
 from __future__ import annotations
 
 import json
-import os
+import socket
 import time
 from pathlib import Path
 from typing import Any
 
 import hal  # type: ignore[import-not-found]
-
 import linuxcnc  # type: ignore[import-not-found]
 
 UNFINISHED = -1
@@ -30,10 +29,13 @@ def wait(condition: Any, seconds: float) -> bool:
 
 
 class Machine:
-    """The running LinuxCNC."""
+    """The running LinuxCNC.
 
-    def __init__(self, joints: int) -> None:
-        self.joints = range(joints)
+    motors : the pin or signal of each joint that holds what its motor is told
+    """
+
+    def __init__(self, motors: list[str]) -> None:
+        self.motors, self.joints = motors, range(len(motors))
         self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.component = hal.component("axiscal")
         self.component.ready()
@@ -57,7 +59,13 @@ class Machine:
         if ended != linuxcnc.RCS_DONE:
             raise RuntimeError(f"{code} was not completed: {self.errors()}")
         settled = wait(self._settled, 0.5)
-        return {"settled": settled, "motor": self.pins("motor-pos-cmd"), "command": self.pins("pos-cmd")}
+        self.stat.poll()
+        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
+        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
+
+    def sent(self) -> list[float]:
+        """Read what every motor is told."""
+        return [hal.get_value(name) for name in self.motors]
 
     def pins(self, name: str) -> list[float]:
         """Read one pin of every joint."""
@@ -79,20 +87,37 @@ class Machine:
         return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
 
 
-def main() -> None:
-    """Do the job; whatever goes wrong is told in the result, since LinuxCNC hides a DISPLAY program's exit status."""
-    job = json.loads(Path("job.json").read_text())
-    result: dict[str, Any] = {"start": [], "steps": [], "errors": [], "failure": None}
+def answer(machine: Machine, codes: list[str]) -> dict[str, Any]:
+    """Make the moves; whatever goes wrong is told, since LinuxCNC hides a DISPLAY program's exit status."""
+    result: dict[str, Any] = {"steps": [], "errors": [], "failure": None}
     try:
-        machine = Machine(job["joints"])
-        machine.home()
-        result["start"] = machine.pins("motor-pos-cmd")
-        result["steps"] = [machine.move(code) for code in job["moves"]]
+        result["steps"] = [machine.move(code) for code in codes]
         result["errors"] = machine.errors()
     except Exception as error:  # noqa: BLE001
         result["failure"] = f"{type(error).__name__}: {error}"
-    Path("result.part").write_text(json.dumps(result))
-    os.replace("result.part", "result.json")
+    return result
+
+
+def main() -> None:
+    """Serve until the other side closes the socket."""
+    job = json.loads(Path("job.json").read_text())
+    with socket.socket(socket.AF_UNIX) as line:
+        line.connect("socket")
+        stream = line.makefile("rw", encoding="utf-8")
+
+        def tell(result: dict[str, Any]) -> None:
+            stream.write(json.dumps(result) + "\n")
+            stream.flush()
+
+        try:
+            machine = Machine(job["motors"])
+            machine.home()
+            tell({"start": machine.sent(), "failure": None})
+        except Exception as error:  # noqa: BLE001
+            tell({"start": [], "failure": f"{type(error).__name__}: {error}"})
+            return
+        for request in stream:
+            tell(answer(machine, json.loads(request)))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -24,12 +25,20 @@ class Joint:
         return self.axis[0] in "ABC"
 
 
-def files(joints: Sequence[Joint], servo_period: float) -> Mapping[str, str]:
+@dataclass(frozen=True, slots=True)
+class Cross:
+    """HAL text that corrects axes over other axes; axes : those whose motors it moves."""
+
+    axes: tuple[str, ...]
+    text: str
+
+
+def files(joints: Sequence[Joint], servo_period: float, cross: Cross | None = None) -> Mapping[str, str]:
     """Return name and text of every file that LinuxCNC reads."""
     tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
     return {
         "machine.ini": _ini(joints, servo_period),
-        "machine.hal": _hal(len(joints)),
+        "machine.hal": _hal(joints, cross),
         "sim.tbl": "T1 P1 D6 Z0\n",
     } | tables
 
@@ -72,7 +81,16 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
     return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home | table}
 
 
-def _hal(joints: int) -> str:
+def motors(joints: Sequence[Joint], cross: Cross | None = None) -> list[str]:
+    """Return the pin or signal of each joint that holds what its motor is told."""
+    moved = () if cross is None else cross.axes
+    return [
+        f"axiscal-{joint.axis.lower()}-motor" if joint.axis in moved else f"joint.{number}.motor-pos-cmd"
+        for number, joint in enumerate(joints)
+    ]
+
+
+def _hal(joints: Sequence[Joint], cross: Cross | None) -> str:
     lines = [
         "loadrt [KINS]KINEMATICS",
         "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS",
@@ -82,5 +100,12 @@ def _hal(joints: int) -> str:
         "net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
         "net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed",
     ]
-    lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in range(joints)]
-    return "\n".join(lines) + "\n"
+    moved = () if cross is None else cross.axes
+    lines += [
+        f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb"
+        for n, joint in enumerate(joints)
+        if joint.axis not in moved
+    ]
+    # where a motor really turns, its encoder shows what it was told
+    wired = "" if cross is None else re.sub(r"axiscal-([a-z])-encoder", r"axiscal-\1-motor", cross.text)
+    return "\n".join(lines) + "\n" + wired

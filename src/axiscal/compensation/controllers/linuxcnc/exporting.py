@@ -1,0 +1,131 @@
+"""All files for a LinuxCNC: a `COMP_FILE` for each axis, HAL text for the axes over other axes, and notes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from axiscal.compensation.controllers.linuxcnc import cross
+from axiscal.compensation.controllers.linuxcnc.hal import Hal
+from axiscal.compensation.controllers.linuxcnc.reading import LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.writing import offer, resolution
+from axiscal.compensation.effect import Control, table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import axis_tables, cross_tables
+from axiscal.compensation.table import CompensationTable
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.units import from_unit, to_unit
+
+_ORDER = "XYZABCUVW"
+_HAL_FILE = "axiscal-cross.hal"
+_HOLDS = (
+    "one COMP_FILE for each axis (its own positions, both directions) and HAL text that moves linear axes over the "
+    "positions of other linear axes."
+)
+_LEFT = (
+    "errors that depend on two axes at once (angular errors times a lever that changes), the orientation of the tool, "
+    "and the reversal of straightness."
+)
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return the files; raises TableError."""
+    machine = estimate.machine
+    joints = joint_numbers(machine, options.numbers)
+    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing)
+    over = both_ways(cross_tables(estimate, most=cross.POINTS))
+    offers = [
+        offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
+        for t in own
+    ]
+    files = {file.name: file.text for file in offers}
+    files |= {_HAL_FILE: cross.write(over, joints, options.unit)} if over else {}
+    notes = tuple(dict.fromkeys(note for file in offers for note in file.notes)) + _hal_notes(machine, over)
+    wanted = table_control(machine, (*own, *over))
+    held = control(machine, files, joints, options.unit)
+    return Draft(files, held, wanted, _resolution(own, over, options), (*own, *over), _HOLDS, _LEFT, notes, tried=True)
+
+
+def control(machine: Machine, files: Mapping[str, str], joints: Mapping[str, int], unit: str) -> Control:
+    """Return what LinuxCNC does with the files."""
+    own = {axis.name: parse(files[f"{axis.name}.comp"]) for axis in machine.axes if f"{axis.name}.comp" in files}
+    hal = Hal.load(files.get(_HAL_FILE, ""))
+    units = ["deg" if axis.rotary else unit for axis in machine.axes]
+
+    def added(poses: Array, approaches: Array) -> Array:
+        shown = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
+        motors = np.stack([_motor(own.get(a.name), shown[:, k], approaches[:, k]) for k, a in enumerate(machine.axes)])
+        told = _through(hal, machine, joints, shown.T, motors)
+        return np.stack([from_unit(t - s, u) for t, s, u in zip(told, shown.T, units, strict=True)], axis=1)
+
+    return added
+
+
+def joint_numbers(machine: Machine, given: Mapping[str, int]) -> dict[str, int]:
+    """Return the joint of each axis: in the order X Y Z A B C U V W unless given."""
+    names = sorted((axis.name for axis in machine.axes), key=lambda name: (_ORDER + name).index(name))
+    return {name: given.get(name, number) for number, name in enumerate(names)}
+
+
+def both_ways(tables: Sequence[CompensationTable]) -> tuple[CompensationTable, ...]:
+    """Return tables without reversal, which a `lincurve` cannot tell."""
+    middle = [(t, (t.forward + t.reverse) / 2) for t in tables]
+    return tuple(
+        CompensationTable(t.axis, t.rotary, t.positions, m, m, t.std, t.over, t.prior_std, t.departure)
+        for t, m in middle
+    )
+
+
+def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
+    if table is None:
+        return shown
+    sides = [correction(table, shown, side) for side in (1, -1)]
+    return shown + np.where(approach > 0, *sides)
+
+
+def _through(hal: Hal, machine: Machine, joints: Mapping[str, int], shown: Array, motors: Array) -> Array:
+    """Return what the drives are told, (q, m), after HAL has added its part."""
+    given: dict[str, Array] = {}
+    for k, axis in enumerate(machine.axes):
+        joint = joints[axis.name]
+        given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
+    signals = hal.run(given)
+    return np.stack([signals.get(f"axiscal-{a.name.lower()}-motor", motors[k]) for k, a in enumerate(machine.axes)])
+
+
+def _unit(table: CompensationTable, options: Options) -> str:
+    return "deg" if table.rotary else options.unit
+
+
+def _resolution(
+    own: Sequence[CompensationTable], over: Sequence[CompensationTable], options: Options
+) -> dict[str, float]:
+    steps: dict[str, float] = {}
+    for table in own:
+        steps[table.axis] = resolution(table, _unit(table, options))
+    for table in over:
+        rounding = float(from_unit(1e-7, options.unit)) + _steepest(table) * float(from_unit(1e-6, options.unit))
+        steps[table.axis] = steps.get(table.axis, 0.0) + rounding
+    return steps
+
+
+def _steepest(table: CompensationTable) -> float:
+    return float(np.max(np.abs(np.diff(table.forward) / np.diff(table.positions))))
+
+
+def _hal_notes(machine: Machine, over: Sequence[CompensationTable]) -> tuple[str, ...]:
+    notes = []
+    if over:
+        notes.append(
+            f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. "
+            "Without it the COMP_FILEs work alone."
+        )
+    if any(axis.rotary for axis in machine.axes):
+        notes.append(
+            "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
+        )
+    return tuple(notes)

@@ -1,0 +1,136 @@
+"""From files that were written to files that are offered: read back, applied in a simulated control, compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.compensation.effect import Control, Effect, effect_of_control, tour
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.options import Options
+from axiscal.compensation.table import CompensationTable
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.units import format_quantity, to_unit
+
+POSES = 1000
+_DEFECT = "do not load it: this is a defect of axiscal, please report it"
+_WORTH = 1e-9
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Draft:
+    """Files for a controller, before they are tried.
+
+    files : name -> text; control : what the control does with them, as they are read back
+    wanted : what they are meant to do; resolution : per axis by which both may differ, m or rad
+    tables : what the files hold, for the figures; holds : what this controller can hold, in a sentence
+    left_out : what it cannot; notes : how to load the files; tried : whether a real control of this kind has been seen
+    to take them
+    """
+
+    files: Mapping[str, str]
+    control: Control
+    wanted: Control
+    resolution: Mapping[str, float]
+    tables: tuple[CompensationTable, ...]
+    holds: str
+    left_out: str
+    notes: tuple[str, ...]
+    tried: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Export:
+    """Files that may be loaded.
+
+    effect : of the estimated deviation over the volume; readme : the text that goes beside them
+    """
+
+    controller: str
+    files: Mapping[str, str]
+    tables: tuple[CompensationTable, ...]
+    control: Control
+    effect: Effect
+    readme: str
+
+
+Maker = Callable[[Estimate, Options], Draft]
+
+
+def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
+    """Return the files with what they do; raises TableError when they would not do it."""
+    poses, approaches = tour(_poses(estimate), estimate.box)
+    _refuse_differences(estimate, draft, poses, approaches)
+    effect, meant = (
+        effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box)
+        for control in (draft.control, draft.wanted)
+    )
+    slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
+    if effect.after > min(meant.after, effect.before) + slack:
+        before, after = (format_quantity(value, "um", 3) for value in effect)
+        raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
+    readme = _readme(controller, draft, effect)
+    return Export(controller, draft.files, draft.tables, draft.control, effect, readme)
+
+
+def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
+    apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
+    for axis, worst in zip(estimate.machine.axes, apart, strict=True):
+        if not worst <= draft.resolution.get(axis.name, 0.0) + 1e-12:
+            shown = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
+            raise TableError(f"read back, the files move {axis.name} by {shown} more or less than they should", _DEFECT)
+
+
+def _reach(estimate: Estimate, name: str) -> float:
+    """Return the lever, m/rad, by which a rotary axis moves the TCP at most; 1 for a linear axis."""
+    if not estimate.machine.axis(name).rotary:
+        return 1.0
+    return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
+
+
+def _poses(estimate: Estimate) -> Array:
+    """Return poses spread evenly over the volume: multiples of irrational steps, (POSES, q)."""
+    low, high = np.array(estimate.box).T
+    primes = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: len(low)]
+    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, POSES + 1), primes), 1.0)
+    return spread
+
+
+def _readme(controller: str, draft: Draft, effect: Effect) -> str:
+    before, after = (format_quantity(value, "um", 3) for value in effect)
+    lines = [
+        f"Compensation for {controller}, made by axiscal.",
+        "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
+        f"These files hold {draft.holds}",
+        f"They take the estimated TCP deviation over the volume from {before} RMS to {after}.",
+        f"Left out: {draft.left_out}" if draft.left_out else "",
+        "",
+        *(f"- {note}" for note in draft.notes),
+        *(f"- {note}" for table in draft.tables for note in _table_notes(table)),
+        "",
+        *(_said(table) for table in draft.tables),
+    ]
+    return "\n".join(line for i, line in enumerate(lines) if line or i > 4) + "\n"
+
+
+def _table_notes(table: CompensationTable) -> list[str]:
+    silent = table.positions[table.prior_only]
+    if not silent.size:
+        return []
+    first, last = (format_quantity(float(p), table.unit, 4) for p in silent[[0, -1]])
+    return [f"{_title(table)}: no reading says anything at {silent.size} points from {first} to {last}."]
+
+
+def _said(table: CompensationTable) -> str:
+    std = to_unit(float(np.sqrt(np.mean(table.std**2))), table.fine_unit)
+    return (
+        f"{_title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
+        f"which is known to {std:.3g} {table.fine_unit} (standard deviation)."
+    )
+
+
+def _title(table: CompensationTable) -> str:
+    return table.axis if table.over == table.axis else f"{table.axis} over {table.over}"

@@ -1,0 +1,39 @@
+"""What a person may choose for an export."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from axiscal.exceptions import TableError
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Choices; what a controller has no use for it does not look at.
+
+    spacing : distance of the points of linear axes, m; unit : of the machine, mm or in
+    numbers : of the joint or machine axis of each axis, where the order of the letters is not theirs
+    template : text of a file that the control saved, template_name : how it is called
+    name : of a mesh or profile
+    Raises TableError for a name that is more than letters, digits, _ and -.
+    """
+
+    spacing: float | None = None
+    unit: str = "mm"
+    numbers: Mapping[str, int] = field(default_factory=dict)
+    template: str | None = None
+    template_name: str = "the template"
+    name: str = "axiscal"
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            shown = "".join(c if c.isprintable() else "?" for c in self.name[:40])
+            raise TableError(f"{shown!r} is not a name for a table", "Take letters, digits, _ and -, 31 at most")
+        if self.unit not in ("mm", "in"):
+            raise TableError(f"{self.unit[:20]!r} is not the unit of a machine", "It can be mm or in")
+        if any(number < 0 for number in self.numbers.values()):
+            raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")

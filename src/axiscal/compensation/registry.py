@@ -1,0 +1,30 @@
+"""The controllers that tables can be made for, by the names that `axiscal export --to` takes."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Export, Maker, tried_out
+from axiscal.compensation.options import Options
+from axiscal.exceptions import TableError
+
+_ROOM = "axiscal.compensation.controllers"
+CONTROLLERS = {
+    "linuxcnc": f"{_ROOM}.linuxcnc.exporting",
+}
+"""Name -> module whose `make` writes the files."""
+
+
+def export(estimate: Estimate, controller: str, options: Options) -> Export:
+    """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
+    return tried_out(controller, estimate, _maker(controller)(estimate, options))
+
+
+def _maker(controller: str) -> Maker:
+    if controller not in CONTROLLERS:
+        known = ", ".join(CONTROLLERS)
+        shown = "".join(c if c.isprintable() else "?" for c in controller[:40])
+        raise TableError(f'"{shown}" is not a controller that tables can be made for', f"Known are {known}")
+    make: Maker = import_module(CONTROLLERS[controller]).make
+    return make
