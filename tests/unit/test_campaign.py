@@ -12,8 +12,8 @@ import pytest
 
 from axiscal.campaign.campaign import OUT_OF_REACH, Campaign, Milestone, Stop
 from axiscal.campaign.description import CampaignDescription, read_campaign
-from axiscal.campaign.engine import Proposal, Visit
-from axiscal.campaign.events import Asked, Gap, Recorded
+from axiscal.campaign.engine import Visit
+from axiscal.campaign.events import Asked, Gap, Place, Recorded
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceError
 from axiscal.measurement.reading import Reading
@@ -44,7 +44,7 @@ class Known:
 
 @dataclass
 class CountingEngine:
-    """Knows the machine to 10 um / (1 + readings), proposes X = 0, 10, 20 … mm, and takes a minute for each."""
+    """Knows the machine to 10 um / (1 + readings), plans X = 0, 10, 20 … mm, and takes a minute for each."""
 
     description: CampaignDescription
     read: list[Reading] = field(default_factory=list)
@@ -56,10 +56,10 @@ class CountingEngine:
         rms = 10e-6 / (1 + len(self.read))
         return Known(rms, 2 * rms)
 
-    def propose(self, gaps: Sequence[Gap], last: Visit | None) -> Proposal | None:
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> list[Place]:
         taken = {reading.pose[0] for reading in self.read} | {gap.asked.position[0] for gap in gaps}
         free = [0.01 * n for n in range(61) if 0.01 * n not in taken]
-        return Proposal("laser along X", (free[0], 0.2, 0.2), (1, 0, 0), 1.0) if free else None
+        return [Place("laser along X", (x, 0.2, 0.2), (1, 0, 0)) for x in free]
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         return 60.0 * len(visits)

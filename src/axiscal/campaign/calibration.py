@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from axiscal.belief import Belief, Innovations
 from axiscal.campaign.description import CampaignDescription
-from axiscal.campaign.engine import Engine, Proposal, Visit
-from axiscal.campaign.events import Gap
+from axiscal.campaign.engine import Engine, Visit
+from axiscal.campaign.events import Gap, Place
 from axiscal.design import criterion
 from axiscal.design.accuracy import Accuracy, Yardstick
 from axiscal.design.cost import visit_seconds
@@ -128,17 +128,18 @@ class Calibration:
             self._accuracy = self.problem.yardstick.measure(self.belief)
         return self._accuracy
 
-    def propose(self, gaps: Sequence[Gap], last: Visit | None) -> Proposal | None:
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
         """Return the reading that serves the criterion best; another set-up is mounted only where it pays."""
         steps = self._steps(gaps)
         if not steps:
-            return None
+            return ()
+        last = visits[-1] if visits else None
         best = max(steps, key=lambda step: step.gain)
         mounted = [s for s in steps if last is not None and s.setup == self.problem.index(last.setup)]
         step = mounted[0] if mounted and mounted[0].gain > _STAY * best.gain else best
         setup = self.problem.description.setups[step.setup]
         approach = tuple(int(sign) for sign in step.approach)
-        return Proposal(setup.name, tuple(map(float, step.pose)), approach, step.gain)
+        return (Place(setup.name, tuple(map(float, step.pose)), approach),)
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

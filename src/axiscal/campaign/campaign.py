@@ -18,7 +18,7 @@ from typing import Self
 
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.engine import Build, Engine, Known, Visit
-from axiscal.campaign.events import Asked, Created, Event, Finished, Recorded, Skipped, State, Step, Undone
+from axiscal.campaign.events import Asked, Created, Event, Finished, Planned, Recorded, Skipped, State, Step, Undone
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.store import Record
@@ -120,13 +120,16 @@ class Campaign:
         if because is not None:
             return Stop(because)
         visits = self._visits()
-        proposal = self.engine.propose(self.state.skipped, visits[-1] if visits else None)
-        if proposal is None:
-            return Stop("nothing is left to measure")
-        if not beyond and self._over_budget(self.engine.elapsed([*visits, Visit(proposal.setup, proposal.pose)])):
+        if not self.state.plan:
+            places = tuple(self.engine.plan(self.state.skipped, visits))
+            if not places:
+                return Stop("nothing is left to measure")
+            self._append(Planned(places))
+        place = self.state.plan[0]
+        if not beyond and self._over_budget(self.engine.elapsed([*visits, Visit(place.setup, place.position)])):
             return Stop(_BUDGET)
         number = len(self.state.readings) + len(self.state.skipped) + 1
-        asked = Asked(number, proposal.setup, proposal.pose, proposal.approach)
+        asked = Asked(number, place.setup, place.position, place.approach)
         self._append(asked)
         return asked
 

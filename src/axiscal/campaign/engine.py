@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from axiscal.campaign.events import Gap
+from axiscal.campaign.events import Gap, Place
 from axiscal.measurement.reading import Reading
 
 if TYPE_CHECKING:
@@ -19,20 +19,6 @@ class Visit:
 
     setup: str
     pose: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Proposal:
-    """The reading that serves the target best.
-
-    pose : (n_axes,) m or rad; approach : (n_axes,) +1, -1, or 0 for an axis that does not move
-    gain : by how much it lowers the criterion
-    """
-
-    setup: str
-    pose: tuple[float, ...]
-    approach: tuple[int, ...]
-    gain: float
 
 
 class Known(Protocol):
@@ -56,8 +42,8 @@ class Engine(Protocol):
     def accuracy(self) -> Known:
         """Return how well the machine is known now."""
 
-    def propose(self, gaps: Sequence[Gap], last: Visit | None) -> Proposal | None:
-        """Return the next reading, none of the `gaps`, coming from `last`; None if nothing is left to measure."""
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> Sequence[Place]:
+        """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure."""
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

@@ -28,6 +28,22 @@ class Created:
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """Where a reading is to be taken: the set-up; position (n_axes,) m or rad; approach (n_axes,) +1, -1, 0."""
+
+    setup: str
+    position: tuple[float, ...]
+    approach: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """The readings to come, in their order; what was planned before is no longer."""
+
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Asked:
     """A reading is wanted: its number from 1, the set-up, and where; `position` is (n_axes,) m or rad."""
 
@@ -69,7 +85,7 @@ class Finished:
     because: str
 
 
-Event = Created | Asked | Recorded | Skipped | Undone | Finished
+Event = Created | Planned | Asked | Recorded | Skipped | Undone | Finished
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +103,10 @@ class Gap:
 
     asked: Asked
     reason: str
+
+    def holds(self, place: Place) -> bool:
+        """Whether a planned place is this one."""
+        return (place.setup, place.position) == (self.setup, self.position)
 
     @property
     def setup(self) -> str:
@@ -116,6 +136,7 @@ class State:
     skipped : what could not be measured
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
+    plan : places that have been planned and not been asked for yet
     undo : what can be taken back, the latest last
     last : number of the last event
     """
@@ -125,6 +146,7 @@ class State:
     skipped: tuple[Gap, ...] = ()
     pending: Asked | None = None
     finished: str | None = None
+    plan: tuple[Place, ...] = ()
     undo: tuple[Step, ...] = ()
     last: int = 0
 
@@ -150,26 +172,42 @@ class _Folding:
         self._skipped: list[Gap] = []
         self._pending: Asked | None = None
         self._finished: str | None = None
+        self._plan: list[Place] = []
         self._undo: list[Step] = []
         self._last = 0
 
     def state(self) -> State:
-        lists = tuple(self._readings), tuple(self._skipped), self._pending, self._finished, tuple(self._undo)
-        return State(self._created, *lists, self._last)
+        return State(
+            self._created,
+            tuple(self._readings),
+            tuple(self._skipped),
+            self._pending,
+            self._finished,
+            tuple(self._plan),
+            tuple(self._undo),
+            self._last,
+        )
 
     def add(self, stored: Stored) -> None:
         event = stored.event
         self._refuse_disorder(stored)
         if isinstance(event, Created):
             self._created = event
+        elif isinstance(event, Planned):
+            self._plan = list(event.places)
         elif isinstance(event, Asked):
-            self._pending = event
+            self._ask(event)
         elif isinstance(event, Undone):
             self._take_back(event)
         else:
             self._undo.append(Step(stored.number, event, self._pending))
             self._take(event)
         self._last = stored.number
+
+    def _ask(self, event: Asked) -> None:
+        self._pending = event
+        if self._plan and self._plan[0] == Place(event.setup, event.position, event.approach):
+            del self._plan[0]
 
     def _refuse_disorder(self, stored: Stored) -> None:
         first = isinstance(stored.event, Created)
@@ -188,7 +226,9 @@ class _Folding:
         elif self._pending is None:
             raise EventOrderError("a reading was skipped that nobody had asked for")
         else:
-            self._skipped.append(Gap(self._pending, event.reason))
+            gap = Gap(self._pending, event.reason)
+            self._skipped.append(gap)
+            self._plan = [place for place in self._plan if not gap.holds(place)]
         self._pending = None
 
     def _take_back(self, event: Undone) -> None:

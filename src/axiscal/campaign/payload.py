@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from axiscal.campaign.events import Asked, Created, Event, Finished, Recorded, Skipped, Undone
+from axiscal.campaign.events import Asked, Created, Event, Finished, Place, Planned, Recorded, Skipped, Undone
 
 KINDS: Mapping[str, type[Event]] = {
-    kind.__name__.lower(): kind for kind in (Created, Asked, Recorded, Skipped, Undone, Finished)
+    kind.__name__.lower(): kind for kind in (Created, Planned, Asked, Recorded, Skipped, Undone, Finished)
 }
 
 
@@ -73,6 +73,9 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "created": _created,
+    "planned": lambda fields: Planned(
+        tuple(Place(_text(place["setup"]), *_position(place)) for place in fields["places"])
+    ),
     "asked": lambda fields: Asked(_whole(fields["reading"]), _text(fields["setup"]), *_position(fields)),
     "recorded": _recorded,
     "skipped": lambda fields: Skipped(_text(fields["reason"])),
