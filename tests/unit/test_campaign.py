@@ -41,6 +41,14 @@ class Known:
     rms: float
     worst: float
 
+    @property
+    def seen(self) -> float:
+        return self.rms
+
+    @property
+    def worst_seen(self) -> float:
+        return self.worst
+
 
 @dataclass
 class CountingEngine:

@@ -25,6 +25,7 @@ from axiscal.campaign.store import Record
 from axiscal.campaign.versions import versions
 from axiscal.exceptions import ReadingError, RecordError, SourceError
 from axiscal.measurement.reading import Reading
+from axiscal.units import to_unit
 
 PATIENCE = 25
 """So many skipped readings in a row are taken for a source that does not work."""
@@ -186,10 +187,10 @@ class Campaign:
         if target.readings is not None and len(self.state.readings) >= target.readings:
             count = len(self.state.readings)
             return f"{count} reading{'' if count == 1 else 's'} taken"
-        if target.rms is not None and self.engine.accuracy().rms <= target.rms:
-            return "rms target reached"
-        if target.worst is not None and self.engine.accuracy().worst <= target.worst:
-            return "worst target reached"
+        if target.rms is not None and (known := self.engine.accuracy()).seen <= target.rms:
+            return "rms target reached" + _unless_hidden(known.rms, target.rms)
+        if target.worst is not None and (known := self.engine.accuracy()).worst_seen <= target.worst:
+            return "worst target reached" + _unless_hidden(known.worst, target.worst)
         return _BUDGET if self._over_budget(self._seconds()) else None
 
     def status(self) -> Status:
@@ -294,6 +295,13 @@ class Campaign:
 
 
 _BUDGET = "time budget used"
+
+
+def _unless_hidden(whole: float, target: float) -> str:
+    """Say by how much the target is missed because of what no allowed reading can see."""
+    if whole <= target:
+        return ""
+    return f" in what the set-ups can see; with what they cannot see it is {to_unit(whole, 'um'):.3g} um"
 
 
 def _description(record: Record) -> CampaignDescription:

@@ -32,6 +32,14 @@ class Known(Protocol):
     def worst(self) -> float:
         """The largest in the volume."""
 
+    @property
+    def seen(self) -> float:
+        """RMS without what no allowed reading can see."""
+
+    @property
+    def worst_seen(self) -> float:
+        """The largest without what no allowed reading can see."""
+
 
 class Engine(Protocol):
     """The belief of one campaign and the planner that looks at it. It is fed the readings in their order."""

@@ -24,13 +24,15 @@ _INNER_POINTS = 400
 
 
 class Accuracy(NamedTuple):
-    """rms : RMS over the volume, m; worst : largest in the volume, m; seen : the part of rms that readings can still
-    reduce, m.
+    """What is known of the TCP over the volume, all in m.
+
+    rms, worst : RMS and largest standard deviation; seen, worst_seen : the same without what no allowed reading sees
     """
 
     rms: float
     worst: float
     seen: float
+    worst_seen: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +67,11 @@ class Yardstick:
         total = criterion.value(belief, self.root)
         seen = total - float(np.sum((self.root @ self.unseen) ** 2))
         variance = max(total - self._shift, 0.0) + self.moments.rest
-        worst = float(np.sqrt(max(np.max(self._variances(belief)), variance)))
-        return Accuracy(float(np.sqrt(variance)), worst, float(np.sqrt(max(seen, 0.0) + self.moments.rest)))
+        spread = self._variances(belief)
+        worst = max(float(np.max(spread)), variance)
+        worst_seen = float(np.max(spread + self._hidden))
+        figures = variance, worst, max(seen, 0.0) + self.moments.rest, worst_seen
+        return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
     def worst_rows(self, belief: Belief) -> Array:
         """Return H (3, size) at the pose where the TCP is known least."""
@@ -88,14 +93,22 @@ class Yardstick:
         return self.errors.rows(*self._poses)
 
     @cached_property
+    def _here(self) -> Array:
+        """What no allowed reading sees, at each pose: (m, 3, r)."""
+        return self._rows @ self.unseen
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """What takes the unseen part, its constant shift not counted, off the variances, m²."""
+        centred: Array = np.sum((self._here - self.moments.mean @ self.unseen) ** 2, axis=(1, 2))
+        return -centred
+
+    @cached_property
     def _correction(self) -> Array:
         """What the constant shift takes off the variance at each pose, and what the rest adds, m²."""
-        here = self._rows @ self.unseen
-        shift = self.moments.mean @ self.unseen
-        taken = np.sum(here**2, axis=(1, 2)) - np.sum((here - shift) ** 2, axis=(1, 2))
         rests = np.array([f.rest for f in self.errors.functions])
         added = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
-        result: Array = added - taken
+        result: Array = added - np.sum(self._here**2, axis=(1, 2)) - self._hidden
         return result
 
     def _variances(self, belief: Belief) -> Array:
