@@ -53,6 +53,16 @@ class Climb:
         order = np.argsort(-self.gains, kind="stable")[:count]
         return self.keep(order[self.gains[order] >= share * than])
 
+    def scattered(self, count: int, apart: float) -> Climb:
+        """Return the best, no two of them closer than a share of every travel.  apart : share"""
+        spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
+        order = np.argsort(-self.gains, kind="stable")
+        chosen = np.zeros(len(order), dtype=bool)
+        for i in order:
+            if chosen.sum() < count and not _near(self.poses[chosen], self.poses[i], apart * spans):
+                chosen[i] = True
+        return self.keep(chosen)
+
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
         spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
@@ -211,6 +221,10 @@ class _Bundle:
         pick = value[mine].reshape(self._poses, -1).argmax(axis=1)
         index = self._starts[axis] + np.arange(self._poses) * self._counts[axis] + pick
         return position[index], value[index]
+
+
+def _near(poses: Array, pose: Array, reach: Array) -> bool:
+    return bool(np.any(np.all(np.abs(poses - pose) <= reach, axis=1)))
 
 
 def _stencil(size: int) -> Array:

@@ -26,8 +26,8 @@ class Rests:
             return
         self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
         self._functions = [functions[i] for i in self._with]
-        self._columns = [_columns_of_cells(observation, i) for i in self._with]
-        self._levers = _levers(observation, setup, at)[self._with].reshape(len(self._with), -1, levers)
+        self._columns = [columns_of_cells(observation, i) for i in self._with]
+        self._levers = levers_of(observation, setup, at)[self._with].reshape(len(self._with), -1, levers)
         parked = at[::levers]
         cells = [cells_of(f, parked[:, f.axis]) for f in self._functions]
         self._open = np.array([columns[cell] < 0 for columns, cell in zip(self._columns, cells, strict=True)])
@@ -70,8 +70,8 @@ def _reach(levers: Array) -> str:
     return "kn,bn->bk" if levers.ndim == 2 else "bkn,bn->bk"
 
 
-def _columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
-    """Return the column of the rest of every cell of a function, -1 where it has not been visited."""
+def columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
+    """Return the column of the rest of every cell of a function, -1 where there is none."""
     function = observation.errors.functions[index]
     count = round((function.basis.knots[-1] - function.basis.knots[0]) / function.cell)
     columns = np.full(count, -1)
@@ -81,7 +81,8 @@ def _columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
     return columns
 
 
-def _levers(observation: Observation, setup: int, poses: Array) -> Array:
+def levers_of(observation: Observation, setup: int, poses: Array) -> Array:
+    """Return what a unit of each function adds to a reading of a set-up, (functions, m).  poses : (m, q)."""
     mounted, errors = observation.setups[setup], observation.errors
     length = INSTRUMENTS[mounted.instrument].reads == "length"
     levers: Array = (errors.levers(poses) if length else errors.angular_levers(poses)) @ np.array(mounted.direction)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.design.climb import Climb
@@ -21,18 +20,31 @@ from axiscal.design.stacked import adds_up, starts
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
-_LATTICE_STARTS = 16
-_MORE_STARTS = 48
-_FEW_AXES = 3
-_LOOKED_AT = 600
 _APART = 0.12
-_PEAKS = 32
-_STACKED_PEAKS = 16
-_SHARE = 0.92
-_HOPEFUL = 0.97
-_STACKED_EXACT = 1
-_LATTICE_EXACT = 6
 _FIRST_STEPS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class _Effort:
+    """How hard to look, so that no narrow ridge is missed.
+
+    wide : so many candidates climb to the best of a few positions per interval before any is dropped
+    starts : of these, so many that stand apart go on
+    peaks, share : so many go on to Newton's steps, if they gain at least this share of the best
+    exact, hopeful : so many of these go on to exact lines, if they gain at least this share of the best
+    """
+
+    wide: int
+    starts: int
+    peaks: int
+    share: float
+    exact: int
+    hopeful: float
+
+
+_STACKED = _Effort(0, 0, 16, 0.92, 1, 0.97)
+_FEW_AXES = _Effort(400, 48, 40, 0.7, 24, 0.85)
+_MANY_AXES = _Effort(0, 16, 32, 0.92, 6, 0.97)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,7 +64,7 @@ class Step:
 
 
 def best_step(observation: Observation, belief: Belief, weight: Array, lattice: Lattice) -> Step:
-    """Return the reading with the largest fall of J = tr(VᵀV C).
+    """Return the reading with the largest fall of J = tr(VᵀV C) (B&H eq. 37).
 
     weight : V (w, n) over the leading unknowns; lattice : candidates to start from, at least one per set-up
     """
@@ -61,16 +73,22 @@ def best_step(observation: Observation, belief: Belief, weight: Array, lattice: 
 
 def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     """Return the reading with the largest gain of a scorer."""
-    setups = [int(s) for s in np.unique(lattice.setups)]
-    simple = [s for s in setups if adds_up(scorer.observation, s)]
+    simple = [int(s) for s in np.unique(lattice.setups) if adds_up(scorer.observation, int(s))]
     climbs = [_stacked(scorer, setup) for setup in simple]
-    if len(simple) < len(setups):
-        climbs += _from_lattice(scorer, lattice.within(np.isin(lattice.setups, simple, invert=True)))
-    finalists = _finalists(climbs, [_STACKED_EXACT] * len(simple) + [_LATTICE_EXACT] * (len(climbs) - len(simple)))
+    others = np.isin(lattice.setups, simple, invert=True)
+    if others.any():
+        climbs += _from_lattice(scorer, lattice.within(others))
+    finalists = _finalists(climbs)
     for climb in finalists:
         if len(climb.moves) > 1:
             climb.finish()
     return max((_step(climb) for climb in finalists), key=lambda step: step.gain)
+
+
+def _effort(observation: Observation, setup: int) -> _Effort:
+    if adds_up(observation, setup):
+        return _STACKED
+    return _FEW_AXES if len(observation.setups[setup].moves) <= 3 else _MANY_AXES
 
 
 def _stacked(scorer: Scorer, setup: int) -> Climb:
@@ -79,7 +97,7 @@ def _stacked(scorer: Scorer, setup: int) -> Climb:
         return _parked(scorer, setup)
     found = starts(scorer, setup)
     climb = Climb(scorer, setup, found.poses, found.approaches, found.gains)
-    return climb.best(_STACKED_PEAKS, _SHARE, found.gains.max())
+    return climb.best(_STACKED.peaks, _STACKED.share, found.gains.max())
 
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
@@ -94,45 +112,35 @@ def _parked(scorer: Scorer, setup: int) -> Climb:
 
 
 def _from_lattice(scorer: Scorer, lattice: Lattice) -> list[Climb]:
-    """Return the best candidates, each set-up with at least one, after a sweep."""
+    """Return good readings that stand apart, the best of every set-up among them, after sweeps over lattice lines."""
     gains = scorer.gains(lattice)
-    chosen = _scattered(scorer.observation, lattice, gains)
+    order = np.argsort(-gains, kind="stable")
+    _, firsts = np.unique(lattice.setups[order], return_index=True)
+    chosen = np.unique(np.concatenate([order[firsts], order[: max(_MANY_AXES.wide, _FEW_AXES.wide)]]))
     climbs = []
-    for setup in np.unique(lattice.setups[chosen]):
-        mine = chosen[lattice.setups[chosen] == setup]
+    for setup in np.unique(lattice.setups):
+        effort, mine = _effort(scorer.observation, int(setup)), chosen[lattice.setups[chosen] == setup]
         climb = Climb(scorer, int(setup), lattice.poses[mine], lattice.approaches[mine], gains[mine])
-        for _ in range(2 if len(climb.moves) <= _FEW_AXES else 1):
+        if effort.wide:
+            climb = climb.best(effort.wide, 0.0, 1.0)
             climb.sweep_lattice()
+        climb = climb.scattered(effort.starts, _APART)
+        climb.sweep_lattice()
         climbs.append(climb)
     return climbs
 
 
-def _scattered(observation: Observation, lattice: Lattice, gains: Array) -> NDArray[np.intp]:
-    """Return good candidates that do not stand close together, and the best of every set-up."""
-    spans = np.array([axis.length for axis in observation.errors.machine.axes])
-    order = np.argsort(-gains, kind="stable")
-    _, firsts = np.unique(lattice.setups[order], return_index=True)
-    chosen = list(order[firsts])
-    few = max(len(s.moves) for s in observation.setups) <= _FEW_AXES
-    wanted = (_MORE_STARTS if few else _LATTICE_STARTS) + len(firsts)
-    for i in order[:_LOOKED_AT]:
-        same = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]
-        apart = np.abs(lattice.poses[same] - lattice.poses[i]) / spans
-        if len(chosen) < wanted and np.all(apart.max(axis=1, initial=0.0) > _APART):
-            chosen.append(i)
-    return np.array(chosen, dtype=np.intp)
-
-
-def _finalists(climbs: list[Climb], counts: list[int]) -> list[Climb]:
+def _finalists(climbs: list[Climb]) -> list[Climb]:
     """Return the distinct best after Newton's steps, few enough for exact lines."""
     best = max(climb.gains.max() for climb in climbs)
-    kept = [(climb.distinct().best(_PEAKS, _SHARE, best), count) for climb, count in zip(climbs, counts, strict=True)]
-    kept = [(climb, count) for climb, count in kept if len(climb.gains)]
-    for climb, _ in kept:
+    efforts = [_effort(climb.scorer.observation, climb.setup) for climb in climbs]
+    pairs = [(c.distinct().best(e.peaks, e.share, best), e) for c, e in zip(climbs, efforts, strict=True)]
+    pairs = [(climb, effort) for climb, effort in pairs if len(climb.gains)]
+    for climb, _ in pairs:
         if len(climb.moves) > 1:
             climb.newton(_FIRST_STEPS)
-    best = max(climb.gains.max() for climb, _ in kept)
-    final = [climb.distinct().best(count, _HOPEFUL, best) for climb, count in kept]
+    best = max(climb.gains.max() for climb, _ in pairs)
+    final = [climb.distinct().best(effort.exact, effort.hopeful, best) for climb, effort in pairs]
     return [climb for climb in final if len(climb.gains)]
 
 

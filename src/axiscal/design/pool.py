@@ -1,0 +1,121 @@
+"""A lattice of candidates with its rows, kept in memory or made anew block by block where that would be too much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.lattice import Lattice
+from axiscal.design.rests import cells_of, columns_of_cells, levers_of
+from axiscal.design.scorer import Scorer
+from axiscal.design.state import Point, State
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+
+_BLOCK = 4096
+MEMORY = 1e9
+"""Bytes that the rows of a lattice may take unless said otherwise."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Block:
+    """Candidates of one set-up.  reach : (m, f) what the rest of each function with a rest does; cells : (m, f)."""
+
+    setup: int
+    where: slice
+    rows: Array | None
+    reach: Array
+    cells: NDArray[np.intp]
+
+
+class Pool:
+    """The candidates of a lattice, sorted by set-up.
+
+    memory : bytes that the rows may take; beyond it they are made anew for every product, at the cost of time
+    """
+
+    def __init__(self, observation: Observation, lattice: Lattice, memory: float = MEMORY) -> None:
+        self.lattice = lattice.within(np.argsort(lattice.setups, kind="stable"))
+        self._bare = replace(observation, cells=MappingProxyType({}))
+        self.size = self._bare.size
+        self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
+        self._with = [i for i, f in enumerate(observation.errors.functions) if f.rest > 0]
+        self.bytes = 8.0 * len(lattice) * self.size
+        self._kept = self.bytes <= memory
+        self._blocks = [self._block(setup, where) for setup, where in self._slices()]
+
+    def __len__(self) -> int:
+        return len(self.lattice)
+
+    def point(self, index: int) -> Point:
+        """Return a candidate."""
+        one = self.lattice
+        return Point(int(one.setups[index]), one.poses[index], one.approaches[index])
+
+    def products(self, observation: Observation, vectors: Array) -> Array:
+        """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (m, c)."""
+        tables = [self._table(observation, i, vectors) for i in self._with]
+        result = np.empty((len(self), vectors.shape[1]))
+        for block in self._blocks:
+            np.matmul(self._rows(block), vectors[: self.size], out=result[block.where])
+            for column, table in enumerate(tables):
+                if table is not None:
+                    result[block.where] += block.reach[:, column, None] * table[block.cells[:, column]]
+        return result
+
+    def forms(self, scorer: Scorer) -> tuple[Array, Array]:
+        """Return numerator and denominator of the gain of every candidate."""
+        above, below = np.empty(len(self)), np.empty(len(self))
+        for block in self._blocks:
+            part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
+            seen = scorer.observation.rows(block.setup, *part)
+            above[block.where], below[block.where] = scorer.split(seen.rows @ scorer.both, seen.variances)
+        return above, below
+
+    def row(self, observation: Observation, index: int) -> Array:
+        """Return the row of a candidate whose cells all have columns, (n,)."""
+        block = next(b for b in self._blocks if b.where.start <= index < b.where.stop)
+        inside = index - block.where.start
+        result = np.zeros(observation.size)
+        result[: self.size] = self._rows(block)[inside]
+        for column, i in enumerate(self._with):
+            result[columns_of_cells(observation, i)[block.cells[inside, column]]] = block.reach[inside, column]
+        return result
+
+    def _slices(self) -> Iterator[tuple[int, slice]]:
+        for setup in np.unique(self.lattice.setups):
+            mine = np.flatnonzero(self.lattice.setups == setup)
+            for start in range(int(mine[0]), int(mine[-1]) + 1, _BLOCK):
+                yield int(setup), slice(start, min(start + _BLOCK, int(mine[-1]) + 1))
+
+    def _block(self, setup: int, where: slice) -> _Block:
+        poses, functions = self.lattice.poses[where], self._bare.errors.functions
+        reach, cells = np.zeros((len(poses), 0)), np.zeros((len(poses), 0), dtype=np.intp)
+        if self._with:
+            reach = levers_of(self._bare, setup, poses)[self._with].T
+            cells = np.stack([cells_of(functions[i], poses[:, functions[i].axis]) for i in self._with], axis=1)
+        block = _Block(setup, where, None, reach, cells)
+        return replace(block, rows=self._rows(block)) if self._kept else block
+
+    def _rows(self, block: _Block) -> Array:
+        if block.rows is not None:
+            return block.rows
+        return self._bare.rows(block.setup, self.lattice.poses[block.where], self.lattice.approaches[block.where]).rows
+
+    def _table(self, observation: Observation, function: int, vectors: Array) -> Array | None:
+        """Return the entries of the vectors for every cell of a function; None where no cell has been visited."""
+        columns = columns_of_cells(observation, function)
+        if columns.max() < 0:
+            return None
+        table: Array = np.where((columns >= 0)[:, None], vectors[columns], 0.0)
+        return table
+
+
+def pool_point(state: State, pool: Pool, index: int) -> tuple[State, Array, float]:
+    """Return the state with columns for a candidate's cells, the candidate's row and its variance."""
+    opened = state.opened([pool.point(index)])
+    return opened, pool.row(opened.observation, index), float(pool.noise[index])

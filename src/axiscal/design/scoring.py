@@ -1,0 +1,140 @@
+"""Gains of a whole lattice, kept up to date while readings enter and leave: O(M N) per change, bound by memory traffic.
+
+With k = G h and t = G z for a change C ← C − η h hᵀ, the diagonals of G C Gᵀ and of G C W C Gᵀ follow as
+gᵀCg − η k² and gᵀCWCg − 2 η k t + η² ω k². The same holds for the columns G C g_l and G C W C g_l of the readings in
+the plan, which make taking one of them out, and looking at what would replace it best, cost O(M).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.design.pool import Pool
+from axiscal.design.state import Point, State
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Member:
+    """A reading in the plan.  row : (n,) over the unknowns when it entered; variance : of its noise."""
+
+    point: Point
+    row: Array
+    variance: float
+
+
+class Scores:
+    """The gains of the candidates of a pool while a plan is made.
+
+    above, below : (M + m,) numerator and denominator for the candidates, then for the readings of the plan
+    """
+
+    def __init__(self, pool: Pool, state: State) -> None:
+        self.pool, self.state = pool, state
+        self.members: list[Member] = []
+        self.above, self.below = pool.forms(state.scorer())
+        self._cross = np.zeros((len(pool), 0))
+        self._reach = np.zeros((len(pool), 0))
+
+    @property
+    def gains(self) -> Array:
+        """The gain of every candidate, (M,)."""
+        count = len(self.pool)
+        gains: Array = self.above[:count] / self.below[:count]
+        return gains
+
+    @property
+    def points(self) -> list[Point]:
+        """The readings of the plan."""
+        return [member.point for member in self.members]
+
+    def enter(self, what: int | Point, slot: int | None = None) -> float:
+        """Take a candidate, or another reading, into the plan, and return by how much J falls.
+
+        slot : position in the plan of a reading that has left; the end if none is given
+        """
+        row, variance, point = self._looked_at(what)
+        change = self.state.change(row, variance)
+        self._place(slot, Member(point, row, variance))
+        slot = len(self.members) - 1 if slot is None else slot
+        products = self._products(np.column_stack([change.h, change.z]))
+        count = len(self.pool)
+        cross, reach = products.T
+        self._cross[:, slot], self._reach[:, slot] = cross, reach
+        self._cross[count + slot], self._reach[count + slot] = cross[count:], reach[count:]
+        self.above[count + slot], self.below[count + slot] = change.omega, variance + cross[count + slot]
+        self._changed(slot, change.eta, change.omega)
+        self.state = self.state.after(row, variance, change)
+        return change.gain
+
+    def leave(self, slot: int) -> float:
+        """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
+        member, here = self.members[slot], len(self.pool) + slot
+        change = self.state.change(self._padded(member), member.variance, leaving=True)
+        self._changed(slot, change.eta, float(self.above[here]))
+        self.state = self.state.after(member.row, member.variance, change)
+        return -change.gain
+
+    def close(self, slot: int) -> None:
+        """Forget the slot of a reading that has left."""
+        here = len(self.pool) + slot
+        del self.members[slot]
+        self.above, self.below = np.delete(self.above, here), np.delete(self.below, here)
+        self._cross = np.delete(np.delete(self._cross, slot, axis=1), here, axis=0)
+        self._reach = np.delete(np.delete(self._reach, slot, axis=1), here, axis=0)
+
+    def without(self, slot: int) -> tuple[Array, float]:
+        """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
+        here, count = len(self.pool) + slot, len(self.pool)
+        eta, omega = self._eta_leaving(slot), self.above[here]
+        cross, reach = self._cross[:, slot], self._reach[:, slot]
+        above = self.above - 2 * eta * cross * reach + eta**2 * omega * cross**2
+        below = self.below - eta * cross**2
+        gains: Array = above / below
+        return gains[:count], float(gains[here])
+
+    def losses(self) -> Array:
+        """Return by how much J would rise were each reading of the plan not taken, (m,)."""
+        count = len(self.pool)
+        return np.array([-self._eta_leaving(s) * self.above[count + s] for s in range(len(self.members))])
+
+    def _eta_leaving(self, slot: int) -> float:
+        noise = self.members[slot].variance
+        spread = float(self.below[len(self.pool) + slot]) - noise
+        return -1.0 / max(noise - spread, 1e-9 * noise)
+
+    def _looked_at(self, what: int | Point) -> tuple[Array, float, Point]:
+        point = what if isinstance(what, Point) else self.pool.point(what)
+        self.state = self.state.opened([point])
+        if isinstance(what, Point):
+            return *self.state.row(point), point
+        return self.pool.row(self.state.observation, what), float(self.pool.noise[what]), point
+
+    def _place(self, slot: int | None, member: Member) -> None:
+        if slot is not None:
+            self.members[slot] = member
+            return
+        self.members.append(member)
+        self.above, self.below = np.append(self.above, 0.0), np.append(self.below, 1.0)
+        self._cross = np.pad(self._cross, ((0, 1), (0, 1)))
+        self._reach = np.pad(self._reach, ((0, 1), (0, 1)))
+
+    def _products(self, vectors: Array) -> Array:
+        mine = np.array([self._padded(member) for member in self.members]) @ vectors
+        return np.concatenate([self.pool.products(self.state.observation, vectors), mine])
+
+    def _padded(self, member: Member) -> Array:
+        """The row with zeros for cells that were opened later: no earlier reading lies in them."""
+        return np.pad(member.row, (0, self.state.observation.size - len(member.row)))
+
+    def _changed(self, slot: int, eta: float, omega: float) -> None:
+        """Bring everything up to date after C ← C − η h hᵀ with h = C g of the reading in a slot."""
+        count = len(self.pool)
+        cross, reach = self._cross[:, slot].copy(), self._reach[:, slot].copy()
+        self.above += -2 * eta * cross * reach + eta**2 * omega * cross**2
+        self.below -= eta * cross**2
+        here, there = cross[count:], reach[count:]
+        self._reach -= np.outer(eta * cross, there - eta * omega * here) + np.outer(eta * reach, here)
+        self._cross -= np.outer(eta * cross, here)

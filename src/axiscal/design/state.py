@@ -1,0 +1,123 @@
+"""What would be known after some readings: a factor of the covariance that readings enter and leave.
+
+A reading enters by Potter's update of F, C − hhᵀ/s with h = Cg and s = σ² + gᵀCg; it leaves by one more column,
+C + hhᵀ/e with e = σ² − gᵀCg. Both keep C = F Fᵀ positive semidefinite. No values are needed: the covariance of linear
+Gaussian readings does not depend on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.belief import Belief
+from axiscal.design.scorer import Scorer
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+
+_SPARE = 48
+"""So many columns may a factor have beyond its rows before it is made square again."""
+
+
+class Point(NamedTuple):
+    """A reading that may be taken.  setup : index; pose, approach : (q,)."""
+
+    setup: int
+    pose: Array
+    approach: Array
+
+
+class Change(NamedTuple):
+    """A covariance changes by −η h hᵀ.
+
+    eta : 1/s where a reading enters, −1/e where it leaves; h : C g; z : C W h; omega : hᵀ W h
+    """
+
+    eta: float
+    h: Array
+    z: Array
+    omega: float
+
+    @property
+    def gain(self) -> float:
+        """By how much J = tr(W C) falls."""
+        return self.eta * self.omega
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class State:
+    """A covariance over all unknowns, those of visited cells included.
+
+    factor : F (n, r) with C = F Fᵀ; weight : V (w, k) over the leading unknowns, W = VᵀV
+    """
+
+    observation: Observation
+    factor: Array
+    weight: Array
+
+    @classmethod
+    def of(cls, observation: Observation, belief: Belief, weight: Array) -> State:
+        """Return the state of a belief."""
+        return cls(observation, belief.factor, weight)
+
+    @property
+    def value(self) -> float:
+        """J = tr(W C)."""
+        return float(np.sum((self.weight @ self.factor[: self.weight.shape[1]]) ** 2))
+
+    def opened(self, points: list[Point]) -> State:
+        """Return the state with columns for the cells that the points lie in."""
+        after = self.observation
+        for point in points:
+            after = after.visited(point.pose)
+        extra = np.sqrt(self.observation.rest_variances(after))
+        if not len(extra):
+            return self
+        (size, rank), count = self.factor.shape, len(extra)
+        factor = np.zeros((size + count, rank + count))
+        factor[:size, :rank] = self.factor
+        factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
+        return replace(self, observation=after, factor=factor)
+
+    def row(self, point: Point) -> tuple[Array, float]:
+        """Return row (n,) and variance of a reading."""
+        seen = self.observation.rows(point.setup, point.pose[None], point.approach[None])
+        return seen.rows[0], float(seen.variances[0])
+
+    def change(self, row: Array, variance: float, leaving: bool = False) -> Change:
+        """Return what a reading with this row does when it enters, or leaves."""
+        h: Array = self.factor @ (row @ self.factor)
+        size = self.weight.shape[1]
+        reach = self.weight @ h[:size]
+        z: Array = self.factor @ ((self.weight.T @ reach) @ self.factor[:size])
+        spread = float(row @ h)
+        eta = -1.0 / max(variance - spread, 1e-9 * variance) if leaving else 1.0 / (variance + spread)
+        return Change(eta, h, z, float(reach @ reach))
+
+    def after(self, row: Array, variance: float, change: Change) -> State:
+        """Return the state after a reading has entered (Potter) or left."""
+        if change.eta < 0:
+            widened = np.column_stack([self.factor, change.h * np.sqrt(-change.eta)])
+            size, rank = widened.shape
+            return replace(self, factor=np.linalg.qr(widened.T).R.T if rank > size + _SPARE else widened)
+        along = row @ self.factor
+        scale = change.eta / (1.0 + np.sqrt(variance * change.eta))
+        return replace(self, factor=self.factor - np.outer(change.h, along * scale))
+
+    def with_points(self, points: list[Point]) -> State:
+        """Return the state after readings, all at once: F ← F L⁻ᵀ with I + FᵀGᵀR⁻¹GF = L Lᵀ."""
+        state = self.opened(points)
+        if not points:
+            return state
+        seen = [state.row(point) for point in points]
+        scaled = np.array([row / np.sqrt(variance) for row, variance in seen]) @ state.factor
+        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
+        factor: Array = np.linalg.solve(np.linalg.cholesky(information), state.factor.T).T
+        return replace(state, factor=factor)
+
+    def scorer(self) -> Scorer:
+        """Return the gains under this state."""
+        weighted = self.weight @ self.factor[: self.weight.shape[1]]
+        return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
