@@ -37,6 +37,7 @@ def run(
       axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
     """
     from axiscal.campaign.description import read_campaign
+    from axiscal.cli.opening import tell_out_of_reach
     from axiscal.cli.outputs import RECORD, write_outputs
     from axiscal.units import parse_quantity
 
@@ -44,6 +45,7 @@ def run(
     out.mkdir(parents=True, exist_ok=True)
     with _opened(out / RECORD, description, resume) as opened:
         if opened.state.finished is None:
+            tell_out_of_reach(opened)
             readings = _open_source(opened, source, seconds)
             again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
             _loop(opened, readings, again)

@@ -31,7 +31,7 @@ def start(
       axiscal start campaign.toml mill.axiscal
     """
     from axiscal.campaign.description import read_campaign
-    from axiscal.cli.opening import create_campaign
+    from axiscal.cli.opening import create_campaign, tell_out_of_reach
     from axiscal.cli.wording import count_text
 
     if record is not None and out is not None:
@@ -40,7 +40,8 @@ def start(
     path = record or (out or Path()) / f"{campaign.stem}.axiscal"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    create_campaign(path, description).close()
+    with create_campaign(path, description) as opened:
+        tell_out_of_reach(opened)
     if json:
         say_document({"schema": "axiscal-start/1", "record": str(path)})
     else:
