@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores; more threads wait for each other
+
 import pytest
 from hypothesis import settings
 
