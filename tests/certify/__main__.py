@@ -1,35 +1,106 @@
-"""Run the certified campaign: `python -m tests.certify --cases 10000`."""
+"""Run the certified campaign: `python -m tests.certify`, or one part of it: `--part one-joint --cases 10000`."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from tests.certify.one_joint_cases import judged, random_problem
+from tests.certify import belief, coverage, machines, one_joint_cases
 
 LIMIT = 1e-9
+LATTICE = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of what was found, and whether it is within its limit."""
+
+    text: str
+    good: bool
+
+
+def one_joint(cases: int, first: int) -> Iterator[Finding]:
+    """Yield how far the exact step falls short of the gain that ball arithmetic certifies, on random joints."""
+    worst, misstated = (-1.0, -1), (-1.0, -1)
+    for seed in range(first, first + cases):
+        verdict = one_joint_cases.judged(one_joint_cases.random_problem(np.random.default_rng(seed)))
+        worst, misstated = max(worst, (verdict.deficit, seed)), max(misstated, (verdict.misstated, seed))
+    for what, (value, seed) in (("gain deficit", worst), ("error of the stated gain", misstated)):
+        yield Finding(f"worst relative {what} {value:.2e} (seed {seed}), limit {LIMIT:g}", value <= LIMIT)
+
+
+def several_joints(cases: int, first: int) -> Iterator[Finding]:
+    """Yield by how much the best of a million lattice poses beats the reading chosen, on random machines."""
+    seeds = range(first, first + cases)
+    short = [(machines.shortfall(machines.random_case(np.random.default_rng(s)), LATTICE), s) for s in seeds]
+    missed = [seed for value, seed in short if value > LIMIT]
+    worst = max(short)
+    text = f"worst relative gain missed {worst[0]:.2e} (seed {worst[1]}), limit {LIMIT:g}, lattice of {LATTICE:,} poses"
+    yield Finding(text, worst[0] <= LIMIT)
+    yield Finding(f"missed in {len(missed)} cases" + (f": seeds {missed[:10]}" if missed else ""), not missed)
+
+
+def million_updates(updates: int, first: int) -> Iterator[Finding]:
+    """Yield the error of predicted standard deviations after that many updates, against 80 digits."""
+    for (prior, noise), limit in zip(belief.CASES, belief.LIMITS, strict=True):
+        verdict = belief.judged(prior, noise, updates, seed=first + 1)
+        what = f"prior {prior * 1e6:g} um, noise {noise * 1e6:g} um: error of std {verdict.error:.1e}, limit {limit:g}"
+        yield Finding(f"{what}, not positive {verdict.bad}", verdict.error <= limit and verdict.bad == 0)
+
+
+def bands(drawn: int, first: int) -> Iterator[Finding]:
+    """Yield how often the printed 95 % holds on that many virtual machines of each built-in kind."""
+    low, high = coverage.CLAIMED - coverage.SLACK, coverage.CLAIMED + coverage.SLACK
+    for name in coverage.MACHINES:
+        trial = coverage.Trial(name)
+        found = trial.judged(drawn, first)
+        lowest, highest = min(found, key=lambda c: c.mean), max(found, key=lambda c: c.mean)
+        errors = float(np.mean([c.mean for c in found[:-1]]))
+        extremes = f"{lowest.mean:.2%} ({lowest.name}) to {highest.mean:.2%} ({highest.name})"
+        means = f"TCP {found[-1].mean:.2%}, {len(found) - 1} errors {errors:.2%}, from {extremes}"
+        good = all(low <= c.mean <= high for c in found)
+        yield Finding(f"{name}, {len(trial.visits)} readings: {means}; limits {low:.1%}, {high:.1%}", good)
+
+
+PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
+    "one-joint": (one_joint, 10_000, "random joints"),
+    "machines": (several_joints, 500, "random machines of two and three joints"),
+    "belief": (million_updates, 1_000_000, "updates of five problems"),
+    "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
+}
 
 
 def main() -> int:
-    """Judge that many random joints; status 1 if one falls short of the certified best gain by more than 1e-9."""
+    """Run the parts; status 1 if any finding is beyond its limit."""
     parser = argparse.ArgumentParser(prog="python -m tests.certify", description=main.__doc__)
-    parser.add_argument("--cases", type=int, default=10000)
+    parser.add_argument("--part", choices=PARTS, help="only this part")
+    parser.add_argument("--cases", type=int, help="how many, instead of the usual number of each part")
     parser.add_argument("--first", type=int, default=0, help="seed of the first case; case k has seed first + k")
     args = parser.parse_args()
-    begin, worst, misstated = time.monotonic(), (-1.0, -1), (-1.0, -1)
-    for seed in range(args.first, args.first + args.cases):
-        verdict = judged(random_problem(np.random.default_rng(seed)))
-        worst, misstated = max(worst, (verdict.deficit, seed)), max(misstated, (verdict.misstated, seed))
-    lines = (
-        f"one joint: {args.cases} cases in {time.monotonic() - begin:.0f} s",
-        f"  worst relative gain deficit {worst[0]:.2e} (seed {worst[1]}), limit {LIMIT:g}",
-        f"  worst relative error of the stated gain {misstated[0]:.2e} (seed {misstated[1]}), limit {LIMIT:g}",
-    )
-    sys.stdout.write("\n".join(lines) + "\n")
-    return int(max(worst[0], misstated[0]) > LIMIT)
+    findings = [f for part in ([args.part] if args.part else PARTS) for f in _run(part, args.cases, args.first)]
+    failed = sum(not finding.good for finding in findings)
+    _print(f"{len(findings)} findings, {failed or 'none'} beyond the limit")
+    return int(failed > 0)
+
+
+def _run(part: str, cases: int | None, first: int) -> Iterator[Finding]:
+    run, usual, what = PARTS[part]
+    count, begin = cases or usual, time.monotonic()
+    _print(f"{part}: {count:,} {what}")
+    for finding in run(count, first):
+        _print(f"  {'holds ' if finding.good else 'FAILS '} {finding.text}")
+        yield finding
+    _print(f"  {time.monotonic() - begin:.0f} s")
+
+
+def _print(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -1,0 +1,171 @@
+"""How often the printed ± holds: whole calibrations of virtual machines drawn from the prior, on built-in machines.
+
+The readings are planned once, for where they stand does not depend on what is read. Every virtual machine is then read
+by its full non-linear kinematics, and what is estimated is compared with what it hides: each error curve, each
+constant, and the TCP at poses all over the volume.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.description import campaign_from_texts
+from axiscal.campaign.prediction import tcp_prediction
+from axiscal.design.scorer import Scorer
+from axiscal.error_model.model import ErrorFunction
+from axiscal.machine import load_machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.report.curves import constants, curves
+from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.units import from_unit
+
+CLAIMED, SLACK = 0.95, 0.015
+_BAND = 1.96
+_POSES = 60
+_LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\n'
+_ANGLE = '[[setups]]\nname = "angle {0}"\ninstrument = "autocollimator"\ndirection = "{0}"\n'
+_ALL = "".join(kind.format(axis) for kind in (_LENGTH, _ANGLE) for axis in "xyz")
+MACHINES = {
+    "one-axis": (_LENGTH.format("x"), 15),
+    "paper-three-stacked": (_LENGTH.format("z"), 15),
+    "printer-gantry": (_ALL, 60),
+    "three-axis-mill": (_ALL, 60),
+    "dmu60": (_ALL, 60),
+}
+"""Set-ups and number of readings for each built-in machine."""
+
+
+@dataclass(frozen=True)
+class Covered:
+    """How much of one error's band, or of the TCP's, held the truth: a share in [0, 1] for each virtual machine."""
+
+    name: str
+    shares: Array
+
+    @property
+    def mean(self) -> float:
+        """The share over all machines."""
+        return float(self.shares.mean())
+
+    @property
+    def std(self) -> float:
+        """Standard deviation of the mean if the claim is true and a band holds all of its truth or none of it."""
+        return float(np.sqrt(CLAIMED * (1 - CLAIMED) / len(self.shares)))
+
+
+class Trial:
+    """One built-in machine with its readings planned, and the bands that they give."""
+
+    def __init__(self, name: str, readings: int | None = None) -> None:
+        setups, usual = MACHINES[name]
+        text = f'machine = "{name}"\n[target]\nreadings = 1\n{setups}'
+        description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
+        self.name, self.description = name, description
+        self.visits = planned(Problem(description), readings or usual)
+        self.calibration = Calibration(Problem(description))
+        for visit in self.visits:
+            self.calibration.absorb(visit)
+        self.gain = _gain(self.calibration, self.visits)
+        self.functions = self.calibration.problem.errors.functions
+        self.poses, self.approaches = _spread_poses(self.calibration)
+        self.tcp_std = tcp_prediction(self.calibration, self.poses, self.approaches)[1]
+        self.stds = printed_stds(self.calibration)
+
+    def judged(self, machines: int, first: int = 0) -> list[Covered]:
+        """Return the coverage of every error's band and of the TCP's over so many virtual machines."""
+        rows = [self._held(self.drawn(seed), seed) for seed in range(first, first + machines)]
+        names = [*(function.name for function in self.functions), "TCP"]
+        return [Covered(name, shares) for name, shares in zip(names, np.array(rows).T, strict=True)]
+
+    def drawn(self, seed: int) -> VirtualMachine:
+        """Return a virtual machine drawn from the prior."""
+        return Simulator(self.description.machine, self.description.setups).drawn(seed)
+
+    def estimate(self, machine: VirtualMachine, seed: int) -> Array:
+        """Return the coefficients estimated from a machine's readings."""
+        coefficients: Array = self.gain @ self.values(machine, seed)
+        return coefficients[: self.calibration.problem.errors.size]
+
+    def values(self, machine: VirtualMachine, seed: int) -> Array:
+        """Return what the set-ups read of a machine."""
+        result = np.empty(len(self.visits))
+        for setup in self.description.setups:
+            mine = [i for i, visit in enumerate(self.visits) if visit.setup == setup.name]
+            if mine:
+                poses, approaches = _stacked([self.visits[i] for i in mine])
+                length = INSTRUMENTS[setup.instrument].reads == "length"
+                deviation = machine.deviation(poses, approaches) if length else machine.rotation(poses, approaches)
+                zero = machine.offsets[setup.name].get("zero", 0.0)
+                noise = setup.noise * np.random.default_rng((seed, 3, mine[0])).standard_normal(len(mine))
+                result[mine] = deviation @ np.array(setup.direction) + zero + noise
+        return result
+
+    def _held(self, machine: VirtualMachine, seed: int) -> list[float]:
+        estimate = self.estimate(machine, seed)
+        shares = [
+            _share(curve(positions) - f.basis.rows(positions) @ estimate[f.columns], std)
+            for f, curve, (positions, std) in zip(self.functions, machine.curves, self.stds, strict=True)
+        ]
+        rows = self.calibration.problem.errors.rows(self.poses, self.approaches)
+        truth = machine.deviation(self.poses, self.approaches)
+        return [*shares, _share(truth - rows @ estimate, self.tcp_std)]
+
+
+def planned(problem: Problem, readings: int) -> list[Reading]:
+    """Return readings one after another, each the best of the program's candidates; their values are not looked at."""
+    calibration, taken = Calibration(problem), list[Reading]()
+    for _ in range(readings):
+        scorer = Scorer.of(calibration.observation, calibration.belief, problem.yardstick.root)
+        best = int(scorer.gains(problem.lattice).argmax())
+        setup, pose = problem.description.setups[problem.lattice.setups[best]], problem.lattice.poses[best]
+        approach = tuple(int(sign) for sign in problem.lattice.approaches[best])
+        taken.append(Reading(setup.name, tuple(pose.tolist()), approach, 0.0))
+        calibration.absorb(taken[-1])
+    return taken
+
+
+def printed_stds(calibration: Calibration) -> list[tuple[Array, Array]]:
+    """Return positions and standard deviations of every error as the report prints them, in SI."""
+    shown = {curve.name: curve for curve in curves(calibration, (), None)}
+    single = {constant.name: constant for constant in constants(calibration, None)}
+
+    def of(function: ErrorFunction) -> tuple[Array, Array]:
+        if function.name in single:
+            one = single[function.name]
+            return np.zeros(1), np.array([from_unit(one.std, one.unit)])
+        curve = shown[function.name]
+        positions = [from_unit(x, curve.position_unit) for x in curve.position]
+        return np.array(positions), np.array([from_unit(s, curve.value_unit) for s in curve.std])
+
+    return [of(function) for function in calibration.problem.errors.functions]
+
+
+def _share(error: Array, std: Array) -> float:
+    held: NDArray[np.bool_] = np.abs(error) <= _BAND * std
+    return float(held[std > 0].mean())
+
+
+def _gain(calibration: Calibration, visits: list[Reading]) -> Array:
+    """Return K with posterior mean = K values: C Hᵀ R⁻¹ with the posterior C."""
+    seen = [calibration.rows_of(visit) for visit in visits]
+    rows, variances = np.concatenate([s.rows for s in seen]), np.concatenate([s.variances for s in seen])
+    factor = calibration.belief.factor
+    gain: Array = factor @ (rows @ factor).T / variances
+    return gain
+
+
+def _stacked(visits: list[Reading]) -> tuple[Array, Array]:
+    return np.array([v.pose for v in visits]), np.array([v.approach for v in visits], dtype=float)
+
+
+def _spread_poses(calibration: Calibration) -> tuple[Array, Array]:
+    axes, rng = calibration.problem.errors.machine.axes, np.random.default_rng(1)
+    low, high = np.array([axis.travel for axis in axes]).T
+    size = (_POSES, len(axes))
+    return rng.uniform(low, high, size), rng.choice([-1.0, 1.0], size)
