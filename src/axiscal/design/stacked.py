@@ -62,7 +62,10 @@ def starts(scorer: Scorer, setup: int) -> Starts:
     stack = _stack(scorer.observation, setup)
     sizes = [len(grid.positions) for grid in stack.grids]
     above, below = stack.tables(scorer)
-    where, gains = _peaks(above, below) if np.prod(sizes) <= _EVERY_POINT else _climbed(above, below, sizes)
+    if np.prod(sizes) <= _EVERY_POINT:
+        where, gains = peaks(above.everywhere() / below.everywhere())
+    else:
+        where, gains = _climbed(above, below, sizes)
     poses = np.tile(np.array(scorer.observation.setups[setup].park), (len(where), 1))
     approaches = np.zeros_like(poses)
     for grid, index in zip(stack.grids, where.T, strict=True):
@@ -135,9 +138,8 @@ def _positions(observation: Observation, setup: int, axis: int) -> Array:
     return knot_lattice(observation, axis, _PER_INTERVAL)
 
 
-def _peaks(above: Pairs, below: Pairs) -> tuple[NDArray[np.intp], Array]:
+def peaks(gains: Array) -> tuple[NDArray[np.intp], Array]:
     """Return the lattice points (n, axes) that gain no less than the points beside them, and their gains."""
-    gains = above.everywhere() / below.everywhere()
     beaten = np.zeros(gains.shape, dtype=bool)
     for axis in range(gains.ndim):
         rise = np.diff(gains, axis=axis)

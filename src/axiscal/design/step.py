@@ -14,6 +14,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.design.climb import Climb
+from axiscal.design.dense import dense_starts
 from axiscal.design.lattice import Lattice
 from axiscal.design.scorer import Scorer
 from axiscal.design.stacked import adds_up, starts
@@ -21,6 +22,8 @@ from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _APART = 0.12
+_STARTS = 16
+_LOOKED_AT = 400
 _FIRST_STEPS = 3
 
 
@@ -28,23 +31,19 @@ _FIRST_STEPS = 3
 class _Effort:
     """How hard to look, so that no narrow ridge is missed.
 
-    wide : so many candidates climb to the best of a few positions per interval before any is dropped
-    starts : of these, so many that stand apart go on
     peaks, share : so many go on to Newton's steps, if they gain at least this share of the best
     exact, hopeful : so many of these go on to exact lines, if they gain at least this share of the best
     """
 
-    wide: int
-    starts: int
     peaks: int
     share: float
     exact: int
     hopeful: float
 
 
-_STACKED = _Effort(0, 0, 16, 0.92, 1, 0.97)
-_FEW_AXES = _Effort(400, 48, 40, 0.7, 24, 0.85)
-_MANY_AXES = _Effort(0, 16, 32, 0.92, 6, 0.97)
+_STACKED = _Effort(16, 0.92, 1, 0.97)
+_FEW_AXES = _Effort(120, 0.7, 24, 0.85)
+_MANY_AXES = _Effort(32, 0.92, 6, 0.97)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,9 +72,9 @@ def best_step(observation: Observation, belief: Belief, weight: Array, lattice: 
 
 def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     """Return the reading with the largest gain of a scorer."""
-    simple = [int(s) for s in np.unique(lattice.setups) if adds_up(scorer.observation, int(s))]
-    climbs = [_stacked(scorer, setup) for setup in simple]
-    others = np.isin(lattice.setups, simple, invert=True)
+    efforts = {int(s): _effort(scorer.observation, int(s)) for s in np.unique(lattice.setups)}
+    climbs = [_prepared(scorer, setup, effort) for setup, effort in efforts.items() if effort is not _MANY_AXES]
+    others = np.isin(lattice.setups, [setup for setup, effort in efforts.items() if effort is _MANY_AXES])
     if others.any():
         climbs += _from_lattice(scorer, lattice.within(others))
     finalists = _finalists(climbs)
@@ -91,13 +90,13 @@ def _effort(observation: Observation, setup: int) -> _Effort:
     return _FEW_AXES if len(observation.setups[setup].moves) <= 3 else _MANY_AXES
 
 
-def _stacked(scorer: Scorer, setup: int) -> Climb:
-    """Return the peaks of a set-up that adds up; where one axis moves, its exact line needs no start."""
+def _prepared(scorer: Scorer, setup: int, effort: _Effort) -> Climb:
+    """Return the peaks of a fine lattice; where one axis moves, its exact line needs no start."""
     if len(scorer.observation.setups[setup].moves) == 1:
         return _parked(scorer, setup)
-    found = starts(scorer, setup)
+    found = starts(scorer, setup) if effort is _STACKED else dense_starts(scorer, setup)
     climb = Climb(scorer, setup, found.poses, found.approaches, found.gains)
-    return climb.best(_STACKED.peaks, _STACKED.share, found.gains.max())
+    return climb.best(effort.peaks, effort.share, found.gains.max())
 
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
@@ -116,17 +115,13 @@ def _from_lattice(scorer: Scorer, lattice: Lattice) -> list[Climb]:
     gains = scorer.gains(lattice)
     order = np.argsort(-gains, kind="stable")
     _, firsts = np.unique(lattice.setups[order], return_index=True)
-    chosen = np.unique(np.concatenate([order[firsts], order[: max(_MANY_AXES.wide, _FEW_AXES.wide)]]))
+    chosen = np.unique(np.concatenate([order[firsts], order[:_LOOKED_AT]]))
     climbs = []
     for setup in np.unique(lattice.setups):
-        effort, mine = _effort(scorer.observation, int(setup)), chosen[lattice.setups[chosen] == setup]
+        mine = chosen[lattice.setups[chosen] == setup]
         climb = Climb(scorer, int(setup), lattice.poses[mine], lattice.approaches[mine], gains[mine])
-        if effort.wide:
-            climb = climb.best(effort.wide, 0.0, 1.0)
-            climb.sweep_lattice()
-        climb = climb.scattered(effort.starts, _APART)
-        climb.sweep_lattice()
-        climbs.append(climb)
+        climbs.append(climb.scattered(_STARTS, _APART))
+        climbs[-1].sweep_lattice()
     return climbs
 
 

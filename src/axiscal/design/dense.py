@@ -1,0 +1,56 @@
+"""Where to start on a machine of a few axes with lever arms: the peaks of a dense lattice, looked at line by line."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.design.lattice import knot_lattice, raster_positions
+from axiscal.design.lines import Lines
+from axiscal.design.scorer import Scorer
+from axiscal.design.stacked import Starts, peaks
+from axiscal.numerics import Array
+
+_POINTS = 60_000
+_FINEST = 16
+_LINES = 256
+
+
+def dense_starts(scorer: Scorer, setup: int) -> Starts:
+    """Return the points of a tensor lattice, as fine as _POINTS allow, that no neighbour beats."""
+    mounted = scorer.observation.setups[setup]
+    positions = _lattice(scorer, setup)
+    longest = int(np.argmax([len(p) for p in positions]))
+    others = [p for k, p in enumerate(positions) if k != longest]
+    across = np.stack([g.ravel() for g in np.meshgrid(*others, indexing="ij")], axis=1)
+    poses = np.tile(np.array(mounted.park), (len(across), 1))
+    poses[:, [k for i, k in enumerate(mounted.moves) if i != longest]] = across
+    approaches = np.zeros_like(poses)
+    approaches[:, list(mounted.moves)] = -1.0 if mounted.approach == "-" else 1.0
+    gains = _along(scorer, setup, mounted.moves[longest], poses, approaches, positions[longest])
+    lattice = np.moveaxis(gains.reshape(*(len(p) for p in others), -1), -1, longest)
+    where, best = peaks(lattice)
+    found = np.tile(np.array(mounted.park), (len(where), 1))
+    found[:, list(mounted.moves)] = np.stack([p[w] for p, w in zip(positions, where.T, strict=True)], axis=1)
+    return Starts(found, np.tile(approaches[0], (len(found), 1)), best)
+
+
+def _lattice(scorer: Scorer, setup: int) -> list[Array]:
+    observation = scorer.observation
+    mounted, machine = observation.setups[setup], observation.errors.machine
+    for parts in range(_FINEST, 0, -1):
+        positions = [
+            raster_positions(machine, mounted, k) if mounted.raster[k] > 0 else knot_lattice(observation, k, parts)
+            for k in mounted.moves
+        ]
+        if np.prod([len(p) for p in positions]) <= _POINTS:
+            break
+    return [p[:: max(1, len(p) * len(positions) // 1024)] for p in positions]
+
+
+def _along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array, positions: Array) -> Array:
+    gains = np.empty((len(poses), len(positions)))
+    for start in range(0, len(poses), _LINES):
+        part = slice(start, start + _LINES)
+        above, below = Lines(scorer, setup, axis, poses[part], approaches[part]).on(positions)
+        gains[part] = above / below
+    return gains
