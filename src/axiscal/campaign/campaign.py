@@ -1,6 +1,6 @@
 """The campaign: the one stateful thing. It asks, records, takes back, stops, and forgets nothing.
 
-    with Campaign.create(Path("mill.axiscal"), description, build) as campaign:
+    with Campaign.create(Path("mill.axiscal"), description) as campaign:
         campaign.next()
         campaign.record(1.7e-6)
 
@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from axiscal.campaign.building import build
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.engine import Build, Engine, Known, Visit
 from axiscal.campaign.events import Asked, Created, Event, Finished, Planned, Recorded, Skipped, State, Step, Undone
@@ -72,14 +73,14 @@ class Campaign:
         self._absorbed: list[Reading] = []
 
     @classmethod
-    def create(cls, path: Path, description: CampaignDescription, build: Build) -> Self:
+    def create(cls, path: Path, description: CampaignDescription, build: Build = build) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         machine = description.machine
         created = Created(machine.text, description.text, description.machine_source, description.source, versions())
         return cls(Record.create(path, created), description, build)
 
     @classmethod
-    def open(cls, path: Path, build: Build, *, write: bool = True) -> Self:
+    def open(cls, path: Path, build: Build = build, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = Record.open(path, write=write)
         try:

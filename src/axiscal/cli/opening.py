@@ -6,14 +6,6 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.description import CampaignDescription
-from axiscal.campaign.engine import Engine
-
-
-def build(description: CampaignDescription) -> Engine:
-    """Return the engine of a campaign; what it needs is loaded when it is first asked."""
-    from axiscal.campaign.calibration import Calibration, Problem
-
-    return Calibration(Problem(description))
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:
@@ -29,9 +21,9 @@ def tell_out_of_reach(campaign: Campaign) -> None:
 
 def open_campaign(record: Path, *, write: bool = True) -> Campaign:
     """Return the campaign of a record; raises RecordError."""
-    return Campaign.open(record, build, write=write)
+    return Campaign.open(record, write=write)
 
 
 def create_campaign(record: Path, description: CampaignDescription) -> Campaign:
     """Return a new campaign; raises RecordError if something is there already."""
-    return Campaign.create(record, description, build)
+    return Campaign.create(record, description)

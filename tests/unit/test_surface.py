@@ -1,0 +1,41 @@
+"""The names that outsiders rely on: a dozen at most, each where it says, loaded when it is used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import axiscal as ac
+
+
+def test_every_name_is_there() -> None:
+    assert len(ac.__all__) <= 12
+    for name in ac.__all__:
+        assert getattr(ac, name).__name__ == name
+        assert name in dir(ac)
+        assert f"`{name}`" in (ac.__doc__ or "") or name == "read_campaign"
+
+
+def test_the_contract_in_a_few_lines() -> None:
+    spline = ac.NaturalSpline(np.linspace(0, 1, 5))
+    assert spline.rows([0.1, 0.2]).shape == (2, 5)
+    assert spline.gram().shape == (5, 5)
+    assert ac.CyclicSpline(np.linspace(0, 1, 5)).size == 4
+    assert ac.Constant().size == 1
+    belief = ac.Belief(np.zeros(5), np.eye(5)).update(spline.rows([0.5]), [1.0], [0.01])
+    assert belief.predict(spline.rows(0.5)).mean[0] == pytest.approx(1 / 1.01)
+    assert ac.load_machine("dmu60").name
+
+
+def test_nothing_is_loaded_before_it_is_used() -> None:
+    program = "import sys, axiscal; print(sorted(m for m in sys.modules if m.startswith('axiscal.') or m == 'numpy'))"
+    loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
+    assert loaded.strip() == "[]"
+
+
+def test_a_name_that_is_not_there() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'Spline'"):
+        _ = ac.Spline
