@@ -5,10 +5,11 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo test check bench docs certify lock clean distclean
+.PHONY: help demo demo-linuxcnc test check bench docs certify lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
+	@echo "make demo-linuxcnc  calibrate machines that a real LinuxCNC moves, load the tables, show the error before and after"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make docs       make the generated pages of docs/ anew"
@@ -18,6 +19,9 @@ help:
 
 demo: .venv/run.stamp
 	$(BIN)/axiscal demo --out demo-out
+
+demo-linuxcnc: .venv/run.stamp
+	$(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out
 
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .
@@ -40,7 +44,7 @@ lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
 
 clean:
-	rm -rf build out demo-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
+	rm -rf build out demo-out demo-linuxcnc-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean

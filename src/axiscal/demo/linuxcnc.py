@@ -1,0 +1,170 @@
+"""The whole loop on a real control: LinuxCNC moves, hidden errors are added, tables go in, the error is gone.
+
+    python -m axiscal.demo.linuxcnc --out DIR
+
+A campaign drives a LinuxCNC through MDI, the tables made of it are loaded, LinuxCNC starts anew, and positions that
+were never measured are visited with and without them.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
+from axiscal.compensation.effect import left_by
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Export
+from axiscal.compensation.options import Options
+from axiscal.compensation.registry import export
+from axiscal.exceptions import AxiscalError
+from axiscal.numerics import Array
+from axiscal.report.delivery import write_whole
+from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.units import to_unit
+
+MACHINES = ("three-axis", "xyzac")
+SEED = 2005
+POSITIONS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """What one closed loop came to: RMS of the TCP deviation over the verification positions, m, constant taken off.
+
+    before, after : as LinuxCNC goes there without and with the tables
+    expected : what was expected to be left, the uncertainty of the estimate included
+    missed : how far `after` is from the left deviation that was predicted position by position; std : how far it was
+    said to be (RMS)
+    told : what LinuxCNC told the operator
+    """
+
+    readings: int
+    before: float
+    after: float
+    expected: float
+    missed: float
+    std: float
+    told: tuple[str, ...]
+
+
+def description(name: str) -> CampaignDescription:
+    """Return the campaign on one of `MACHINES`."""
+    folder = resources.files("axiscal.demo").joinpath("linuxcnc_machines")
+    machine, campaign = (
+        folder.joinpath(f"{name}.{kind}.toml").read_text(encoding="utf-8") for kind in ("machine", "campaign")
+    )
+    return campaign_from_texts(campaign, f"{name}.campaign.toml", machine, f"{name}.machine.toml")
+
+
+def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
+    """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
+    problem = Problem(description(name))
+    truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
+    record = out / f"{name}.axiscal"
+    with Campaign.create(record, problem.description, lambda _: Calibration(problem)) as campaign:
+        source = LinuxcncSource(truth, seed)
+        try:
+            campaign.run(source, _unwatched)
+        finally:
+            source.close()
+        calibration, readings = calibration_of(campaign.engine), len(campaign.state.readings)
+    tables = export(_estimate(calibration), "linuxcnc", Options())
+    _write(tables, out / "tables" / name)
+    return _verified(calibration, tables, truth, readings)
+
+
+def _estimate(calibration: Calibration) -> Estimate:
+    problem = calibration.problem
+    return Estimate(problem.errors, calibration.belief, problem.description.target.volume)
+
+
+def _write(tables: Export, folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in {**tables.files, "README.txt": tables.readme}.items():
+        write_whole(folder / name, text)
+
+
+def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, readings: int) -> Loop:
+    estimate = _estimate(calibration)
+    poses, approaches = _positions(estimate)
+    seen: list[Array] = []
+    told: list[str] = []
+    for loaded in (None, Tables(tables.files)):
+        with LinuxcncMachine(truth, loaded) as machine:
+            seen.append(_centred(machine.deviation(poses, approaches)))
+            told += machine.errors
+    left = _centred(left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches))
+    std = calibration.accuracy().rms
+    expected = float(np.hypot(_rms(left), std))
+    return Loop(readings, _rms(seen[0]), _rms(seen[1]), expected, _rms(seen[1] - left), std, tuple(told))
+
+
+def _positions(estimate: Estimate) -> tuple[Array, Array]:
+    """Return poses (POSITIONS, q) in the volume that no plan has chosen, and directions of approach."""
+    rng = np.random.default_rng(SEED + 1)
+    low, high = np.array(estimate.box).T
+    shape = (POSITIONS, len(low))
+    poses: Array = low + (high - low) * rng.uniform(size=shape)
+    approaches: Array = rng.choice([-1.0, 1.0], size=shape)
+    return poses, approaches
+
+
+def _centred(deviation: Array) -> Array:
+    centred: Array = deviation - deviation.mean(axis=0)
+    return centred
+
+
+def _rms(deviation: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum(deviation**2, axis=1))))
+
+
+def _unwatched(_: Milestone) -> None:
+    """Nobody looks at the single readings."""
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _told(name: str, loop: Loop, seconds: float) -> str:
+    before, after, expected, missed, std = (
+        to_unit(value, "um") for value in (loop.before, loop.after, loop.expected, loop.missed, loop.std)
+    )
+    return (
+        f"{name}: {loop.readings} readings through LinuxCNC, tables loaded, restarted, {POSITIONS} new positions "
+        f"({seconds:.0f} s)\n"
+        f"  RMS deviation of the tool before    {before:6.2f} um\n"
+        f"  after, with the tables in LinuxCNC  {after:6.2f} um   (expected {expected:.2f} um)\n"
+        f"  off the prediction by               {missed:6.2f} um   (stated {std:.2f} um)"
+    )
+
+
+def main(arguments: list[str]) -> int:
+    """Close the loop on both machines; returns the exit status."""
+    out = Path(arguments[arguments.index("--out") + 1]) if "--out" in arguments[:-1] else Path("demo-linuxcnc-out")
+    folder = out / time.strftime("%Y%m%d-%H%M%S")
+    try:
+        folder.mkdir(parents=True)
+        for name in MACHINES:
+            begun = time.monotonic()
+            loop = close_loop(name, folder)
+            _say(_told(name, loop, time.monotonic() - begun))
+    except (AxiscalError, OSError) as failure:
+        sys.stderr.write(f"{failure}\n")
+        return 1
+    _say(f"Records, tables and notes: {folder}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,100 @@
+"""The loop on a real control: what LinuxCNC does with our tables is what we said, and the error is gone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, Tables
+from axiscal.compensation.controllers.linuxcnc import offer
+from axiscal.compensation.controllers.linuxcnc.headless import Joint, Session, available
+from axiscal.compensation.effect import left_by, table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.options import Options
+from axiscal.compensation.registry import export
+from axiscal.compensation.table import CompensationTable
+from axiscal.demo.linuxcnc import MACHINES, close_loop, description
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.numerics import Array
+from axiscal.simulation import VirtualMachine
+
+pytestmark = [
+    pytest.mark.linuxcnc,
+    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
+]
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_error_is_gone_within_what_was_stated(name: str, tmp_path: Path) -> None:
+    loop = close_loop(name, tmp_path)
+    assert loop.told == ()
+    assert loop.after < 0.25 * loop.before
+    assert loop.missed < 1.6 * loop.std
+    assert loop.after < 1.6 * loop.expected
+
+
+def known(name: str) -> tuple[Estimate, VirtualMachine]:
+    """A machine drawn from the prior, and the belief of somebody who knows it."""
+    model = ErrorModel(description(name).machine)
+    draw = np.random.default_rng(4).standard_normal(model.size)
+    values, vectors = np.linalg.eigh(model.prior_covariance())
+    mean = vectors @ (np.sqrt(np.maximum(values, 0)) * draw)
+    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
+    belief = Belief(mean, 1e-20 * np.eye(model.size))
+    return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
+
+
+def spread(estimate: Estimate) -> tuple[Array, Array]:
+    rng = np.random.default_rng(9)
+    low, high = np.array(estimate.box).T
+    return low + (high - low) * rng.uniform(size=(40, len(low))), rng.choice([-1.0, 1.0], size=(40, len(low)))
+
+
+def rms(deviation: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum((deviation - deviation.mean(axis=0)) ** 2, axis=1))))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_linuxcnc_sends_every_axis_where_we_say_it_does(name: str) -> None:
+    """COMP_FILEs and HAL text together, both directions: within 1e-5 mm and 1e-5 deg."""
+    estimate, truth = known(name)
+    tables = export(estimate, "linuxcnc", Options())
+    poses, approaches = spread(estimate)
+    with LinuxcncMachine(truth, Tables(tables.files)) as machine:
+        sent = machine.sent(poses.tolist(), approaches.astype(int).tolist())
+        assert machine.errors == ()
+    apart = np.abs(sent - poses - tables.control(poses, approaches))
+    close = [np.radians(1e-5) if axis.rotary else 1e-8 for axis in estimate.machine.axes]
+    assert np.max(np.abs(sent - poses)) > 1e-6
+    assert np.all(apart.max(axis=0) < close)
+
+
+def test_tables_with_the_wrong_sign_make_it_worse() -> None:
+    estimate, truth = known("three-axis")
+    machine = estimate.machine
+    poses, approaches = spread(estimate)
+    tables = export(estimate, "linuxcnc", Options())
+    wrong = [flipped(t) for t in tables.tables]
+    text = {f"{t.axis}.comp": offer(t).text for t in wrong if t.over == t.axis}
+    with LinuxcncMachine(truth, Tables(text)) as control:
+        left = control.deviation(poses, approaches)
+    found = truth.deviation(poses, approaches)
+    right = left_by(machine, truth.deviation, table_control(machine, tables.tables), poses, approaches)
+    assert rms(left) > 1.3 * rms(found) > 10 * rms(right)
+
+
+def flipped(table: CompensationTable) -> CompensationTable:
+    return replace(table, forward=-table.forward, reverse=-table.reverse)
+
+
+def test_a_probe_touches_where_the_ball_is() -> None:
+    """G38.3 without a wired probe runs to its end, and says that nothing was touched."""
+    with Session([Joint("X"), Joint("Y"), Joint("Z")]) as session:
+        step = session.move(["G38.3 F600 X5"])[-1]
+    assert step.motor[0] == pytest.approx(5, abs=1e-6)
+    assert step.probe[1] is False
