@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.error_model import prior
 from axiscal.machine.description import Machine
@@ -54,6 +55,13 @@ class ErrorFunction:
         """Length over which the rest is shared: an eighth of a knot interval."""
         knots = self.basis.knots
         return float(knots[-1] - knots[0]) / (_REST_CELLS_PER_INTERVAL * (len(knots) - 1))
+
+    def cells(self, positions: Array) -> NDArray[np.int64]:
+        """Return the number of the cell at each position (m,)."""
+        start, stop = self.basis.knots[0], self.basis.knots[-1]
+        last = round((stop - start) / self.cell) - 1
+        cells: NDArray[np.int64] = np.clip(np.floor((positions - start) / self.cell), 0, last).astype(np.int64)
+        return cells
 
 
 class ErrorModel:
@@ -138,6 +146,10 @@ class ErrorModel:
             groups.setdefault((function.axis, function.basis.knots.tobytes()), []).append(i)
         return tuple(tuple(group) for group in groups.values())
 
+    def effects(self, levers: Array, approaches: Array) -> Array:
+        """Return what a unit of each function adds to scalar readings, reversals by their sign, (functions, m)."""
+        return np.array([self._signed(i, lever, approaches) for i, lever in enumerate(levers)]).reshape(levers.shape)
+
     def _signed(self, index: int, lever: Array, approaches: Array) -> Array:
         function = self.functions[index]
         if function.kind != "reversal":
@@ -173,4 +185,4 @@ def _function(entry: ErrorEntry, machine: Machine, start: int) -> ErrorFunction:
     spline = prior.basis(entry, machine.axes[index])
     columns = slice(start, start + spline.size)
     covariance = prior.covariance(entry, spline)
-    return ErrorFunction(entry.name, index, entry.kind, entry.component, spline, covariance, entry.rest or 0.0, columns)
+    return ErrorFunction(entry.name, index, entry.kind, entry.component, spline, covariance, entry.first_rest, columns)

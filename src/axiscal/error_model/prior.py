@@ -26,16 +26,28 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
     """
     if entry.length is None or spline.size == 1:
         return entry.std**2 * np.eye(spline.size)
+    return entry.std**2 * matern52(distances(spline) / entry.length)
+
+
+def distances(spline: Spline) -> Array:
+    """Return how far the control values of a spline lie from each other, (size, size), m or rad."""
     positions = spline.knots[: spline.size]
-    distance = np.abs(positions[:, None] - positions[None, :])
+    distance: Array = np.abs(positions[:, None] - positions[None, :])
     if isinstance(spline, CyclicSpline):
         period = spline.knots[-1] - spline.knots[0]
         distance = period / np.pi * np.sin(np.pi * distance / period)
-    return entry.std**2 * matern52(distance / entry.length)
+    return distance
 
 
 def matern52(distance: Array) -> Array:
     """Return the Matérn-5/2 correlation (1 + √5 r + 5 r²/3) exp(−√5 r) at distances in correlation lengths."""
     scaled = np.sqrt(5.0) * distance
     result: Array = (1 + scaled + scaled**2 / 3) * np.exp(-scaled)
+    return result
+
+
+def matern52_by_length(distance: Array) -> Array:
+    """Return the derivative of `matern52` by the logarithm of the correlation length, at the same distances."""
+    scaled = np.sqrt(5.0) * distance
+    result: Array = scaled**2 * (1 + scaled) / 3 * np.exp(-scaled)
     return result

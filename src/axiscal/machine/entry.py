@@ -13,6 +13,8 @@ DEFAULT_KNOTS = 7
 FEWEST_INTERVALS = 4
 FEWEST_CYCLIC_KNOTS = 4
 MOST_KNOTS = 400
+GUESSED_REST = 0.05
+"""A rest that is to be learnt begins as this share of the std of its error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +61,11 @@ class ErrorEntry:
     def constant(self) -> bool:
         """Whether the error is one number: a location error, or a reversal value without knots."""
         return self.kind == "location" or (self.kind == "reversal" and self.knots is None and self.spacing is None)
+
+    @property
+    def first_rest(self) -> float:
+        """The rest before any reading, m or rad: as stated, a guess where it is to be learnt, else none."""
+        return GUESSED_REST * self.std if self.rest is None and self.rest_estimated else self.rest or 0.0
 
     def knot_count(self, axis: Axis) -> int:
         """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.

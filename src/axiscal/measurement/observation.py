@@ -14,9 +14,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorModel
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
@@ -73,15 +72,21 @@ class Observation:
         for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
             result[:, column] = self._own(unknown, mounted, poses)
         variances = np.full(len(poses), mounted.noise**2)
+        effects = self.errors.effects(levers, approaches) if self._with_rest else levers
         for index in self._with_rest:
-            self._add_rest(index, levers[index], poses, result, variances)
+            self._add_rest(index, effects[index], poses, result, variances)
         return Rows(result, variances)
+
+    def effects(self, setup: int, poses: Array, approaches: Array) -> Array:
+        """Return what a unit of each error adds to readings, (functions, m).  poses, approaches : (m, q)."""
+        return self.errors.effects(self._levers(self.setups[setup], poses), approaches)
 
     def visited(self, pose: Array) -> Observation:
         """Return the map with columns for the cells of a pose that had none, in the order of the functions.  pose :
         (q,).
         """
-        found = [(i, int(_cells(self.errors.functions[i], pose[None])[0])) for i in self._with_rest]
+        functions = self.errors.functions
+        found = [(i, int(functions[i].cells(pose[functions[i].axis, None])[0])) for i in self._with_rest]
         fresh = [cell for cell in found if cell not in self.cells]
         added = {cell: self.size + position for position, cell in enumerate(fresh)}
         return replace(self, cells=MappingProxyType({**self.cells, **added}))
@@ -134,7 +139,7 @@ class Observation:
 
     def _add_rest(self, index: int, lever: Array, poses: Array, result: Array, variances: Array) -> None:
         function = self.errors.functions[index]
-        cells = _cells(function, poses)
+        cells = function.cells(poses[:, function.axis])
         known = np.zeros(len(poses), dtype=bool)
         for (owner, cell), column in self.cells.items():
             if owner == index:
@@ -142,14 +147,6 @@ class Observation:
                 result[here, column] = lever[here]
                 known |= here
         variances[~known] += (lever[~known] * function.rest) ** 2
-
-
-def _cells(function: ErrorFunction, poses: Array) -> NDArray[np.int64]:
-    start, stop = function.basis.knots[0], function.basis.knots[-1]
-    count = round((stop - start) / function.cell)
-    cells = np.floor((poses[:, function.axis] - start) / function.cell).astype(np.int64)
-    inside: NDArray[np.int64] = np.minimum(np.maximum(cells, 0), count - 1)
-    return inside
 
 
 def _indices(columns: slice) -> range:

@@ -1,0 +1,192 @@
+"""The marginal likelihood of readings: how probable they are under given scales, whatever the errors themselves are.
+
+    2 log p(y | θ) = −yᵀ K⁻¹ y − log |K| − m log 2π,    K(θ) = Σ_f s_f² G_f R_f(ℓ_f) G_fᵀ + r_f² E_f + F D Fᵀ + N
+
+over errors f: G_f the rows of the readings on the control values, R_f their prior correlation, E_f the products of the
+levers of readings that share a cell; F, D the set-ups' own unknowns and their variances; N the noise. The unknowns have
+wide priors and are integrated out, which makes this the restricted likelihood of Patterson and Thompson (1971).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.inference.scales import Kind, Scale
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Part:
+    """What one error does to the readings.
+
+    rows : (m, k) G; distances : (k, k) of its control values
+    first, second : pairs of readings that share a cell; products : of their levers
+    """
+
+    function: ErrorFunction
+    rows: Array
+    distances: Array
+    first: NDArray[np.intp]
+    second: NDArray[np.intp]
+    products: Array
+
+    def correlation(self, length: float | None) -> Array:
+        """R (k, k)."""
+        if length is None:
+            return np.eye(self.rows.shape[1])
+        return matern52(self.distances / length)
+
+    def by_length(self, length: float) -> Array:
+        """∂R/∂log ℓ (k, k)."""
+        return matern52_by_length(self.distances / length)
+
+    def sharing(self, matrix: Array) -> float:
+        """Σ of a matrix (m, m) over E."""
+        return float(matrix[self.first, self.second] @ self.products)
+
+
+class Evidence:
+    """The marginal likelihood of readings as a function of the logarithms of the scales' factors.
+
+    observation : the stated model; scales : those that vary; what is not among them stays as stated
+    """
+
+    def __init__(self, observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...]) -> None:
+        self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
+        self._values = np.array([reading.value for reading in readings])
+        self._parts = _parts(observation, readings)
+        self._fixed = _unknowns(observation, readings)
+        self._noise = _noise(observation, readings)
+        self._owners, self._own_noise = _noise_owners(observation, readings)
+        self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
+
+    def log_density(self, logs: Array) -> tuple[float, Array]:
+        """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
+        covariance = self._covariance(logs)
+        lower = np.linalg.cholesky(covariance)
+        whitened = np.linalg.solve(lower, np.column_stack([self._values, np.eye(len(lower))]))
+        alpha = whitened[:, 1:].T @ whitened[:, 0]
+        value = -0.5 * float(whitened[:, 0] @ whitened[:, 0]) - float(np.log(np.diag(lower)).sum())
+        pull = np.outer(alpha, alpha) - whitened[:, 1:].T @ whitened[:, 1:]
+        return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
+
+    def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
+        index = self._index.get((kind, owner))
+        return 1.0 if index is None else float(np.exp(logs[index]))
+
+    def _scale(self, kind: Kind, owner: str, stated: float, logs: Array) -> float:
+        index = self._index.get((kind, owner))
+        return stated if index is None else self.scales[index].stated * float(np.exp(logs[index]))
+
+    def _length(self, name: str, logs: Array) -> float | None:
+        stated = self._entries[name].length
+        return None if stated is None else stated * self._factor("length", name, logs)
+
+    def _covariance(self, logs: Array) -> Array:
+        result: Array = self._fixed + np.diag(self._variances(logs))
+        for part in self._parts:
+            entry = self._entries[part.function.name]
+            std = entry.std * self._factor("std", entry.name, logs)
+            correlation = part.correlation(self._length(entry.name, logs)) if len(part.rows.T) > 1 else np.ones((1, 1))
+            result += std**2 * (part.rows @ correlation @ part.rows.T)
+            rest = self._scale("rest", entry.name, entry.first_rest, logs)
+            if rest > 0:
+                np.add.at(result, (part.first, part.second), rest**2 * part.products)
+        return result
+
+    def _variances(self, logs: Array) -> Array:
+        factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
+        variances: Array = self._noise * np.where(self._own_noise, 1.0, factors**2)
+        return variances
+
+    def _gradient(self, pull: Array, logs: Array) -> Array:
+        """½ Σ pull ∘ ∂K/∂log θ."""
+        result = np.zeros(len(self.scales))
+        variances = self._variances(logs)
+        for (kind, owner), i in self._index.items():
+            if kind == "noise":
+                mine = np.array([name == owner for name in self._owners]) & ~self._own_noise
+                result[i] = float(np.diag(pull)[mine] @ variances[mine])
+        for part in self._parts:
+            self._add_gradient(part, pull, logs, result)
+        return result
+
+    def _add_gradient(self, part: _Part, pull: Array, logs: Array, result: Array) -> None:
+        entry = self._entries[part.function.name]
+        std = entry.std * self._factor("std", entry.name, logs)
+        inner = part.rows.T @ pull @ part.rows
+        length = self._length(entry.name, logs) if len(part.rows.T) > 1 else None
+        if (i := self._index.get(("std", entry.name))) is not None:
+            result[i] = std**2 * float(np.sum(part.correlation(length) * inner))
+        if length is not None and (i := self._index.get(("length", entry.name))) is not None:
+            result[i] = 0.5 * std**2 * float(np.sum(part.by_length(length) * inner))
+        if (i := self._index.get(("rest", entry.name))) is not None:
+            result[i] = self._scale("rest", entry.name, 0.0, logs) ** 2 * part.sharing(pull)
+
+
+def _parts(observation: Observation, readings: Sequence[Reading]) -> list[_Part]:
+    """Return what each error does to the readings, without those that none of them depends on."""
+    rows, effects = _rows_and_effects(observation, readings)
+    poses = np.array([reading.pose for reading in readings])
+    result = []
+    for function, effect in zip(observation.errors.functions, effects, strict=True):
+        if not np.any(effect):
+            continue
+        cells = function.cells(poses[:, function.axis])
+        first, second = np.nonzero((cells[:, None] == cells[None, :]) & (effect[:, None] * effect[None, :] != 0))
+        products = effect[first] * effect[second]
+        result.append(_Part(function, rows[:, function.columns], distances(function.basis), first, second, products))
+    return result
+
+
+def _rows_and_effects(observation: Observation, readings: Sequence[Reading]) -> tuple[Array, Array]:
+    """Return rows (m, size) over the errors, and what a unit of each error adds to each reading (functions, m)."""
+    errors = observation.errors
+    rows, effects = np.zeros((len(readings), errors.size)), np.zeros((len(errors.functions), len(readings)))
+    for setup, mine, poses, approaches in _by_setup(observation, readings):
+        rows[mine] = observation.rows(setup, poses, approaches).rows[:, : errors.size]
+        effects[:, mine] = observation.effects(setup, poses, approaches)
+    return rows, effects
+
+
+def _unknowns(observation: Observation, readings: Sequence[Reading]) -> Array:
+    """Return F D Fᵀ (m, m)."""
+    size = observation.size - observation.errors.size - len(observation.cells)
+    rows = np.zeros((len(readings), size))
+    start = observation.errors.size
+    for setup, mine, poses, approaches in _by_setup(observation, readings):
+        rows[mine] = observation.rows(setup, poses, approaches).rows[:, start : start + size]
+    variances = np.array([unknown.std**2 for setup in observation.setups for unknown in setup.unknowns])
+    product: Array = (rows * variances) @ rows.T
+    return product
+
+
+def _noise(observation: Observation, readings: Sequence[Reading]) -> Array:
+    usual = {setup.name: setup.noise for setup in observation.setups}
+    return np.array([(usual[r.setup] if r.std is None else r.std) ** 2 for r in readings])
+
+
+def _noise_owners(observation: Observation, readings: Sequence[Reading]) -> tuple[list[str], NDArray[np.bool_]]:
+    """Return the set-up of each reading, and whether the reading states its own standard deviation."""
+    return [r.setup for r in readings], np.array([r.std is not None for r in readings], dtype=bool)
+
+
+def _by_setup(
+    observation: Observation, readings: Sequence[Reading]
+) -> list[tuple[int, NDArray[np.intp], Array, Array]]:
+    result = []
+    for index, setup in enumerate(observation.setups):
+        mine = np.array([i for i, reading in enumerate(readings) if reading.setup == setup.name], dtype=np.intp)
+        if len(mine):
+            poses = np.array([readings[i].pose for i in mine])
+            approaches = np.array([readings[i].approach for i in mine], dtype=float)
+            result.append((index, mine, poses, approaches))
+    return result

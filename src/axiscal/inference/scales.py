@@ -1,0 +1,110 @@
+"""The scales of a model: size and smoothness of each error, what its spline leaves, the scatter of an instrument.
+
+Each is a positive factor on what was stated; the logarithms of all of them are what is estimated. Their own weak priors
+share a common part, so that a prior that is wrong everywhere by the same factor is learnt from few readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import GUESSED_REST, ErrorEntry
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+Kind = Literal["std", "length", "rest", "noise"]
+
+
+class Spread(NamedTuple):
+    """Standard deviations of a logarithm: the part that all scales of a kind share, and each one's own."""
+
+    common: float
+    own: float
+
+
+SPREADS: dict[Kind, Spread] = {
+    "std": Spread(np.log(4.0), np.log(1.5)),
+    "length": Spread(np.log(2.0), np.log(1.5)),
+    "rest": Spread(np.log(5.0), np.log(2.0)),
+    "noise": Spread(np.log(1.5), np.log(1.2)),
+}
+"""Weak: two of the common std cover a factor of 16 either way on the size of errors, 4 on their smoothness."""
+
+
+class Scale(NamedTuple):
+    """One scale: its kind, and the error or the set-up that it belongs to; `stated` in m, rad or the axis' unit."""
+
+    kind: Kind
+    owner: str
+    stated: float
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Estimated scales: their factors on what was stated, in the order of `of`."""
+
+    of: tuple[Scale, ...]
+    factors: tuple[float, ...]
+
+    def value(self, kind: Kind, owner: str) -> float | None:
+        """Return an estimated scale, m, rad or the axis' unit; None where it was not estimated."""
+        for scale, factor in zip(self.of, self.factors, strict=True):
+            if scale.kind == kind and scale.owner == owner:
+                return scale.stated * factor
+        return None
+
+    def machine(self, machine: Machine) -> Machine:
+        """Return the machine with the priors that these scales make of its own."""
+        return replace(machine, errors=tuple(self._entry(entry, machine) for entry in machine.errors))
+
+    def setups(self, setups: Iterable[Setup]) -> tuple[Setup, ...]:
+        """Return the set-ups with the noise that these scales make of theirs."""
+        return tuple(replace(s, noise=self.value("noise", s.name) or s.noise) for s in setups)
+
+    def _entry(self, entry: ErrorEntry, machine: Machine) -> ErrorEntry:
+        # The knots stay where they were: a spline does not move because its prior was learnt.
+        knots = None if entry.constant else entry.knot_count(machine.axis(entry.axis))
+        return replace(
+            entry,
+            std=self.value("std", entry.name) or entry.std,
+            length=self.value("length", entry.name) or entry.length,
+            rest=self.value("rest", entry.name) or entry.rest,
+            knots=knots,
+            spacing=None,
+        )
+
+
+def all_scales(machine: Machine, setups: Iterable[Setup]) -> tuple[Scale, ...]:
+    """Return every scale that readings could tell something about."""
+    noises = (Scale("noise", setup.name, setup.noise) for setup in setups)
+    return (*(scale for entry in machine.errors for scale in _scales(entry)), *noises)
+
+
+def wanted_rests(machine: Machine) -> tuple[Scale, ...]:
+    """Return the rests that the description asks to be learnt."""
+    return tuple(Scale("rest", e.name, e.first_rest) for e in machine.errors if e.rest_estimated and not e.constant)
+
+
+def _scales(entry: ErrorEntry) -> Iterator[Scale]:
+    yield Scale("std", entry.name, entry.std)
+    if not entry.constant:
+        if entry.length is not None:
+            yield Scale("length", entry.name, entry.length)
+        yield Scale("rest", entry.name, entry.rest or GUESSED_REST * entry.std)
+
+
+def log_prior_precision(scales: tuple[Scale, ...]) -> Array:
+    """Return the precision of the logarithms of the factors, whose prior mean is zero, (n, n)."""
+    covariance = np.zeros((len(scales), len(scales)))
+    for i, first in enumerate(scales):
+        for j, second in enumerate(scales):
+            if first.kind == second.kind:
+                spread = SPREADS[first.kind]
+                covariance[i, j] = spread.common**2 + (spread.own**2 if i == j else 0.0)
+    precision: Array = np.linalg.inv(covariance)
+    return precision

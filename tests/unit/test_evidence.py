@@ -1,0 +1,113 @@
+"""The marginal likelihood of readings against a naive twin, its gradient, and the scales it finds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.fit import fit
+from axiscal.inference.scales import all_scales, wanted_rests
+from axiscal.machine import Machine, machine_from_text
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+
+MILL = """
+chain = "w-X'-b-Z-t"
+[tool]
+length = "100 mm"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Z]
+travel = ["-300 mm", "0 mm"]
+[errors]
+EXX = { std = "10 um", knots = 9, length = "120 mm", rest = "1 um" }
+EZX = { std = "8 um", knots = 7 }
+EBX = { std = "20 urad", knots = 5, length = "200 mm" }
+EXZ = { std = "6 um", knots = 6, length = "100 mm", rest = "estimate" }
+B0Z = { std = "30 urad" }
+EXX_reversal = { std = "3 um" }
+"""
+
+
+def _setups() -> tuple[Setup, ...]:
+    def setup(name: str, direction: tuple[float, float, float]) -> Setup:
+        unknowns = (Unknown("zero", 1e-3),)
+        return Setup(name, "indicator", direction, (0, 1), (0.2, -0.1), 1e-6, unknowns, 60, 1, 1, (0, 0), "both")
+
+    return setup("x", (1.0, 0.0, 0.0)), setup("z", (0.0, 0.0, 1.0))
+
+
+def _observation(machine: Machine) -> Observation:
+    return Observation(ErrorModel(machine), _setups())
+
+
+def _places(count: int, rng: np.random.Generator) -> list[Reading]:
+    def place(i: int) -> Reading:
+        pose = (float(rng.uniform(0, 0.4)), float(rng.uniform(-0.3, 0)))
+        approach = (int(rng.choice([-1, 1])), int(rng.choice([-1, 1])))
+        return Reading("xz"[i % 2], pose, approach, float(rng.normal(0, 1e-5)), 2e-6 if i % 5 == 0 else None)
+
+    places = [place(i) for i in range(count)]
+    return places + places[:3]
+
+
+def _covered(observation: Observation, readings: list[Reading]) -> Array:
+    """The covariance of the readings by the road the belief takes: columns for visited cells, rows times prior."""
+    for reading in readings:
+        observation = observation.visited(np.array(reading.pose))
+    rows, variances = [], []
+    for r in readings:
+        seen = observation.rows("xz".index(r.setup), np.array([r.pose]), np.array([r.approach], dtype=float))
+        rows.append(seen.rows[0])
+        variances.append(seen.variances[0] if r.std is None else r.std**2)
+    table = np.array(rows)
+    covariance: Array = table @ observation.prior_covariance() @ table.T + np.diag(variances)
+    return covariance
+
+
+def test_the_likelihood_is_that_of_the_rescaled_model() -> None:
+    machine, rng = machine_from_text(MILL), np.random.default_rng(3)
+    observation, readings = _observation(machine), _places(14, rng)
+    scales = all_scales(machine, observation.setups)
+    logs = rng.normal(0, 0.4, len(scales))
+    from axiscal.inference.scales import Scales
+
+    found = Scales(scales, tuple(np.exp(logs)))
+    twin = Observation(ErrorModel(found.machine(machine)), found.setups(observation.setups))
+    values = [reading.value for reading in readings]
+    expected = multivariate_normal.logpdf(values, np.zeros(len(values)), _covered(twin, readings))
+    assert Evidence(observation, readings, scales).log_density(logs)[0] == pytest.approx(expected, rel=1e-7)
+
+
+def test_the_gradient_is_that_of_the_likelihood() -> None:
+    machine, rng = machine_from_text(MILL), np.random.default_rng(4)
+    observation, readings = _observation(machine), _places(12, rng)
+    scales = all_scales(machine, observation.setups)
+    evidence, logs = Evidence(observation, readings, scales), rng.normal(0, 0.3, len(scales))
+    steps = 1e-4 * np.eye(len(scales))
+    numeric = [(evidence.log_density(logs + s)[0] - evidence.log_density(logs - s)[0]) / 2e-4 for s in steps]
+    assert evidence.log_density(logs)[1] == pytest.approx(np.array(numeric), rel=1e-4, abs=1e-3)
+
+
+@pytest.mark.parametrize("wrong", [1 / 3, 3.0])
+def test_a_size_that_is_stated_wrong_by_three_everywhere_is_found(wrong: float) -> None:
+    machine, rng = machine_from_text(MILL), np.random.default_rng(5)
+    observation, readings = _observation(machine), _places(60, rng)
+    true = _covered(observation, readings)
+    values = wrong * np.linalg.cholesky(true) @ rng.standard_normal(len(true))
+    drawn = [Reading(r.setup, r.pose, r.approach, float(v), None) for r, v in zip(readings, values, strict=True)]
+    scales = tuple(s for s in all_scales(machine, observation.setups) if s.kind == "std")
+    found = fit(observation, drawn, scales)
+    assert found.scales.value("std", "EXX") == pytest.approx(wrong * 10e-6, rel=0.6)
+    assert found.gain > 0
+
+
+def test_only_the_rests_that_ask_for_it_are_learnt() -> None:
+    (only,) = wanted_rests(machine_from_text(MILL))
+    assert only.owner == "EXZ"
+    assert only.stated == pytest.approx(0.3e-6)
