@@ -1,28 +1,33 @@
 """What no allowed reading can see: the combinations of errors that stay unknown however long one measures.
 
 They are found as the posterior after a million readings spread over everything that is allowed, in the prior's own
-metric, and said in words that name the errors which only show together.
+metric, and come in two kinds. Some do not move the tool point at all, or only with the workpiece zero: they are a
+matter of how the errors are defined. The others do move it, and need a reading that the campaign does not have.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.error_model.iso230 import words
+from axiscal.error_model import gauge_words
+from axiscal.error_model.gauge_words import Aspect, Hidden
 from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.volume import VolumeMoments, volume_moments, whole_travel
+from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, quadrature
 
+__all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
+
 MANY_READINGS = 1e6
-_WHOLE = 0.9
-_PART = 0.02
-_LEFT = 0.05
-_PARTNER = 0.03
-_WHOLLY = 0.999
-_PARTNERS = 4
+_POSES = 1500
+_NOISE = 1e-6
+_IDLE = 1e-3
+_COUNTS = 0.02
+_CURVE = 0.3
+_SHARE = 0.02
 
 
 def unseen_factor(factor: Array, rows: Array) -> Array:
@@ -43,69 +48,83 @@ def unseen_factor(factor: Array, rows: Array) -> Array:
     return result
 
 
-@dataclass(frozen=True, slots=True)
-class Hidden:
-    """One combination that cannot be seen.
-
-    names : the errors that take part; text : the sentence for a person
-    """
-
-    names: tuple[str, ...]
-    text: str
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Feature:
-    """One aspect of an error function, its constant or its slope.
-
-    shadow : (r,) its unseen part; prior : its standard deviation before the first reading
-    """
-
-    function: ErrorFunction
-    aspect: str
-    shadow: Array
-    prior: float
-
-    @property
-    def text(self) -> str:
-        """The aspect in words."""
-        name = self.function.name
-        return name if self.function.basis.size == 1 else f"the {self.aspect} of {name}"
+def machine_check(machine: Machine) -> tuple[str, ...]:
+    """Return what no reading of the tool point shows: along x, y and z, at any pose, from both directions."""
+    model = ErrorModel(machine)
+    if not model.size:
+        return ()
+    rng = np.random.default_rng(0)
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    poses = rng.uniform(low, high, (_POSES, len(low)))
+    rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
+    unseen = unseen_factor(_prior_root(model), rows / _NOISE)
+    return tuple(one.text for one in hidden(model, unseen))
 
 
-def hidden(model: ErrorModel, unseen: Array) -> tuple[Hidden, ...]:
-    """Return what cannot be seen, in words.
+def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None) -> tuple[Hidden, ...]:
+    """Return what cannot be seen, in words: first what moves the tool point, the worst first, then what does not.
 
     unseen : (size, r) factor of the unseen covariance of the machine's own errors
-    A curve is never seen when its shape beyond constant and slope stays as wide as the prior. Constants and slopes
-    that stay open are taken one combination at a time: the one least known, with those it cannot be told from, is
-    then held fixed, until nothing is left open. Their number is the number of conventions a gauge has to make.
+    moments : over the volume in which the tool point counts; the whole travel without
     """
-    never = [f for f in model.functions if _shape_share(f, unseen[f.columns]) > _WHOLE]
-    features = [
-        feature
-        for function in model.functions
-        if function not in never
-        for feature in _aspects(function, unseen[function.columns])
-        if np.linalg.norm(feature.shadow) > np.sqrt(_PART) * feature.prior
-    ]
-    return (*(_never(function) for function in never), *_combinations(features))
+    moments = moments or volume_moments(model, whole_travel(model))
+    beyond = moments.weight - moments.mean.T @ moments.mean
+    before = float(np.sum(beyond * model.prior_covariance()))
+    acting, idle = _split(unseen, beyond, _IDLE**2 * before)
+    effects = [_effect(f, acting, beyond) for f in model.functions]
+    counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
+    missing = [(_missing(model.functions[i], acting), effects[i]) for i in counted]
+    aspects = [aspect for f in model.functions for aspect in _aspects(f, idle)]
+    return (*gauge_words.missing(model, missing), *gauge_words.conventions(model, aspects))
 
 
-def _shape_share(function: ErrorFunction, unseen: Array) -> float:
-    """The part of the prior variance of a curve's shape, beyond constant and slope, that stays unseen."""
-    if function.basis.size <= 2:
-        return 0.0
-    straight = np.vander(np.linspace(-1, 1, function.basis.size), 2)
-    shape = np.eye(function.basis.size) - straight @ np.linalg.pinv(straight)
-    return float(np.sum((shape @ unseen) ** 2) / np.trace(shape @ function.covariance @ shape))
+def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
+    """Return the factors of what moves the tool point by more than `floor` (m²) and of what does not.
+
+    beyond : (size, size) E[HᵀH] less the part that is one shift of the whole volume
+    """
+    effects, directions = np.linalg.eigh(unseen.T @ beyond @ unseen)
+    turned = unseen @ directions
+    return turned[:, effects > floor], turned[:, effects <= floor]
 
 
-def _aspects(function: ErrorFunction, unseen: Array) -> Iterator[_Feature]:
-    slopes = isinstance(function.basis, NaturalSpline)
-    for degree, aspect in enumerate(("constant", "slope") if slopes else ("constant",)):
-        row = _projection(function, degree)
-        yield _Feature(function, aspect, row @ unseen, float(np.sqrt(row @ function.covariance @ row)))
+def _effect(function: ErrorFunction, acting: Array, beyond: Array) -> float:
+    """RMS over the volume of what one error's own unseen part does to the tool point, m."""
+    own = acting[function.columns]
+    return float(np.sqrt(max(np.sum(own * (beyond[function.columns, function.columns] @ own)), 0.0)))
+
+
+def _missing(function: ErrorFunction, acting: Array) -> Aspect:
+    """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
+    return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.size))
+
+
+def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:
+    """Yield the aspects of an error that stay open by more than a rounding of the prior."""
+    for aspect in sorted(_candidates(function, idle), key=lambda a: a.kind != "curve"):
+        if aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE):
+            yield aspect
+        if aspect.wholly and aspect.kind == "curve":
+            return
+
+
+def _candidates(function: ErrorFunction, unseen: Array) -> Iterator[Aspect]:
+    """Yield constant, slope and the rest of the curve, as far as the spline has them."""
+    own = unseen[function.columns]
+    rows = [("constant", _projection(function, 0))]
+    if isinstance(function.basis, NaturalSpline):
+        rows.append(("slope", _projection(function, 1)))
+    for kind, row in rows:
+        prior = float(row @ function.covariance @ row)
+        yield Aspect(
+            function, kind, row @ own / np.sqrt(prior), float(np.sum((row @ own) ** 2)) / prior, np.sqrt(prior)
+        )
+    if function.basis.size > len(rows):
+        straight = np.array([row for _, row in rows])
+        shape = np.eye(function.basis.size) - np.linalg.pinv(straight) @ straight
+        prior = float(np.trace(shape @ function.covariance @ shape.T))
+        share, shadow = float(np.sum((shape @ own) ** 2)) / prior, shape[function.basis.size // 2] @ own
+        yield Aspect(function, "curve", shadow, share, float(np.sqrt(prior / function.basis.size)))
 
 
 def _projection(function: ErrorFunction, degree: int) -> Array:
@@ -119,37 +138,8 @@ def _projection(function: ErrorFunction, degree: int) -> Array:
     return row
 
 
-def _never(function: ErrorFunction) -> Hidden:
-    along = "xyz"[function.component % 3]
-    reading = f"a reading of the rotation about {along}" if function.angular else f"a reading along {along}"
-    axis = function.name.removesuffix("_reversal")[2:]
-    text = f"{function.name} ({words(function.name)}): no allowed reading sees it; {reading} while {axis} moves would."
-    return Hidden((function.name,), text)
-
-
-def _combinations(features: list[_Feature]) -> Iterator[Hidden]:
-    """Yield one combination after another by pivoted elimination in the prior's metric."""
-    open_parts = [feature.shadow / feature.prior for feature in features]
-    while open_parts:
-        sizes = np.array([part @ part for part in open_parts])
-        pivot = int(sizes.argmax())
-        if sizes[pivot] < _LEFT:
-            return
-        unit = open_parts[pivot] / np.sqrt(sizes[pivot])
-        shares = np.array([(part @ unit) ** 2 for part in open_parts])
-        partners = [int(i) for i in np.argsort(-shares, kind="stable") if i != pivot and shares[i] > _PARTNER]
-        yield _sentence(features[pivot], [features[i] for i in partners])
-        open_parts = [part - (part @ unit) * unit for part in open_parts]
-
-
-def _sentence(first: _Feature, partners: list[_Feature]) -> Hidden:
-    names = tuple(dict.fromkeys(f.function.name for f in (first, *partners)))
-    subject = first.text[0].upper() + first.text[1:] + f" ({words(first.function.name)})"
-    if first.shadow @ first.shadow > _WHOLLY * first.prior**2:
-        return Hidden(names[:1], f"{subject}: no allowed reading sees it.")
-    if not partners:
-        return Hidden(names, f"{subject} only shows mixed with constants and slopes of other errors.")
-    named = [partner.text for partner in partners[:_PARTNERS]]
-    more = len(partners) - len(named)
-    listed = ", ".join(named) + (f" and {more} more" if more else "")
-    return Hidden(names, f"{subject} cannot be told from {listed}: they act on the readings together.")
+def _prior_root(model: ErrorModel) -> Array:
+    """Return F with the prior covariance F Fᵀ."""
+    values, vectors = np.linalg.eigh(model.prior_covariance())
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return root
