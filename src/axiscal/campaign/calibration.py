@@ -78,7 +78,7 @@ class Problem:
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
         """What no allowed reading can see, in words."""
-        return hidden(self.errors, self.yardstick.unseen)
+        return hidden(self.errors, self.yardstick.unseen, self.yardstick.moments)
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""

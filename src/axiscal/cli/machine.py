@@ -52,22 +52,35 @@ def check(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A machine description, or a built-in name.")],
     json: Json = False,
 ) -> None:
-    """Check a description.
+    """Check a description, and say which combinations of its errors no reading of the tool point can tell apart.
 
     \b
     Example:
       axiscal machine check machine.toml
     """
     from axiscal.campaign.target import travel_text
+    from axiscal.error_model.gauge import machine_check
     from axiscal.machine import load_machine
 
     machine = load_machine(str(file))
+    hidden = machine_check(machine)
     if json:
         axes = [axis.name for axis in machine.axes]
         errors = [error.name for error in machine.errors]
-        say_document({"schema": "axiscal-machine/1", "name": machine.name, "axes": axes, "errors": errors})
+        say_document(
+            {
+                "schema": "axiscal-machine/1",
+                "name": machine.name,
+                "axes": axes,
+                "errors": errors,
+                "observability": list(hidden),
+            }
+        )
         return
     say(f"{machine.name}: {machine.chain}, {len(machine.errors)} errors described.")
     for axis in machine.axes:
         side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
         say(f"  {axis.name:3} {travel_text(axis)}, {side}")
+    say("What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.")
+    for sentence in hidden:
+        say(f"- {sentence}")
