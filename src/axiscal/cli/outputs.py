@@ -17,6 +17,7 @@ RECORD = "campaign.axiscal"
 def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
     """Write tables, result and report of a finished campaign to a folder and print them; raises OSError, TableError."""
     from axiscal.campaign.calibration import calibration_of
+    from axiscal.cli.wording import count_text
     from axiscal.report.assembly import Extras
     from axiscal.report.delivery import deliver
     from axiscal.report.summary import result_json
@@ -26,7 +27,7 @@ def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extra
         say_document(result_json(summary))
         return
     say(
-        f"{summary.stopped_because}: {summary.readings} readings, {summary.minutes:.1f} minutes, "
+        f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes, "
         f"RMS {summary.rms_um:.3g} um, worst {summary.worst_um:.3g} um.\n"
         f"Report: {out / 'report.html'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
     )
