@@ -35,6 +35,7 @@ bench: .venv/dev.stamp
 
 docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.equations
+	$(BIN)/python -m tests.docs.examples
 
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))

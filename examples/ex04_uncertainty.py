@@ -1,0 +1,40 @@
+"""Uncertainty, before and after.
+
+What is believed of the control values is a normal distribution; readings sharpen it, and each says by how much it
+surprised. The last reading here is 20 um off: the belief is not asked to swallow it before it has been seen.
+"""
+
+import numpy as np
+
+import axiscal as ac
+from axiscal.error_model.prior import matern52
+
+
+def main() -> dict[str, object]:
+    """Return the band between readings, and what a bad reading looks like."""
+    spline = ac.NaturalSpline(np.linspace(0, 0.6, 13))
+    distance = np.abs(spline.knots[:, None] - spline.knots) / 0.15  # in correlation lengths
+    prior = ac.Belief(np.zeros(13), 8e-6**2 * matern52(distance))
+    where, read = np.array([0.05, 0.2, 0.35, 0.55]), 1e-6 * np.array([3.0, 9.0, 4.0, -6.0])
+    belief = prior.update(spline.rows(where), read, 0.5e-6**2)
+    suspect = belief.update(spline.rows(0.3), 26e-6, 0.5e-6**2)
+    t = np.linspace(0, 0.6, 241)
+    mean, std = belief.predict(spline.rows(t))
+    return {
+        "before, um": float(prior.predict(spline.rows(0.45)).std[0]) * 1e6,
+        "after, at a reading, um": float(belief.predict(spline.rows(0.35)).std[0]) * 1e6,
+        "after, between readings, um": float(belief.predict(spline.rows(0.45)).std[0]) * 1e6,
+        "surprise of the four, chi-square": belief.innovations.chi_square,
+        "surprise of a bad one, standard deviations": float(suspect.innovations.value[0] / suspect.innovations.std[0]),
+        "picture": {
+            "x": "position, mm",
+            "y": "error, µm",
+            "band": (t * 1e3, (mean - 1.96 * std) * 1e6, (mean + 1.96 * std) * 1e6),
+            "lines": {"estimate, 95 %": (t * 1e3, mean * 1e6)},
+            "points": {"readings": (where * 1e3, read * 1e6)},
+        },
+    }
+
+
+if __name__ == "__main__":
+    print({name: value for name, value in main().items() if name != "picture"})
