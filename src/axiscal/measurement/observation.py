@@ -23,6 +23,11 @@ from axiscal.numerics import Array
 Cell = tuple[int, int]
 """Index of an error function with a rest, and the number of the cell along its axis."""
 
+_NOT_FELT = 1e-12
+"""A lever of this size is rounding: m/rad, 1, or rad/rad."""
+_COINCIDE = 1e-12
+"""Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""
+
 
 class Rows(NamedTuple):
     """rows : (m, size) over all unknowns; variances : (m,) noise and the rests of cells not visited yet, m² or rad²."""
@@ -81,15 +86,21 @@ class Observation:
         """Return what a unit of each error adds to readings, (functions, m).  poses, approaches : (m, q)."""
         return self.errors.effects(self._levers(self.setups[setup], poses), approaches)
 
-    def visited(self, pose: Array) -> Observation:
-        """Return the map with columns for the cells of a pose that had none, in the order of the functions.  pose :
-        (q,).
+    def visited(self, pose: Array, setup: int | None = None) -> Observation:
+        """Return the map with columns for the cells of a pose that had none, in the order of the functions.
+
+        pose : (q,); setup : cells whose rest this set-up does not feel at the pose are left out
         """
+        felt = self._with_rest if setup is None else self._felt(setup, pose)
         functions = self.errors.functions
-        found = [(i, int(functions[i].cells(pose[functions[i].axis, None])[0])) for i in self._with_rest]
+        found = [(i, int(functions[i].cells(pose[functions[i].axis, None])[0])) for i in felt]
         fresh = [cell for cell in found if cell not in self.cells]
         added = {cell: self.size + position for position, cell in enumerate(fresh)}
         return replace(self, cells=MappingProxyType({**self.cells, **added}))
+
+    def _felt(self, setup: int, pose: Array) -> tuple[int, ...]:
+        levers = self._levers(self.setups[setup], pose[None])[:, 0]
+        return tuple(i for i in self._with_rest if abs(levers[i]) > _NOT_FELT)
 
     def rest_variances(self, after: Observation) -> Array:
         """Return the prior variances of the columns that `after` has beyond this map."""
@@ -105,9 +116,10 @@ class Observation:
             if function.axis == axis:
                 edges.append(function.basis.knots[0] + function.cell * np.array([cell, cell + 1]))
         low, high = edges[0]
-        inside = np.unique(np.concatenate(edges))
-        kept: Array = inside[(inside >= low) & (inside <= high)]
-        return kept
+        everywhere, shortest = np.unique(np.concatenate(edges)), _COINCIDE * (high - low)
+        inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
+        apart = np.diff(inside, prepend=low) > shortest
+        return np.concatenate([[low], inside[apart], [high]])
 
     def smoothness(self, axis: int) -> tuple[int, float]:
         """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
