@@ -12,6 +12,7 @@ import typer
 from axiscal.cli import (
     demo,
     estimate,
+    export,
     finish,
     iso230,
     machine,
@@ -50,6 +51,7 @@ app.command("finish")(finish.finish)
 app.command("run")(run_loop.run)
 app.command("estimate")(estimate.estimate)
 app.command("predict")(predict.predict)
+app.command("export")(export.export)
 app.command("report")(report.report)
 app.command("iso230")(iso230.iso230)
 app.command("reproduce")(reproduce.reproduce)

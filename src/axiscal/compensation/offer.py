@@ -62,6 +62,8 @@ Maker = Callable[[Estimate, Options], Draft]
 
 def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     """Return the files with what they do; raises TableError when they would not do it."""
+    if not draft.files:
+        raise TableError("there is no deviation that these files could hold", "take readings first")
     poses, approaches = tour(_poses(estimate), estimate.box)
     _refuse_differences(estimate, draft, poses, approaches)
     effect, meant = (

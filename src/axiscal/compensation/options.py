@@ -10,6 +10,8 @@ from axiscal.exceptions import TableError
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
+_LARGEST_MESH = 50
+
 
 @dataclass(frozen=True, slots=True)
 class Options:
@@ -18,7 +20,8 @@ class Options:
     spacing : distance of the points of linear axes, m; unit : of the machine, mm or in
     numbers : of the joint or machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
-    name : of a mesh or profile
+    name : of a mesh or profile; mesh : points of a height map along each side
+    flip : the control takes the values with the other sign, as a check at one point has shown
     Raises TableError for a name that is more than letters, digits, _ and -.
     """
 
@@ -28,6 +31,8 @@ class Options:
     template: str | None = None
     template_name: str = "the template"
     name: str = "axiscal"
+    mesh: int = 5
+    flip: bool = False
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -35,5 +40,7 @@ class Options:
             raise TableError(f"{shown!r} is not a name for a table", "Take letters, digits, _ and -, 31 at most")
         if self.unit not in ("mm", "in"):
             raise TableError(f"{self.unit[:20]!r} is not the unit of a machine", "It can be mm or in")
+        if not 2 <= self.mesh <= _LARGEST_MESH:
+            raise TableError(f"a mesh of {self.mesh} points a side", f"Take 2 to {_LARGEST_MESH}")
         if any(number < 0 for number in self.numbers.values()):
             raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")

@@ -11,9 +11,13 @@ from axiscal.exceptions import TableError
 
 _ROOM = "axiscal.compensation.controllers"
 CONTROLLERS = {
-    "linuxcnc": f"{_ROOM}.linuxcnc.exporting",
+    "csv": ("plain_csv", "make"),
+    "isg": ("isg", "make"),
+    "isg-etalon": ("isg", "make_etalon"),
+    "linuxcnc": ("linuxcnc.exporting", "make"),
+    "sinumerik": ("sinumerik", "make"),
 }
-"""Name -> module whose `make` writes the files."""
+"""Name -> module and function that writes the files."""
 
 
 def export(estimate: Estimate, controller: str, options: Options) -> Export:
@@ -26,5 +30,6 @@ def _maker(controller: str) -> Maker:
         known = ", ".join(CONTROLLERS)
         shown = "".join(c if c.isprintable() else "?" for c in controller[:40])
         raise TableError(f'"{shown}" is not a controller that tables can be made for', f"Known are {known}")
-    make: Maker = import_module(CONTROLLERS[controller]).make
+    module, name = CONTROLLERS[controller]
+    make: Maker = getattr(import_module(f"{_ROOM}.{module}"), name)
     return make

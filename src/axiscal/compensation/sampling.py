@@ -30,30 +30,41 @@ _POINTS_PER_INTERVAL = 4
 _MOST_POINTS = 129
 _NOTHING = 1e-12
 
+Multiples = tuple[float | None, float | None]
+
 
 def axis_tables(
-    model: ErrorModel, belief: Belief, box: Box, spacing: float | None = None, most: int = _MOST_POINTS
+    model: ErrorModel,
+    belief: Belief,
+    box: Box,
+    spacing: float | None = None,
+    most: int = _MOST_POINTS,
+    multiples: Multiples = (None, None),
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis along which the belief knows a deviation of its own position.
 
     belief : over the machine's coefficients first; box : the volume over which tables shall be best
-    spacing : distance of the points of linear axes, m; most : points that fit when no spacing is given
-    Raises TableError for a spacing that does not divide a travel.
+    spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
+    Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
     estimate = Estimate(model, belief, box)
-    axes = range(len(model.machine.axes))
-    tables = (own_table(estimate, k, points(model, k, spacing, most)) for k in axes if _has_errors(model, k))
+    axes = [(k, model.machine.axes[k].rotary) for k in range(len(model.machine.axes)) if _has_errors(model, k)]
+    grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
+    tables = (own_table(estimate, k, positions) for k, positions in grids)
     return tuple(table for table in tables if _says_something(table))
 
 
 def cross_tables(
-    estimate: Estimate, spacing: float | None = None, most: int = _MOST_POINTS
+    estimate: Estimate, spacing: float | None = None, most: int = _MOST_POINTS, multiple: float | None = None
 ) -> tuple[CompensationTable, ...]:
-    """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness."""
+    """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
+
+    Arguments as for `points`, and its failures.
+    """
     axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
-    tables = []
+    tables: list[CompensationTable] = []
     for over in axes:
-        at = points(estimate.model, over, spacing, most)
+        at = points(estimate.model, over, spacing, most, multiple)
         moved = [k for k in axes if k != over]
         tables += _tables(estimate, moved, over, at) if moved else []
     return tuple(table for table in tables if _says_something(table))
@@ -68,20 +79,43 @@ def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTa
     return _fitted(estimate, axis, axis, hats, rows)
 
 
-def points(model: ErrorModel, axis: int, spacing: float | None = None, most: int = _MOST_POINTS) -> Array:
-    """Return evenly spaced positions over the travel of an axis, both ends included.  Raises TableError."""
+def points(
+    model: ErrorModel, axis: int, spacing: float | None = None, most: int = _MOST_POINTS, multiple: float | None = None
+) -> Array:
+    """Return evenly spaced positions that cover the travel of an axis.
+
+    spacing : their distance on a linear axis, m; most : how many fit
+    multiple : the distance shall be a multiple of this, m or rad; the last point may then lie beyond the travel
+    Raises TableError for a spacing that does not divide the travel, or needs more points than fit.
+    """
     own = model.machine.axes[axis]
     start, stop = own.travel
-    if spacing is None or own.rotary:
-        intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
-        return np.linspace(start, stop, max(min(_POINTS_PER_INTERVAL * intervals + 1, most), 2))
+    if spacing is not None and not own.rotary:
+        return _spaced(own.name, start, stop, spacing, most)
+    intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
+    count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
+    if multiple is None:
+        return np.linspace(start, stop, count + 1)
+    steps = (stop - start) / multiple
+    if own.cyclic:
+        count = max(n for n in range(1, count + 1) if abs(steps / n - round(steps / n)) < 1e-6)
+        return np.linspace(start, stop, count + 1)
+    first = np.floor(start / multiple + 1e-6) * multiple
+    step = np.ceil((stop - first) / count / multiple - 1e-6) * multiple
+    spread: Array = first + step * np.arange(int(np.ceil((stop - first) / step - 1e-6)) + 1)
+    return spread
+
+
+def _spaced(name: str, start: float, stop: float, spacing: float, most: int) -> Array:
     count = round((stop - start) / spacing)
+    shown, travel = format_quantity(spacing, "mm"), format_quantity(stop - start, "mm")
     if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
         near = format_quantity((stop - start) / max(count, 1), "mm")
-        what = (
-            f"{format_quantity(spacing, 'mm')} does not divide the {format_quantity(stop - start, 'mm')} of {own.name}"
-        )
-        raise TableError(what, f"{near} would, or leave the spacing out")
+        raise TableError(f"{shown} does not divide the {travel} of {name}", f"{near} would, or leave the spacing out")
+    if count + 1 > most:
+        fits = format_quantity((stop - start) / (most - 1), "mm", 4)
+        what = f"every {shown} makes {count + 1} points of {name}, this control holds {most}"
+        raise TableError(what, f"{most} fit: take {fits} or more")
     return np.linspace(start, stop, count + 1)
 
 

@@ -1,12 +1,18 @@
 """A plain CSV table: `axis,position_mm,forward_um,reverse_um,std_um`, or `position_deg`, `forward_arcsec` ….
 
-The columns hold the deviation, actual minus nominal, not the correction: whoever loads it elsewhere subtracts it.
+A table over the position of another axis has a column `over` as well. The columns hold the deviation, actual minus
+nominal, not the correction: whoever loads it elsewhere subtracts it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from axiscal.compensation.effect import table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable, TableFile
 from axiscal.exceptions import InputError, TableError
 from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, parse_table
@@ -14,19 +20,22 @@ from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
 _UNITS = LENGTHS + ANGLES
-_LAYOUT = {"axis": TEXT, "position": _UNITS, "forward": _UNITS, "reverse": _UNITS, "std": _UNITS}
+_LAYOUT = {"axis": TEXT, "over": TEXT, "position": _UNITS, "forward": _UNITS, "reverse": _UNITS, "std": _UNITS}
+_MOST = 2000
+_HOLDS = "the deviation of every axis over its own position and of linear axes over the others, in both directions."
+_LEFT = "errors that depend on two axes at once, and the orientation of the tool."
 _STEP = 0.5e-4  # of the deviations' unit, by their four decimals
 
 
 def write(table: CompensationTable) -> str:
     """Return the text of the table."""
     fine = table.fine_unit
-    header = f"axis,position_{table.unit},forward_{fine},reverse_{fine},std_{fine}\n"
+    cross = table.over != table.axis
+    header = f"axis,{'over,' if cross else ''}position_{table.unit},forward_{fine},reverse_{fine},std_{fine}\n"
+    name = f"{table.axis},{table.over}" if cross else table.axis
     columns = [to_unit(table.positions, table.unit)]
     columns += [to_unit(values, fine) for values in (table.forward, table.reverse, table.std)]
-    return header + "".join(
-        "{},{:.7f},{:.4f},{:.4f},{:.4f}\n".format(table.axis, *row) for row in zip(*columns, strict=True)
-    )
+    return header + "".join("{},{:.7f},{:.4f},{:.4f},{:.4f}\n".format(name, *row) for row in zip(*columns, strict=True))
 
 
 def parse(text: str, file: str = "table.csv") -> CompensationTable:
@@ -38,11 +47,16 @@ def parse(text: str, file: str = "table.csv") -> CompensationTable:
         raise TableError(f"the file holds the axes {', '.join(sorted(names))}", "write one file for each axis", file)
     stems = ("position", "forward", "reverse", "std")
     found = [source.one_of(stem, f"{stem}_mm") for stem in stems]
-    if len({column.dimension for column in found}) > 1:
+    overs = [column for column in source.columns if column.stem == "over"]
+    over = {row.text(column) for column in overs for row in source.rows}
+    if len(over) > 1:
+        raise TableError("the file holds several tables", "write one file for each", file)
+    if not over and len({column.dimension for column in found}) > 1:
         raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
     columns = [np.array([row.quantity(column) for row in source.rows]) for column in found]
     positions, forward, reverse, std = columns
-    return CompensationTable(names.pop(), found[0].dimension == "angle", positions, forward, reverse, std)
+    rotary = found[1].dimension == "angle"
+    return CompensationTable(names.pop(), rotary, positions, forward, reverse, std, over.pop() if over else "")
 
 
 def offer(table: CompensationTable) -> TableFile:
@@ -61,7 +75,25 @@ def offer(table: CompensationTable) -> TableFile:
     notes = (
         "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it.",
     )
-    return TableFile(f"{table.axis}.csv", text, notes, resolution, residual)
+    return TableFile(f"{_stem(table)}.csv", text, notes, resolution, residual)
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return one file for each axis, and for each axis over another; raises TableError."""
+    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, _MOST)
+    tables = (*own, *cross_tables(estimate, options.spacing, _MOST))
+    offers = [offer(table) for table in tables]
+    held = table_control(estimate.machine, [parse(file.text, file.name) for file in offers])
+    resolution: dict[str, float] = {}
+    for table, file in zip(tables, offers, strict=True):
+        resolution[table.axis] = resolution.get(table.axis, 0.0) + file.resolution
+    notes = tuple(dict.fromkeys(note for file in offers for note in file.notes))
+    files = {file.name: file.text for file in offers}
+    return Draft(files, held, table_control(estimate.machine, tables), resolution, tables, _HOLDS, _LEFT, notes, True)
+
+
+def _stem(table: CompensationTable) -> str:
+    return table.axis if table.over == table.axis else f"{table.axis}_over_{table.over}"
 
 
 def _largest(values: Array) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from axiscal.compensation.controllers.linuxcnc import cross
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
-from axiscal.compensation.controllers.linuxcnc.reading import LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.reading import ROWS, LinuxcncTable, correction, parse
 from axiscal.compensation.controllers.linuxcnc.writing import offer, resolution
 from axiscal.compensation.effect import Control, table_control
 from axiscal.compensation.estimate import Estimate
@@ -36,7 +36,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
     joints = joint_numbers(machine, options.numbers)
-    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing)
+    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, ROWS)
     over = both_ways(cross_tables(estimate, most=cross.POINTS))
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)

@@ -1,0 +1,146 @@
+"""`axiscal export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axiscal.cli.options import Json, RecordFile
+
+if TYPE_CHECKING:
+    from axiscal.compensation.offer import Export
+    from axiscal.compensation.options import Options
+
+MOST_BYTES = 4_000_000
+
+
+def export(
+    record: RecordFile,
+    to: Annotated[str, typer.Option(metavar="CONTROLLER", help="Which control; `--to list` names them.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the files and their README.txt.")] = Path(
+        "tables"
+    ),
+    template: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
+    ] = None,
+    spacing: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='Distance of the points of linear axes, such as "10 mm".')
+    ] = None,
+    number: Annotated[
+        list[str] | None, typer.Option(metavar="AXIS=N", help="Number of an axis or joint in the control; repeatable.")
+    ] = None,
+    unit: Annotated[str, typer.Option(metavar="mm|in", help="Unit of the machine.")] = "mm",
+    name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
+    mesh: Annotated[int, typer.Option(metavar="N", help="Points of a height map along each side.")] = 5,
+    flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
+    json: Json = False,
+) -> None:
+    """Write compensation files for a control, read back and tried in a simulated one before they are offered.
+
+    Each says what it holds, what was left out, and how much error that leaves.
+
+    \b
+    Examples:
+      axiscal export mill.axiscal --to linuxcnc --out tables
+      axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
+    """
+    from axiscal.cli.opening import open_campaign
+    from axiscal.cli.printing import say, say_document
+    from axiscal.compensation import registry
+
+    if to == "list":
+        say("\n".join(registry.CONTROLLERS))
+        return
+    options = _options(spacing, number, unit, template, name, mesh, flip)
+    with open_campaign(record, write=False) as campaign:
+        from axiscal.campaign.calibration import calibration_of
+        from axiscal.compensation.estimate import Estimate
+
+        calibration = calibration_of(campaign.engine)
+        problem = calibration.problem
+        estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
+        offered = registry.export(estimate, to, options)
+    _write(offered, out)
+    if json:
+        say_document(_document(offered, out))
+    else:
+        say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
+
+
+def _options(
+    spacing: str | None,
+    numbers: list[str] | None,
+    unit: str,
+    template: Path | None,
+    name: str,
+    mesh: int,
+    flip: bool,
+) -> Options:
+    from axiscal.compensation.options import Options
+    from axiscal.exceptions import TableError
+    from axiscal.units import parse_quantity
+
+    distance = None if spacing is None else parse_quantity(spacing, "length")
+    if distance is not None and not 0 < distance < 1e3:
+        raise TableError(f'a spacing of "{spacing}"', "Give a length above zero")
+    text = None if template is None else _text(template)
+    shown = "the template" if template is None else str(template)
+    return Options(distance, unit, dict(map(_numbered, numbers or [])), text, shown, name, mesh, flip)
+
+
+def _numbered(text: str) -> tuple[str, int]:
+    from axiscal.exceptions import TableError
+
+    axis, equals, number = text.partition("=")
+    if not (equals and axis.isalnum() and number.isascii() and number.isdigit() and len(number) < 4):
+        raise TableError(f'"{text[:40]}" is not AXIS=N', "Write --number X=1")
+    return axis, int(number)
+
+
+def _text(path: Path) -> str:
+    from axiscal.exceptions import TableError
+
+    data = path.read_bytes()
+    if len(data) > MOST_BYTES:
+        raise TableError(f"the template has {len(data)} bytes", "give the file of the compensation alone", path)
+    try:
+        return data.decode("ascii")
+    except UnicodeDecodeError as fault:
+        line = data.count(b"\n", 0, fault.start) + 1
+        raise TableError("the template is not plain text", "save it from the control as text", path, line) from None
+
+
+def _write(offered: Export, out: Path) -> None:
+    from axiscal.report.delivery import write_whole
+
+    out.mkdir(parents=True, exist_ok=True)
+    for name, text in {**offered.files, "README.txt": offered.readme}.items():
+        write_whole(out / name, text)
+
+
+def _document(offered: Export, out: Path) -> dict[str, object]:
+    from axiscal.units import to_unit
+
+    before, after = (to_unit(value, "um") for value in offered.effect)
+    return {
+        "schema": "axiscal-export/1",
+        "controller": offered.controller,
+        "files": [str(out / name) for name in offered.files],
+        "readme": offered.readme,
+        "rms_um_before": before,
+        "rms_um_after": after,
+        "tables": [
+            {
+                "axis": table.axis,
+                "over": table.over,
+                "points": len(table.positions),
+                "largest_departure": to_unit(table.departure, table.fine_unit),
+                "rms_std": to_unit(float((table.std**2).mean() ** 0.5), table.fine_unit),
+                "unit": table.fine_unit,
+                "prior_only_points": int(table.prior_only.sum()),
+            }
+            for table in offered.tables
+        ],
+    }

@@ -1,0 +1,192 @@
+"""ISG kernel and Beckhoff TwinCAT CNC (TF5280): all error motions and location errors, in one of two formats.
+
+ISG_CSV: columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad. ETALON_EXCHANGE: one block for
+each error. Both are read back by the documentation's rules (TF5280, "ISG_CSV", "ETALON_EXCHANGE").
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import points
+from axiscal.compensation.volumetric import Curve, curves, tip_control
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.machine.names import parse_error_name
+from axiscal.numerics import Array
+from axiscal.units import from_unit, to_unit
+
+_NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]")
+_GRID = re.compile(r"\[(\w+)\]\s*(?:VALUE\s*=\s*(\S+)|Gridpoints\s*=\s*\{([^}]*)\})")
+_HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain."
+_LEFT = "reversal values, and the orientation of the tool."
+_RECORDS = 1000
+_MULTIPLE = (1e-6, float(np.radians(1e-4)))
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return ISG_CSV and the list file; raises TableError."""
+    return _draft(estimate, options, "volcomp.csv", "ISG_CSV", write_csv, read_csv)
+
+
+def make_etalon(estimate: Estimate, options: Options) -> Draft:
+    """Return ETALON_EXCHANGE and the list file; raises TableError."""
+    return _draft(estimate, options, "volcomp.txt", "ETALON_EXCHANGE", write_etalon, read_etalon)
+
+
+def _draft(
+    estimate: Estimate,
+    options: Options,
+    name: str,
+    kind: str,
+    write: Callable[[Mapping[str, Curve], Machine], str],
+    read: Callable[[str, Machine], dict[str, Curve]],
+) -> Draft:
+    machine = estimate.machine
+    grids = {
+        k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
+        for k, axis in enumerate(machine.axes)
+    }
+    found = curves(estimate, grids)
+    _refuse_names(found)
+    text = write(found, machine)
+    held = tip_control(estimate.model, read(text, machine))
+    files = {name: text, "volcomp.lis": list_file(machine, options, name, kind)}
+    resolution = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
+    wanted = tip_control(estimate.model, found)
+    notes = _notes(machine, found, name, options.flip)
+    return Draft(files, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
+
+
+def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
+    """Return the ISG_CSV text."""
+    constants = {name: curve for name, curve in found.items() if len(curve.positions) == 1}
+    blocks = []
+    if constants:
+        values = [_shown(name, curve.values)[0] for name, curve in constants.items()]
+        blocks.append(_row(constants) + _row(f"{value:.9e}" for value in values))
+    for axis in machine.axes:
+        own = {n: c for n, c in found.items() if n not in constants and parse_error_name(n).axis == axis.name}
+        if own:
+            at = to_unit(next(iter(own.values())).positions, "deg" if axis.rotary else "mm")
+            columns = [_shown(name, curve.values) for name, curve in own.items()]
+            rows = zip(at, *columns, strict=True)
+            lines = (_row([f"{p:.6f}", *(f"{value:.9e}" for value in values)]) for p, *values in rows)
+            blocks.append(_row([axis.name, *own]) + "".join(lines))
+    return "// mm, deg and rad\n" + "#\n".join(blocks)
+
+
+def read_csv(text: str, machine: Machine) -> dict[str, Curve]:
+    """Return the errors of an ISG_CSV text; raises TableError where the kernel would report 70468 or 70469."""
+    found: dict[str, Curve] = {}
+    rows: list[list[str]] = []
+    for line in [*text.splitlines(), "#"]:
+        words = line.split("//")[0].split()
+        if words != ["#"]:
+            rows += [words] if words else []
+            continue
+        if rows:
+            _take_block(rows, machine, found)
+        rows = []
+    return found
+
+
+def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Curve]) -> None:
+    header, *lines = rows
+    arguments = [name for name in header if name in {axis.name for axis in machine.axes}]
+    table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
+    at = np.zeros(1)
+    if arguments:
+        rotary = machine.axis(arguments[0]).rotary
+        at = from_unit(np.asarray(table[:, header.index(arguments[0])]), "deg" if rotary else "mm")
+    for column, name in enumerate(header):
+        if name in arguments:
+            continue
+        if not _NAMES.fullmatch(name) or name in found:
+            raise TableError(f"the kernel would refuse the column {name[:20]!r}", "this is a defect of axiscal")
+        found[name] = Curve(at, _inside(name, np.asarray(table[:, column])))
+
+
+def write_etalon(found: Mapping[str, Curve], machine: Machine) -> str:
+    """Return the ETALON_EXCHANGE text."""
+    parts = []
+    for name, curve in found.items():
+        values = _shown(name, curve.values)
+        if len(values) == 1:
+            parts.append(f"[{name}]\nVALUE = {values[0]:.9e}\n")
+            continue
+        rotary = machine.axis(parse_error_name(name).axis).rotary
+        at = to_unit(curve.positions, "deg" if rotary else "mm")
+        rows = "".join(f"{p:.6f} {value:.9e}\n" for p, value in zip(at, values, strict=True))
+        parts.append(f"[{name}]\nGridpoints = {{\n{rows}}}\n")
+    return "".join(parts)
+
+
+def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
+    """Return the errors of an ETALON_EXCHANGE text; raises TableError for anything else in it."""
+    found: dict[str, Curve] = {}
+    end = 0
+    for match in _GRID.finditer(text):
+        name, value, grid = match.groups()
+        if text[end : match.start()].strip() or not _NAMES.fullmatch(name) or name in found:
+            raise TableError(f"the kernel would refuse {match[0][:30]!r}", "this is a defect of axiscal")
+        end = match.end()
+        if value is not None:
+            found[name] = Curve(np.zeros(1), _inside(name, np.array([float(value)])))
+            continue
+        at, values = np.array([float(word) for word in grid.split()]).reshape(-1, 2).T
+        rotary = machine.axis(parse_error_name(name).axis).rotary
+        found[name] = Curve(from_unit(at, "deg" if rotary else "mm"), _inside(name, values))
+    return found
+
+
+def list_file(machine: Machine, options: Options, name: str, kind: str) -> str:
+    """Return the configuration of one compensation, as TF5280 has it."""
+    ordered = sorted((axis.name for axis in machine.axes), key="XYZABC".find)
+    numbers = {axis: options.numbers.get(axis, number) for number, axis in enumerate(ordered, 1)}
+    workpiece = sum(axis.workpiece_side for axis in machine.axes)
+    chain = "".join(axis.name for axis in machine.axes)
+    negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
+    lines = [f"{axis} {number}" for axis, number in numbers.items()]
+    lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
+    lines += ["interpolation GRID", f"file[0] {name}", f"file_format[0] {kind}"]
+    return "\n".join(lines) + "\n"
+
+
+def _refuse_names(found: Mapping[str, Curve]) -> None:
+    for name in found:
+        if not _NAMES.fullmatch(name):
+            raise TableError(f"{name} is not an error that the ISG kernel knows", "it has axes X Y Z A B C only")
+
+
+def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) -> tuple[str, ...]:
+    records = sum(len(curve.positions) for curve in found.values())
+    negated = " The list file negates them, as --flip asks." if flip else ""
+    return (
+        f"Put volcomp.lis and {name} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
+        f"vol_comp[0].max_records {records} or more.",
+        "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
+        "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
+        "rotations turn about the axis frames of axiscal's conventions: a linear axis' frame is at the machine's origin "
+        f"when all axes are at zero. Check one point with a dial gauge, and use --flip if it goes wrong.{negated}",
+        f"The chain {machine.chain} has to be the control's own.",
+        "The kernel corrects the position of the tool, not its orientation.",
+    )
+
+
+def _row(words: Iterable[str]) -> str:
+    return " ".join(words) + "\n"
+
+
+def _shown(name: str, values: Array) -> Array:
+    return values if parse_error_name(name).angular else np.asarray(to_unit(values, "mm"), dtype=float)
+
+
+def _inside(name: str, values: Array) -> Array:
+    return values if parse_error_name(name).angular else np.asarray(from_unit(values, "mm"), dtype=float)

@@ -1,0 +1,71 @@
+"""Every error motion as a table over its own axis, and what a control does that knows the chain: move the TCP back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.compensation.effect import Control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.hats import Hats
+from axiscal.error_model.model import ErrorModel
+from axiscal.exceptions import TableError
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """One error at positions (n,) of its axis, m or rad; a constant has one position."""
+
+    positions: Array
+    values: Array
+
+
+def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, Curve]:
+    """Return the error motions and location errors by name; grids : positions of each axis.
+
+    Reversal values have no place among them.
+    """
+    found = {}
+    for function in estimate.model.functions:
+        control = estimate.mean[function.columns]
+        if function.kind == "location":
+            found[function.name] = Curve(np.zeros(1), control)
+        elif function.kind == "motion":
+            at = grids[function.axis]
+            closed = estimate.machine.axes[function.axis].cyclic
+            hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
+            found[function.name] = Curve(at, hats.best() @ (function.basis.rows(hats.nodes) @ control))
+    return found
+
+
+def tip_control(model: ErrorModel, found: Mapping[str, Curve]) -> Control:
+    """Return the control that takes the TCP deviation of these errors away with its linear axes.
+
+    Raises TableError when the machine has not three linear axes that span space.
+    """
+    linear = [k for k, axis in enumerate(model.machine.axes) if not axis.rotary]
+    if len(linear) != 3:
+        raise TableError(f"the machine has {len(linear)} linear axes", "volumetric compensation needs three")
+    chosen = [i for i, function in enumerate(model.functions) if function.name in found]
+
+    def control(poses: Array, approaches: Array) -> Array:
+        levers = model.levers(poses)[chosen]
+        values = np.stack([_value(model, i, found, poses) for i in chosen])
+        deviation = np.einsum("fmc,fm->mc", levers, values)
+        rotations = frames(model.machine, poses).rotations
+        moves = np.stack([rotations[k] @ np.array(model.machine.axes[k].direction) for k in linear], axis=2)
+        added = np.zeros_like(poses)
+        added[:, linear] = -np.linalg.solve(moves, deviation[:, :, None])[:, :, 0]
+        return added
+
+    return control
+
+
+def _value(model: ErrorModel, index: int, found: Mapping[str, Curve], poses: Array) -> Array:
+    function = model.functions[index]
+    curve = found[function.name]
+    return np.interp(poses[:, function.axis], curve.positions, curve.values)
