@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ from axiscal.design.step import Step, best_step
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
+from axiscal.inference.doubt import FEWEST, Doubt, doubts
+from axiscal.inference.fit import Fit, fit
+from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.reading import Reading
@@ -31,13 +35,14 @@ from axiscal.numerics import Array
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAY = 0.1
 _NEAR = 0.01
+_GROWTH = 1.34
 
 
 def calibration_of(engine: Engine) -> Calibration:
-    """Return the engine of a campaign as the calibration it is; raises TypeError for a foreign engine."""
+    """Return the calibration behind a campaign, concluded from all its readings; raises TypeError for a foreign one."""
     if not isinstance(engine, Calibration):
         raise TypeError(f"{type(engine).__name__} is not a Calibration")
-    return engine
+    return engine.concluded()
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +50,17 @@ class Problem:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume."""
 
     description: CampaignDescription
+
+    @cached_property
+    def variable(self) -> tuple[Scale, ...]:
+        """The scales that the description asks to be learnt."""
+        machine, setups = self.description.machine, self.description.setups
+        return all_scales(machine, setups) if self.description.scales_estimated else wanted_rests(machine)
+
+    def rescaled(self, scales: Scales) -> Problem:
+        """Return the problem with priors and noise as learnt."""
+        machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
+        return Problem(replace(self.description, machine=machine, setups=setups))
 
     @cached_property
     def errors(self) -> ErrorModel:
@@ -85,6 +101,10 @@ class Problem:
         reads_length = INSTRUMENTS[setup.instrument].reads == "length"
         return "um" if reads_length and unknown.name == "zero" else "urad"
 
+    def reading_unit(self, setup: Setup) -> str:
+        """Return the unit in which readings of a set-up are shown."""
+        return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
+
     def index(self, setup: str) -> int:
         """Return the index of a set-up by name; raises DescriptionError."""
         return self.description.setups.index(self.description.setup(setup))
@@ -98,35 +118,119 @@ class Problem:
 
 
 class Calibration:
-    """The belief of one campaign, fed its readings in their order."""
+    """The belief of one campaign, fed its readings in their order.
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self.observation = problem.observation
-        self.belief = problem.prior
-        self.innovations: list[Innovations] = []
-        self._accuracy: Accuracy | None = None
+    stated : the problem as described; whole : so many readings are all there will be
+    Scales that are to be learnt are learnt anew as readings grow in number by a third, and from the last one. What is
+    believed is worked out when it is asked for.
+    """
+
+    def __init__(self, stated: Problem, whole: int | None = None) -> None:
+        self.stated, self._whole = stated, whole
+        self._readings: list[Reading] = []
+        self._learnt_from = 0
+        self.doubts: tuple[Doubt, ...] = ()
+        self.fit: Fit | None = None
+        self._start(stated)
+
+    @property
+    def problem(self) -> Problem:
+        """The problem as far as it has been learnt."""
+        return self._settled()._problem
+
+    @property
+    def observation(self) -> Observation:
+        """The map from all unknowns, those of visited cells included, to readings."""
+        return self._settled()._observation
+
+    @property
+    def belief(self) -> Belief:
+        """The belief after all readings."""
+        return self._settled()._belief
+
+    @property
+    def innovations(self) -> list[Innovations]:
+        """What each reading surprised by."""
+        return self._settled()._innovations
+
+    @property
+    def readings(self) -> tuple[Reading, ...]:
+        """The readings absorbed, in their order."""
+        return tuple(self._readings)
 
     def absorb(self, reading: Reading) -> None:
         """Take a reading into the belief; its innovation is kept."""
-        wider = self.observation.visited(np.array(reading.pose))
-        belief = self.belief.extended(self.observation.rest_variances(wider))
-        self.observation, self._accuracy = wider, None
-        seen = self.rows_of(reading)
-        self.belief = belief.update(seen.rows, reading.value, seen.variances)
-        self.innovations.append(self.belief.innovations)
+        self._readings.append(reading)
+
+    def concluded(self) -> Calibration:
+        """Return the calibration if no reading is to follow: bad readings found, scales learnt from all."""
+        if self._whole == len(self._readings):
+            return self
+        whole = Calibration(self.stated, len(self._readings))
+        whole._readings = list(self._readings)
+        return whole
+
+    def _start(self, problem: Problem) -> None:
+        self._problem, self._observation, self._belief = problem, problem.observation, problem.prior
+        self._innovations: list[Innovations] = []
+        self._accuracy: Accuracy | None = None
+
+    def _settled(self) -> Calibration:
+        due = self._due()
+        if due != self._learnt_from:
+            self._learnt_from = due
+            self._learn(self._readings[:due])
+        for index in range(len(self._innovations), len(self._readings)):
+            self._take(index)
+        return self
+
+    def _due(self) -> int:
+        """Return how many readings the scales are to be learnt from."""
+        count, due = len(self._readings), 0
+        if self._whole == count:
+            return count
+        while self.stated.variable and (following := max(FEWEST, ceil(due * _GROWTH))) <= count:
+            due = following
+        return due
+
+    def _learn(self, readings: Sequence[Reading]) -> None:
+        """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
+        self.doubts, problem = doubts(self.stated.observation, readings), self.stated
+        if self.stated.variable and len(readings) >= FEWEST:
+            trusted = [r for i, r in enumerate(readings) if i not in {doubt.reading for doubt in self.doubts}]
+            self.fit = fit(self.stated.observation, trusted, self.stated.variable)
+            problem = self.stated.rescaled(self.fit.scales)
+            self.doubts = doubts(problem.observation, readings)
+        self._start(problem)
+
+    def _take(self, index: int) -> None:
+        reading, weight = self._readings[index], 1.0
+        for doubt in self.doubts:
+            weight = doubt.weight if doubt.reading == index else weight
+        wider = self._observation.visited(np.array(reading.pose))
+        belief = self._belief.extended(self._observation.rest_variances(wider))
+        self._observation, self._accuracy = wider, None
+        seen = self._seen(reading)
+        expected = belief.predict(seen.rows)
+        surprise = Innovations(reading.value - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
+        self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
+        self._belief = belief.update(seen.rows, reading.value, seen.variances / weight)
 
     def rows_of(self, reading: Reading) -> Rows:
         """Return what a reading sees, and its variance."""
+        return self._settled()._seen(reading)
+
+    def _seen(self, reading: Reading) -> Rows:
         pose, approach = np.array(reading.pose), np.array(reading.approach, dtype=float)
-        seen = self.observation.rows(self.problem.index(reading.setup), pose[None], approach[None])
+        seen = self._observation.rows(self._problem.index(reading.setup), pose[None], approach[None])
         return seen if reading.std is None else Rows(seen.rows, np.array([reading.std**2]))
 
     def accuracy(self) -> Accuracy:
         """Return how well the machine is known now."""
-        if self._accuracy is None:
-            self._accuracy = self.problem.yardstick.measure(self.belief)
-        return self._accuracy
+        settled = self._settled()
+        if settled._accuracy is None:
+            settled._accuracy = settled._problem.yardstick.measure(settled._belief)
+        return settled._accuracy
 
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
         """Return the reading that serves the criterion best; another set-up is mounted only where it pays."""

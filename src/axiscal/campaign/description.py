@@ -19,6 +19,7 @@ class CampaignDescription:
 
     setups : in the order of the file; text, source : the campaign.toml it came from, and where that was read
     machine_source : the file or the built-in name of the machine, whose text is `machine.text`
+    scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
     """
 
     machine: Machine
@@ -27,6 +28,7 @@ class CampaignDescription:
     text: str
     source: str
     machine_source: str
+    scales_estimated: bool = False
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -79,7 +81,8 @@ def _described(document: Document, machine: Machine, machine_source: str, target
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
-    return CampaignDescription(machine, target, setups, document.text, str(document.path), machine_source)
+    learnt = table.scales == "estimate"
+    return CampaignDescription(machine, target, setups, document.text, str(document.path), machine_source, learnt)
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

@@ -50,5 +50,6 @@ class CampaignTable(Table):
     """The whole of campaign.toml."""
 
     machine: str = Field(examples=['"machine.toml"'])
+    scales: Literal["stated", "estimate"] = Field("stated", examples=['"estimate"'])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

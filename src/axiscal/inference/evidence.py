@@ -57,14 +57,22 @@ class Evidence:
     """The marginal likelihood of readings as a function of the logarithms of the scales' factors.
 
     observation : the stated model; scales : those that vary; what is not among them stays as stated
+    weights : (m,) by which the noise variance of each reading is divided; None for ones
     """
 
-    def __init__(self, observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...]) -> None:
+    def __init__(
+        self,
+        observation: Observation,
+        readings: Sequence[Reading],
+        scales: tuple[Scale, ...] = (),
+        weights: Array | None = None,
+    ) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
-        self._values = np.array([reading.value for reading in readings])
+        self.values = np.array([reading.value for reading in readings])
         self._parts = _parts(observation, readings)
         self._fixed = _unknowns(observation, readings)
-        self._noise = _noise(observation, readings)
+        self.weights = np.ones(len(readings)) if weights is None else weights
+        self._noise = _noise(observation, readings) / self.weights
         self._owners, self._own_noise = _noise_owners(observation, readings)
         self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
 
@@ -72,11 +80,19 @@ class Evidence:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
         covariance = self._covariance(logs)
         lower = np.linalg.cholesky(covariance)
-        whitened = np.linalg.solve(lower, np.column_stack([self._values, np.eye(len(lower))]))
+        whitened = np.linalg.solve(lower, np.column_stack([self.values, np.eye(len(lower))]))
         alpha = whitened[:, 1:].T @ whitened[:, 0]
         value = -0.5 * float(whitened[:, 0] @ whitened[:, 0]) - float(np.log(np.diag(lower)).sum())
         pull = np.outer(alpha, alpha) - whitened[:, 1:].T @ whitened[:, 1:]
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
+
+    def covariance(self) -> Array:
+        """Return K (m, m) as stated."""
+        return self._covariance(np.zeros(len(self.scales)))
+
+    def noise(self) -> Array:
+        """Return the noise variances as stated, weights included, (m,)."""
+        return self._noise
 
     def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
         index = self._index.get((kind, owner))

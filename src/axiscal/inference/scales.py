@@ -106,5 +106,5 @@ def log_prior_precision(scales: tuple[Scale, ...]) -> Array:
             if first.kind == second.kind:
                 spread = SPREADS[first.kind]
                 covariance[i, j] = spread.common**2 + (spread.own**2 if i == j else 0.0)
-    precision: Array = np.linalg.inv(covariance)
+    precision: Array = np.asarray(np.linalg.inv(covariance), dtype=float)
     return precision

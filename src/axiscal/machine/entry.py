@@ -26,6 +26,7 @@ class ErrorEntry:
     length : correlation length in the axis' unit, m or rad; None for independent control values
     rest : standard deviation of what the spline cannot follow, m or rad
     rest_estimated : the rest is to be learnt from the readings
+    period : of an error that repeats along the axis (screw pitch, encoder line), m or rad; None if there is none
     """
 
     name: str
@@ -36,6 +37,7 @@ class ErrorEntry:
     rest: float | None = None
     rest_estimated: bool = False
     line: int | None = None
+    period: float | None = None
 
     @property
     def parts(self) -> ErrorName:

@@ -54,13 +54,14 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     """Return the entry with its quantities in SI units."""
     value: Dimension = "angle" if name.angular else "length"
     position: Dimension = "angle" if axis.rotary else "length"
-    spacing, length = (
+    spacing, length, period = (
         None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
-        for of, text in (("spacing", table.spacing), ("length", table.length))
+        for of, text in (("spacing", table.spacing), ("length", table.length), ("period", table.period))
     )
     std, rest = _std(document, keys, table, value), _rest(document, keys, table, value)
     estimated = rest is None and table.rest is not None
-    return ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, document.line(*keys))
+    line = document.line(*keys)
+    return ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, line, period)
 
 
 def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:

@@ -37,6 +37,7 @@ class ErrorTable(_Table):
     spacing: QuantityText | None = Field(None, examples=['"50 mm"'])
     length: QuantityText | None = Field(None, examples=['"150 mm"'])
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
+    period: QuantityText | None = Field(None, examples=['"5 mm"'])
 
 
 class MachineFile(_Table):

@@ -15,6 +15,7 @@ class Reading:
     value : m or rad
     std : standard deviation of this reading in the unit of the value; None takes the set-up's noise
     line : line of the file it came from, if it came from one
+    accepted : somebody vouches for it, however much it surprises
     """
 
     setup: str
@@ -23,3 +24,4 @@ class Reading:
     value: float
     std: float | None = None
     line: int | None = None
+    accepted: bool = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
-from axiscal.report.summary import HistoryRow, Iso230, SetupUse, Summary, TableOffer, TruthCheck
+from axiscal.report.summary import HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -41,7 +41,7 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
     calibration : after all its readings
     """
     problem, description = calibration.problem, campaign.description
-    rows = _history(campaign, problem)
+    rows = _history(campaign, calibration)
     target = description.target
     return Summary(
         title=f"Calibration of {description.machine.name}",
@@ -61,7 +61,8 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
         reversals=(),
         constants=constants(calibration, extras.truth),
         observability=observability(problem),
-        warnings=findings(calibration, campaign.state.readings),
+        rejected=_rejections(calibration, rows),
+        warnings=findings(calibration),
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
@@ -73,16 +74,34 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
     )
 
 
-def _history(campaign: Campaign, problem: Problem) -> list[HistoryRow]:
+def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
     """Replay the readings: how well the machine was known after each, and how much each surprised."""
-    replay = Calibration(problem)
+    readings = campaign.state.readings
+    replay = Calibration(calibration.stated, len(readings))
     rows = [_row(replay, None, 0, 0.0)]
     visits: list[Visit] = []
-    for number, reading in enumerate(campaign.state.readings, start=1):
+    for number, reading in enumerate(readings, start=1):
         replay.absorb(reading)
         visits.append(Visit(reading.setup, reading.pose))
         rows.append(_row(replay, reading, number, replay.elapsed(visits)))
-    return rows
+    refused = {doubt.reading + 1 for doubt in calibration.doubts if doubt.rejected}
+    return [replace(row, rejected=row.reading in refused) for row in rows]
+
+
+def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Rejection]:
+    """Return the readings that were not believed."""
+    return [
+        Rejection(
+            doubt.reading + 1,
+            row.setup or "",
+            row.position or {},
+            row.value_um or 0.0,
+            f"{doubt.surprise:.3g} standard deviations from what the other readings say",
+            row.unit,
+        )
+        for doubt in calibration.doubts
+        if doubt.rejected and (row := rows[doubt.reading + 1])
+    ]
 
 
 def _row(replay: Calibration, reading: Reading | None, number: int, seconds: float) -> HistoryRow:

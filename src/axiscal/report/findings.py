@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
 from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.error_model.iso230 import words
+from axiscal.inference.aliasing import Alias, aliases
+from axiscal.inference.judgement import Misfit, misfits
 from axiscal.measurement.reading import Reading
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
@@ -14,6 +17,7 @@ from axiscal.units import to_unit
 _OUTLIER = 4.0
 _MISFIT = 1e-3
 _MATTERS = 0.1
+_LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
 
 def observability(problem: Problem) -> list[str]:
@@ -22,52 +26,127 @@ def observability(problem: Problem) -> list[str]:
 
 
 def residual_check(calibration: Calibration) -> ResidualCheck | None:
-    """Return the chi-square of all innovations; None before the first reading."""
+    """Return the chi-square of the innovations of all readings that are believed; None before the first."""
     from scipy.special import chdtrc
 
-    if not calibration.innovations:
+    refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
+    believed = [each for i, each in enumerate(calibration.innovations) if i not in refused]
+    if not believed:
         return None
-    total = sum(each.chi_square for each in calibration.innovations)
-    count = sum(each.degrees for each in calibration.innovations)
+    total = sum(each.chi_square for each in believed)
+    count = sum(each.degrees for each in believed)
     return ResidualCheck(total, count, float(chdtrc(count, total)))
 
 
-def findings(calibration: Calibration, readings: Sequence[Reading]) -> list[Finding]:
+def findings(calibration: Calibration) -> list[Finding]:
     """Return the warnings of an estimate."""
-    return [*_unobservable(calibration), *_outliers(calibration, readings), *_misfit(calibration)]
+    return [
+        *_unobservable(calibration),
+        *_outliers(calibration),
+        *_scales(calibration),
+        *_aliasing(calibration),
+        *_misfit(calibration),
+    ]
 
 
-def _unobservable(calibration: Calibration) -> list[Finding]:
+def _unobservable(calibration: Calibration) -> Iterator[Finding]:
     yardstick = calibration.problem.yardstick
-    if yardstick.unseen_rms <= _MATTERS * calibration.accuracy().rms:
-        return []
-    text = (
-        f"No allowed reading can bring the RMS below {to_unit(yardstick.unseen_rms, 'um'):.3g} um: "
-        "see what could not be seen."
-    )
-    return [Finding("unobservable", None, text)]
+    if yardstick.unseen_rms > _MATTERS * calibration.accuracy().rms:
+        size = to_unit(yardstick.unseen_rms, "um")
+        text = f"No allowed reading can bring the RMS below {size:.3g} um: see what could not be seen."
+        yield Finding("unobservable", None, text)
 
 
-def _outliers(calibration: Calibration, readings: Sequence[Reading]) -> list[Finding]:
-    result = []
-    for number, (reading, innovation) in enumerate(zip(readings, calibration.innovations, strict=True), start=1):
+def _outliers(calibration: Calibration) -> Iterator[Finding]:
+    doubted = {doubt.reading: doubt for doubt in calibration.doubts}
+    for index, (reading, innovation) in enumerate(zip(calibration.readings, calibration.innovations, strict=True)):
         surprise = float(np.max(np.abs(innovation.value / innovation.std)))
-        if surprise > _OUTLIER:
-            text = (
-                f'Reading {number} in "{reading.setup}" is {surprise:.1f} standard deviations from what the readings '
-                "before it predict; take it again."
-            )
-            result.append(Finding("outlier", None, text))
-    return result
+        doubt = doubted.get(index)
+        if doubt is not None:
+            fate = "it is not used" if doubt.rejected else f"it counts with weight {doubt.weight:.2g}"
+            away = f"{doubt.surprise:.1f} standard deviations from what the other readings say"
+            remedy = "take it again, or record it with --accept if it is right"
+            yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}: {fate}; {remedy}.')
+        elif surprise > _OUTLIER and not reading.accepted:
+            away = f"{surprise:.1f} standard deviations from what the readings before it predict"
+            yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}; take it again.')
 
 
-def _misfit(calibration: Calibration) -> list[Finding]:
+def _scales(calibration: Calibration) -> Iterator[Finding]:
+    """Say which stated figures do not fit: those that were learnt, and those that should be."""
+    trusted = _trusted(calibration)
+    found = misfits(calibration.stated.observation, trusted)
+    learnt = {scale.owner for scale in calibration.fit.scales.of} if calibration.fit else set()
+    for misfit in found:
+        yield (
+            _rough(misfit, calibration, misfit.owner in learnt)
+            if misfit.kind == "rough"
+            else _off(misfit, calibration, misfit.owner in learnt)
+        )
+
+
+def _trusted(calibration: Calibration) -> list[Reading]:
+    doubted = {doubt.reading for doubt in calibration.doubts}
+    return [reading for index, reading in enumerate(calibration.readings) if index not in doubted]
+
+
+def _rough(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
+    function = calibration.problem.errors.names[misfit.owner]
+    axis = calibration.problem.errors.machine.axes[function.axis]
+    detail = f"{to_unit(misfit.detail, unit):.3g} {unit}" if (unit := "deg" if axis.rotary else "mm") else ""
+    value = "urad" if function.angular else "um"
+    size = f"about {to_unit(misfit.rest, value):.2g} {value} of it"
+    text = f"The {axis.name} curve {misfit.owner} ({words(misfit.owner)}) has detail finer than {detail} that "
+    text += f"this model does not follow, {size}. "
+    text += "Its band counts this as learnt from the readings; " if learnt else "Its band does not count this: "
+    text += f"knots = {misfit.knots} would follow it" if learnt else f"{_LEARN}; knots = {misfit.knots} would follow it"
+    return Finding("lack-of-fit", misfit.owner, text + ".")
+
+
+def _off(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
+    unit, what = _named(misfit, calibration)
+    stated, found = (f"{to_unit(value, unit):.2g} {unit}" for value in (misfit.stated, misfit.found))
+    end = "the bands use what the readings say" if learnt else 'review it, or let scales = "estimate" learn it'
+    text = f"The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
+    return Finding("prior-misfit", None if misfit.kind == "noise" else misfit.owner, text)
+
+
+def _named(misfit: Misfit, calibration: Calibration) -> tuple[str, str]:
+    if misfit.kind == "noise":
+        setup = calibration.problem.description.setup(misfit.owner)
+        return calibration.problem.reading_unit(setup), f'the noise of "{misfit.owner}"'
+    function = calibration.problem.errors.names[misfit.owner]
+    return "urad" if function.angular else "um", f"the std of {misfit.owner} ({words(misfit.owner)})"
+
+
+def _aliasing(calibration: Calibration) -> Iterator[Finding]:
+    for alias in aliases(calibration.problem.description.machine, calibration.readings):
+        yield Finding("aliasing", alias.error, _alias_text(alias))
+
+
+def _alias_text(alias: Alias) -> str:
+    unit = "deg" if alias.axis.rotary else "mm"
+    name = alias.axis.name
+    spaced = f"The positions read on {name} are equally spaced"
+    if alias.spacing is not None:
+        spaced += f", {to_unit(alias.spacing, unit):.4g} {unit} apart"
+    if alias.period is None:
+        return f"{spaced}: an error that repeats within this distance cannot be told from a slow one; vary the targets."
+    period = f"{to_unit(alias.period, unit):.4g} {unit}"
+    seen_as = alias.seen_as
+    slow = "a constant" if seen_as is None or np.isinf(seen_as) else f"one of {to_unit(seen_as, unit):.4g} {unit}"
+    where = spaced if alias.spacing is not None else f"The positions read on {name} all lie alike in the period"
+    return f"{where}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
+
+
+def _misfit(calibration: Calibration) -> Iterator[Finding]:
     check = residual_check(calibration)
     if check is None or min(check.probability, 1 - check.probability) > _MISFIT:
-        return []
+        return
     size = np.sqrt(check.chi_square / check.degrees)
     text = (
         f"The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: "
-        "the bands are not to be trusted; review the std of the errors and the noise of the set-ups."
+        "the bands are not to be trusted; review the std of the errors and the noise of the set-ups, or let "
+        'scales = "estimate" in the campaign learn them.'
     )
-    return [Finding("prior-misfit", None, text)]
+    yield Finding("prior-misfit", None, text)

@@ -1,0 +1,79 @@
+"""Errors that repeat along an axis, read at positions that repeat likewise: they pass for something slower, or nothing.
+
+Targets p apart see an error of period P as one of period p / |p/P − round(p/P)|.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+_FEWEST = 4
+_EQUAL = 1e-3
+_SAME_PHASE = 0.9
+_SAME_PLACE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Alias:
+    """Positions on an axis that hide what repeats.
+
+    spacing : of the targets, m or rad, None where they are not equally spaced
+    error, period : the error whose period was stated, if one was
+    seen_as : the period it passes for, m or rad; infinite where it passes for a constant; None without a stated period
+    """
+
+    axis: Axis
+    spacing: float | None
+    error: str | None = None
+    period: float | None = None
+    seen_as: float | None = None
+
+
+def aliases(machine: Machine, readings: Sequence[Reading]) -> Iterator[Alias]:
+    """Yield what the positions of the readings hide, for the axes that moved."""
+    for index, axis in enumerate(machine.axes):
+        targets = _targets([reading.pose[index] for reading in readings], axis)
+        if len(targets) < _FEWEST:
+            continue
+        spacing = _spacing(targets)
+        periodic = [(e.name, e.period) for e in machine.errors if e.axis == axis.name and e.period is not None]
+        for name, period in periodic:
+            if spacing is not None or _in_phase(targets, period):
+                yield Alias(axis, spacing, name, period, _seen_as(spacing, period))
+        if spacing is not None and not periodic and any(e.axis == axis.name and not e.constant for e in machine.errors):
+            yield Alias(axis, spacing)
+
+
+def _targets(positions: Sequence[float], axis: Axis) -> Array:
+    ordered = np.sort(np.array(positions))
+    if not len(ordered):
+        return ordered
+    fresh = np.concatenate([[True], np.diff(ordered) > _SAME_PLACE * axis.length])
+    targets: Array = ordered[fresh]
+    return targets
+
+
+def _spacing(targets: Array) -> float | None:
+    gaps = np.diff(targets)
+    mean = float(gaps.mean())
+    return mean if float(np.ptp(gaps)) <= _EQUAL * mean else None
+
+
+def _in_phase(targets: Array, period: float) -> bool:
+    return abs(complex(np.exp(2j * np.pi * targets / period).mean())) > _SAME_PHASE
+
+
+def _seen_as(spacing: float | None, period: float) -> float:
+    if spacing is None:
+        return np.inf
+    turns = spacing / period
+    left = abs(turns - round(turns))
+    return float(spacing / left) if left > _EQUAL else np.inf

@@ -1,0 +1,88 @@
+"""Readings that the others do not believe: found by leaving each out, taken as Student-t instead of normal.
+
+Without reading i the others predict it with mean and variance that follow from the inverse of the covariance K of all
+readings: t_i = [K⁻¹y]_i / √[K⁻¹]_ii (Rasmussen and Williams 2006, eq. 5.12). A reading that stands out from the
+scatter of all t is down-weighted by the Student-t of `FREEDOM` degrees, w = (ν+1)/(ν+t²), and from `LEAST` downwards it
+is not used at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.inference.evidence import Evidence
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+FREEDOM = 5.0
+STANDS_OUT = 4.0
+"""So many standard deviations, of what the others predict, are taken for a mistake and not for chance."""
+LEAST = 0.15
+NOTHING = 1e-9
+FEWEST = 5
+_MOST_PART = 0.2
+_ALIKE = 0.9
+
+
+class Doubt(NamedTuple):
+    """A reading that stands out: its index from 0, standard deviations from what the others predict, and its weight."""
+
+    reading: int
+    surprise: float
+    weight: float
+
+    @property
+    def rejected(self) -> bool:
+        """Whether the reading is not used at all."""
+        return self.weight <= NOTHING
+
+
+def doubts(observation: Observation, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
+    """Return the readings that stand out, the worst first; readings that somebody vouches for are believed."""
+    if len(readings) < FEWEST:
+        return ()
+    evidence = Evidence(observation, readings)
+    covariance, noise = evidence.covariance(), evidence.noise()
+    free = np.array([not reading.accepted for reading in readings])
+    weights, found = np.ones(len(readings)), list[Doubt]()
+    while len(found) < _MOST_PART * len(readings):
+        surprise = np.where(free & (weights == 1.0), _left_out(covariance, noise, weights, evidence.values), 0.0)
+        worst = int(np.argmax(np.abs(surprise)))
+        size = abs(float(surprise[worst]))
+        if size < STANDS_OUT or _has_twin(np.abs(surprise), worst):
+            break
+        weight = (FREEDOM + 1.0) / (FREEDOM + size**2)
+        weights[worst] = weight if weight > LEAST else NOTHING
+        found.append(Doubt(worst, size, float(weights[worst])))
+    return tuple(found)
+
+
+def weights_of(found: Sequence[Doubt], count: int) -> Array:
+    """Return the weight of every reading, (count,)."""
+    weights = np.ones(count)
+    for doubt in found:
+        weights[doubt.reading] = doubt.weight
+    return weights
+
+
+def _left_out(covariance: Array, noise: Array, weights: Array, values: Array) -> Array:
+    """Return how far each reading is from what the others predict, in units of the usual such distance but at least 1.
+
+    (m,), signed
+    """
+    whole = covariance + np.diag(noise * (1.0 / weights - 1.0))
+    inverse = np.linalg.inv(whole)
+    distance = (inverse @ values) / np.sqrt(np.diag(inverse))
+    usual = 1.4826 * float(np.median(np.abs(distance)))
+    scaled: Array = distance / max(1.0, usual)
+    return scaled
+
+
+def _has_twin(sizes: Array, worst: int) -> bool:
+    """Whether another reading stands out as far, so that nobody can say which of the two is wrong."""
+    others = np.delete(sizes, worst)
+    return bool(len(others)) and float(others.max()) > max(_ALIKE * float(sizes[worst]), STANDS_OUT)
