@@ -53,7 +53,7 @@ def every_error(axis: Axis, rng: np.random.Generator, smooth: bool = False) -> l
         for c, rest in zip(COMPONENTS, rng.choice([0.0, 1e-6], 6), strict=True)
     ]
     reversals = [ErrorEntry(f"E{c}{axis.name}_reversal", 1e-6) for c in COMPONENTS]
-    reversals[0] = replace(reversals[0], knots=5)
+    reversals[0] = replace(reversals[0], knots=5, rest=1e-6)
     return motions + reversals + [ErrorEntry(f"{c}0{axis.name}", 1e-5) for c in COMPONENTS if axis.rotary or c in "ABC"]
 
 

@@ -126,8 +126,7 @@ def _drawn(function: ErrorFunction, rng: np.random.Generator) -> Curve:
     cells = function.rest * rng.standard_normal(max(1, round((stop - start) / function.cell)))
 
     def curve(positions: Array) -> Array:
-        cell = np.clip((positions - start) / function.cell, 0, len(cells) - 1).astype(int)
-        drawn: Array = function.basis.rows(positions) @ control + cells[cell]
+        drawn: Array = function.basis.rows(positions) @ control + cells[function.cells(positions)]
         return drawn
 
     return curve

@@ -101,14 +101,15 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
     return belief, observation
 
 
-def _rest_kernel(model: ErrorModel, levers: Array, poses: Array) -> Array:
+def _rest_kernel(model: ErrorModel, levers: Array, poses: Array, approaches: Array) -> Array:
     """Return the covariance of the rests of readings: each function's is one number per eighth of a knot interval."""
     total = np.zeros((len(poses), len(poses)))
     for function, lever in zip(model.functions, levers, strict=True):
         low, high = model.machine.axes[function.axis].travel
         count = 8 * (len(function.basis.knots) - 1)
         cell = np.minimum(((poses[:, function.axis] - low) / (high - low) * count).astype(int), count - 1)
-        total += function.rest**2 * np.outer(lever, lever) * (cell[:, None] == cell)
+        felt = lever * approaches[:, function.axis] / 2 if function.name.endswith("_reversal") else lever
+        total += function.rest**2 * np.outer(felt, felt) * (cell[:, None] == cell)
     return total
 
 
@@ -125,7 +126,7 @@ def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> 
     observation = Observation(model, (setup,))
     levers = (model.levers if instrument == "probe" else model.angular_levers)(poses) @ np.array(setup.direction)
     rows, prior = observation.rows(0, poses, approaches).rows, observation.prior_covariance()
-    joint = rows @ prior @ rows.T + _rest_kernel(model, levers, poses) + setup.noise**2 * np.eye(27)
+    joint = rows @ prior @ rows.T + _rest_kernel(model, levers, poses, approaches) + setup.noise**2 * np.eye(27)
     values = np.linalg.cholesky(joint) @ rng.standard_normal(27)
     gain = np.linalg.solve(joint, rows @ prior).T
     belief, _ = _fed(observation, poses, approaches, values)

@@ -35,7 +35,8 @@ def _brute(model: ErrorModel, box: Box, points: int = 9) -> VolumeMoments:
         flat = (np.sqrt(weights)[:, None, None] * rows).reshape(-1, model.size)
         weight += flat.T @ flat / sides
     squares = np.sum(model.levers(poses) ** 2, axis=2)
-    rest = float(np.array([f.rest**2 for f in model.functions]) @ squares @ weights)
+    shares = [(f.rest / 2 if f.kind == "reversal" else f.rest) ** 2 for f in model.functions]
+    rest = float(np.array(shares) @ squares @ weights)
     return VolumeMoments(mean, weight, rest)
 
 

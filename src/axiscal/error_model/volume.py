@@ -172,6 +172,6 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
 
 
 def _rest(model: ErrorModel, levers: Array, axes: list[_AxisMoments]) -> float:
-    variances = np.array([f.rest**2 for f in model.functions])
+    variances = np.array([f.rest**2 / (4 if f.kind == "reversal" else 1) for f in model.functions])
     squares: Array = np.einsum("fc...,fc...->f...", levers, levers)
     return float(variances @ _averaged(axes, squares, ()))
