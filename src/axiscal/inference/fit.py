@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ from axiscal.numerics import Array
 
 _FARTHEST = np.log(100.0)
 _STEPS = 200
+_STEP = 1e-3
+_FLATTEST = 0.3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,17 +51,27 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
         return 0.5 * float(logs @ pull) - value, pull - slope
 
     bounds = [(-_FARTHEST, _FARTHEST)] * len(scales)
-    starts = _starts(scales)
+    options = {"maxiter": _STEPS}
     runs = [
-        minimize(objective, s, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS}) for s in starts
+        minimize(objective, s, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for s in _starts(scales)
     ]
-    best = min(runs, key=lambda run: float(run.fun))
-    logs: Array = best.x
-    return Fit(Scales(scales, tuple(np.exp(logs))), evidence.log_density(0 * logs)[0], evidence.log_density(logs)[0])
+    best: Array = min(runs, key=lambda run: float(run.fun)).x
+    variances = _variances(lambda logs: objective(logs)[1], best)
+    squares = np.array([0.0 if scale.kind == "length" else 1.0 for scale in scales]) * variances
+    found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(best + squares)))
+    return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+
+
+def _variances(slope: Callable[[Array], Array], at: Array) -> Array:
+    """Return the variances of the logarithms by the curvature at the most probable ones (Laplace), (n,)."""
+    steps = _STEP * np.eye(len(at))
+    curvature = np.array([(slope(at + step) - slope(at - step)) / (2 * _STEP) for step in steps])
+    values, vectors = np.linalg.eigh((curvature + curvature.T) / 2)
+    variances: Array = (vectors**2) @ (1.0 / np.maximum(values, _FLATTEST))
+    return variances
 
 
 def _starts(scales: tuple[Scale, ...]) -> list[Array]:
     """Two hills are usual: a smooth curve with much rest, and a rough one with little."""
     rough = np.array([{"length": -1.0, "rest": -1.0}.get(scale.kind, 0.0) for scale in scales])
-    large = np.array([{"std": 0.7, "rest": 1.5}.get(scale.kind, 0.0) for scale in scales])
-    return [np.zeros(len(scales)), rough, large]
+    return [np.zeros(len(scales)), rough]
