@@ -13,8 +13,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
-_FARTHEST = np.log(100.0)
-_STEPS = 200
+_FARTHEST = 4.6
 _STEP = 1e-3
 _FLATTEST = 0.3
 
@@ -41,8 +40,6 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
 
     observation : the stated model, before any cell is visited; scales : those that vary, at least one
     """
-    from scipy.optimize import minimize
-
     evidence, precision = Evidence(observation, readings, scales), log_prior_precision(scales)
 
     def objective(logs: Array) -> tuple[float, Array]:
@@ -50,16 +47,19 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
         pull = precision @ logs
         return 0.5 * float(logs @ pull) - value, pull - slope
 
-    bounds = [(-_FARTHEST, _FARTHEST)] * len(scales)
-    options = {"maxiter": _STEPS}
-    runs = [
-        minimize(objective, s, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for s in _starts(scales)
-    ]
-    best: Array = min(runs, key=lambda run: float(run.fun)).x
+    best = min((_descended(objective, start) for start in _starts(scales)), key=lambda logs: objective(logs)[0])
     variances = _variances(lambda logs: objective(logs)[1], best)
     squares = np.array([0.0 if scale.kind == "length" else 1.0 for scale in scales]) * variances
     found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(best + squares)))
     return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+
+
+def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array) -> Array:
+    from scipy.optimize import Bounds, minimize
+
+    box = Bounds(np.full(len(start), -_FARTHEST), np.full(len(start), _FARTHEST))
+    lowest: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=box).x
+    return lowest
 
 
 def _variances(slope: Callable[[Array], Array], at: Array) -> Array:

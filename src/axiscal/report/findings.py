@@ -74,15 +74,12 @@ def _outliers(calibration: Calibration) -> Iterator[Finding]:
 
 def _scales(calibration: Calibration) -> Iterator[Finding]:
     """Say which stated figures do not fit: those that were learnt, and those that should be."""
-    trusted = _trusted(calibration)
-    found = misfits(calibration.stated.observation, trusted)
-    learnt = {scale.owner for scale in calibration.fit.scales.of} if calibration.fit else set()
-    for misfit in found:
-        yield (
-            _rough(misfit, calibration, misfit.owner in learnt)
-            if misfit.kind == "rough"
-            else _off(misfit, calibration, misfit.owner in learnt)
-        )
+    learnt = {(scale.kind, scale.owner) for scale in calibration.fit.scales.of} if calibration.fit else set()
+    for misfit in misfits(calibration.stated.observation, _trusted(calibration)):
+        if misfit.kind == "rough":
+            yield _rough(misfit, calibration, ("rest", misfit.owner) in learnt)
+        else:
+            yield _off(misfit, calibration, ("noise" if misfit.kind == "noise" else "std", misfit.owner) in learnt)
 
 
 def _trusted(calibration: Calibration) -> list[Reading]:
