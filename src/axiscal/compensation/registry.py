@@ -12,9 +12,14 @@ from axiscal.exceptions import TableError
 _ROOM = "axiscal.compensation.controllers"
 CONTROLLERS = {
     "csv": ("plain_csv", "make"),
+    "fanuc": ("fanuc", "make"),
+    "heidenhain": ("heidenhain", "make"),
     "isg": ("isg", "make"),
     "isg-etalon": ("isg", "make_etalon"),
+    "klipper": ("klipper", "make"),
     "linuxcnc": ("linuxcnc.exporting", "make"),
+    "marlin": ("marlin", "make"),
+    "reprapfirmware": ("reprapfirmware", "make"),
     "sinumerik": ("sinumerik", "make"),
 }
 """Name -> module and function that writes the files."""

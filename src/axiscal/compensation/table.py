@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,11 @@ class CompensationTable:
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""
         return "arcsec" if self.rotary else "um"
+
+    def averaged(self) -> CompensationTable:
+        """Return the table without reversal: the mean of both directions."""
+        mean = (self.forward + self.reverse) / 2
+        return replace(self, forward=mean, reverse=mean)
 
     @property
     def reversal(self) -> tuple[float, float]:

@@ -173,8 +173,8 @@ def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) 
         f"vol_comp[0].max_records {records} or more.",
         "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
         "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
-        "rotations turn about the axis frames of axiscal's conventions: a linear axis' frame is at the machine's origin "
-        f"when all axes are at zero. Check one point with a dial gauge, and use --flip if it goes wrong.{negated}",
+        "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
+        f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
         f"The chain {machine.chain} has to be the control's own.",
         "The kernel corrects the position of the tool, not its orientation.",
     )

@@ -54,7 +54,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     names = axis_names(machine, options.numbers)
     grid = (_STEP, float(np.radians(1e-3)))
     own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, POINTS, grid)
-    over = tuple(_mean(t) for t in cross_tables(estimate, options.spacing, POINTS, _STEP))
+    over = tuple(t.averaged() for t in cross_tables(estimate, options.spacing, POINTS, _STEP))
     files = write(own, over, names, -1.0 if options.flip else 1.0)
     held = lookup_control(machine, read(files.values(), names, machine, options.flip))
     wanted = table_control(machine, (*own, *over))
@@ -85,13 +85,6 @@ def write(
         for number, (table, values, direction) in enumerate(blocks)
     )
     return files | ({_CEC: f"%_N_NC_CEC_INI\nCHANDATA(1)\n{cec}M17\n"} if cec else {})
-
-
-def _mean(table: CompensationTable) -> CompensationTable:
-    m = (table.forward + table.reverse) / 2
-    return CompensationTable(
-        table.axis, table.rotary, table.positions, m, m, table.std, table.over, table.prior_std, table.departure
-    )
 
 
 def _directions(table: CompensationTable) -> list[tuple[CompensationTable, Array, int]]:

@@ -37,7 +37,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     machine = estimate.machine
     joints = joint_numbers(machine, options.numbers)
     own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, ROWS)
-    over = both_ways(cross_tables(estimate, most=cross.POINTS))
+    over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
         for t in own
@@ -69,15 +69,6 @@ def joint_numbers(machine: Machine, given: Mapping[str, int]) -> dict[str, int]:
     """Return the joint of each axis: in the order X Y Z A B C U V W unless given."""
     names = sorted((axis.name for axis in machine.axes), key=lambda name: (_ORDER + name).index(name))
     return {name: given.get(name, number) for number, name in enumerate(names)}
-
-
-def both_ways(tables: Sequence[CompensationTable]) -> tuple[CompensationTable, ...]:
-    """Return tables without reversal, which a `lincurve` cannot tell."""
-    middle = [(t, (t.forward + t.reverse) / 2) for t in tables]
-    return tuple(
-        CompensationTable(t.axis, t.rotary, t.positions, m, m, t.std, t.over, t.prior_std, t.departure)
-        for t, m in middle
-    )
 
 
 def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:

@@ -1,0 +1,160 @@
+"""HEIDENHAIN `.COM` tables, into a file that the user's own control has saved.
+
+One table for each axis: its positions, the backlash, and a column for each axis that is corrected at them. The layout
+is that of the template: head, column heads and widths, and end; only the rows are new.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.compensation.effect import table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.lookup import Lookup, lookup_control
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import axis_tables, cross_tables
+from axiscal.compensation.table import CompensationTable
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.units import from_unit, to_unit
+
+POINTS = 256
+_NUMBER = r"[+-]?\d+(?:\.\d+)?"
+_EXPECTED = (
+    "it begins with BEGIN NAME .COM, then a line of column heads with AXISPOS, BACKLASH and axes, then rows of "
+    "numbers, and ends with [END]"
+)
+_HOLDS = "for each axis its positioning error and reversal, and over linear axes the straightness and squareness."
+_LEFT = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The form of a `.COM` file.
+
+    first, header, last : its lines around the rows; heads : the names of its columns
+    edges : for each column where its values begin (with True) or end (False); decimals : of the values
+    """
+
+    first: str
+    header: str
+    heads: tuple[str, ...]
+    edges: tuple[tuple[int, bool], ...]
+    last: str
+    decimals: int
+
+    def text(self, name: str, columns: Mapping[str, Array]) -> str:
+        """Return a file with these columns, each value ending where the template's do; absent columns are zero."""
+        count = len(columns["AXISPOS"])
+        first = re.sub(r"(?<=BEGIN )\S+?(?=\s*\.COM)", name, self.first)
+        values = {**columns, "NR": np.arange(count)}
+        zero = np.zeros(count)
+        table = np.stack([values.get(head, zero) for head in self.heads], axis=1)
+        rows = [self._row(dict(zip(self.heads, row, strict=True))) for row in table.tolist()]
+        return "\n".join([first, self.header, *rows, self.last]) + "\n"
+
+    def _row(self, values: Mapping[str, float]) -> str:
+        line = ""
+        for head, (edge, left) in zip(self.heads, self.edges, strict=True):
+            decimals = 0 if head == "NR" else self.decimals
+            shown = f"{round(values[head], decimals) + 0.0:.{decimals}f}"
+            start = edge if left else edge - len(shown)
+            if start < len(line) + bool(line):
+                raise TableError(f"the columns of the template are too narrow for {shown}", f"widen them up to {head}")
+            line = line.ljust(start) + shown
+        return line
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return one file for each axis, in the form of the template; raises TableError."""
+    machine = estimate.machine
+    if options.template is None:
+        raise TableError("HEIDENHAIN files are made from one of your control", "give it: --template FILE")
+    layout = read_layout(options.template, options.template_name)
+    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, POINTS)
+    over = tuple(table.averaged() for table in cross_tables(estimate, options.spacing, POINTS))
+    tables = [t for t in (*own, *over) if t.axis in layout.heads]
+    sign = -1.0 if options.flip else 1.0
+    files = {f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)}
+    held = lookup_control(machine, [one for text in files.values() for one in read(text, machine, sign)])
+    wanted = table_control(machine, tables)
+    step = 10.0**-layout.decimals
+    resolution = {axis.name: 3 * float(from_unit(step, "deg" if axis.rotary else "mm")) for axis in machine.axes}
+    return Draft(files, held, wanted, resolution, tuple(tables), _HOLDS, _LEFT, _notes(layout, machine), tried=False)
+
+
+def read_layout(text: str, file: str) -> Layout:
+    """Return the form of a template; raises TableError, with what was expected, for anything else."""
+    lines = [line.rstrip() for line in text.splitlines() if line.strip()]
+    if len(lines) < 4 or not re.match(r"BEGIN \S+?\s*\.COM\b", lines[0]) or not lines[-1].startswith("[END]"):
+        raise TableError("this is not a .COM table", _EXPECTED, file)
+    heads = tuple(lines[1].split())
+    if "AXISPOS" not in heads or "BACKLASH" not in heads or len(set(heads)) < len(heads):
+        raise TableError(f"the column heads are {lines[1].strip()[:60]!r}", _EXPECTED, file, 2)
+    for number, line in enumerate(lines[2:-1], 3):
+        if len(line.split()) != len(heads) or not all(re.fullmatch(_NUMBER, word) for word in line.split()):
+            raise TableError(f"{line.strip()[:60]!r} does not fit the column heads", _EXPECTED, file, number)
+    begun, ended = ([m.span()[side] for m in re.finditer(r"\S+", lines[2])] for side in (0, 1))
+    above = [match.start() for match in re.finditer(r"\S+", lines[1])]
+    edges = tuple((b, True) if a == b else (e, False) for a, b, e in zip(above, begun, ended, strict=True))
+    words = dict(zip(heads, lines[2].split(), strict=True))
+    decimals = max(len(word.partition(".")[2]) for head, word in words.items() if head != "NR")
+    if decimals < 3:
+        raise TableError(f"the values have {decimals} decimals", "save a table with values to 0.001 mm or finer", file)
+    return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
+
+
+def read(text: str, machine: Machine, sign: float) -> list[Lookup]:
+    """Return what the control makes of one file: the axis that its name begins with is looked up.
+
+    sign : +1 where a value is a deviation, which is taken away
+    """
+    first, header, *rows, _ = text.splitlines()
+    over = machine.axis(first.split()[1].split("_")[0])
+    table = np.array([[float(word) for word in row.split()] for row in rows])
+    columns = dict(zip(header.split(), table.T, strict=True))
+    at = _inside(columns["AXISPOS"], over.rotary)
+    lookups = []
+    for axis in machine.axes:
+        if axis.name not in columns:
+            continue
+        added = -sign * _inside(columns[axis.name], axis.rotary)
+        lookups.append(Lookup(axis.name, over.name, at, added))
+        if axis.name == over.name:
+            back = -sign * _inside(columns["BACKLASH"], axis.rotary)
+            lookups.append(Lookup(axis.name, over.name, at, back, -1))
+    return lookups
+
+
+def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: float) -> str:
+    mine = [table for table in tables if table.over == axis]
+    columns = {"AXISPOS": np.asarray(to_unit(mine[0].positions, mine[0].unit))}
+    if any(not np.array_equal(table.positions, mine[0].positions) for table in mine):
+        raise TableError(f"the tables over {axis} have different points", "leave the spacing to axiscal")
+    for table in mine:
+        unit = "deg" if table.rotary else "mm"
+        columns[table.axis] = sign * np.asarray(to_unit(table.forward, unit))
+        if table.axis == axis:
+            columns["BACKLASH"] = sign * np.asarray(to_unit(table.reverse - table.forward, unit))
+    return layout.text(f"{axis}_AXIS", columns)
+
+
+def _inside(values: Array, rotary: bool) -> Array:
+    return np.asarray(from_unit(values, "deg" if rotary else "mm"), dtype=float)
+
+
+def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
+    missing = [axis.name for axis in machine.axes if axis.name not in layout.heads]
+    absent = (f"Your template has no column for {', '.join(missing)}: left out.",) if missing else ()
+    return (
+        *absent,
+        "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
+        "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards. Check "
+        "one point with a dial gauge, and export with --flip if the axis goes the wrong way.",
+    )

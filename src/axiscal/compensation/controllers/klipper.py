@@ -1,0 +1,99 @@
+"""Klipper: a `bed_mesh` profile in the saved block of printer.cfg, and `SET_SKEW` with a skew profile."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.skew import Skew, skew_control, skew_of
+from axiscal.compensation.surface import Mesh, mesh_control, mesh_of, sum_of
+from axiscal.exceptions import TableError
+from axiscal.units import from_unit, to_unit
+
+_SAVED = "#*# "
+_SIDE = 1000.0
+_MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
+_HOLDS = "height over the plane as a bed mesh, and the skew of the three axes."
+_LEFT = "positioning errors, straightness in the plane, reversal, and what the height does over z."
+_PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return the files; raises TableError."""
+    machine = estimate.machine
+    mesh, skew = mesh_of(estimate, options.mesh), skew_of(estimate)
+    files = {_MESH: write_mesh(mesh, options.name), _SKEW: write_skew(skew, options.name)}
+    held = sum_of(
+        mesh_control(machine, read_mesh(files[_MESH], options.name)), skew_control(machine, read_skew(files[_SKEW]))
+    )
+    wanted = sum_of(mesh_control(machine, mesh), skew_control(machine, skew))
+    resolution = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
+    notes = (
+        f"Paste {_MESH} at the end of printer.cfg, in its saved block, restart; BED_MESH_PROFILE LOAD={options.name}.",
+        "No fade: the mesh acts at all heights, as long as fade_start and fade_end are not set in [bed_mesh].",
+        f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by "
+        f"SKEW_PROFILE LOAD={options.name}.",
+        "Clear mesh and skew before measuring again: BED_MESH_CLEAR, SET_SKEW CLEAR=1.",
+    )
+    return Draft(files, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
+
+
+def write_mesh(mesh: Mesh, name: str) -> str:
+    """Return the saved block of the profile; heights in mm, rows by y."""
+    x, y, z = (to_unit(values, "mm") for values in (mesh.x, mesh.y, mesh.added))
+    rows = ["\t  " + ", ".join(f"{value:.6f}" for value in row) for row in np.round(z, 6) + 0.0]
+    keys = {"x_count": len(x), "y_count": len(y), "mesh_x_pps": 0, "mesh_y_pps": 0, "algo": "direct", "tension": 0.2}
+    ends = {"min_x": x[0], "max_x": x[-1], "min_y": y[0], "max_y": y[-1]}
+    lines = [f"[bed_mesh {name}]", "version = 1", "points =", *rows, *(f"{k} = {v}" for k, v in keys.items())]
+    lines += [f"{key} = {value:.6g}" for key, value in ends.items()]
+    return "".join(f"{_SAVED}{line}\n" for line in lines)
+
+
+def read_mesh(text: str, name: str) -> Mesh:
+    """Return the mesh of a saved block as bed_mesh.py reads it; raises TableError."""
+    lines = [line.removeprefix(_SAVED) for line in text.splitlines()]
+    if lines[:1] != [f"[bed_mesh {name}]"] or not all(line.startswith(_SAVED) for line in text.splitlines()):
+        raise TableError("Klipper would not find the profile", "this is a defect of axiscal")
+    keys: dict[str, str] = {}
+    last = ""
+    for line in lines[1:]:
+        if line[:1].isspace():
+            keys[last] += "\n" + line.strip()
+            continue
+        last, _, value = line.partition(" = ") if " = " in line else (line.removesuffix(" ="), "", "")
+        keys[last] = value
+    rows = [[float(v) for v in row.split(",")] for row in keys["points"].split("\n") if row]
+    x, y = (
+        from_unit(np.linspace(float(keys[f"min_{a}"]), float(keys[f"max_{a}"]), int(keys[f"{a}_count"])), "mm")
+        for a in "xy"
+    )
+    return Mesh(x, y, from_unit(np.array(rows).reshape(len(y), len(x)), "mm"))
+
+
+def write_skew(skew: Skew, name: str) -> str:
+    """Return the G-code: diagonals AC, BD and side AD of a square that leans by the skew."""
+    planes = ((plane, getattr(skew, plane.lower())) for plane in ("XY", "XZ", "YZ"))
+    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in planes)
+    return f"SET_SKEW {words}\nSKEW_PROFILE SAVE={name}\n"
+
+
+def read_skew(text: str) -> Skew:
+    """Return the skew that skew_correction.py makes of `SET_SKEW`: all sides follow from the diagonals and AD."""
+    found = {}
+    for plane, *lengths in _PLANE.findall(text):
+        ac, bd, ad = map(float, lengths)
+        side = math.sqrt(2 * ac * ac + 2 * bd * bd - 4 * ad * ad) / 2
+        angle = math.acos((ac * ac - side * side - ad * ad) / (2 * side * ad))
+        found[plane.lower()] = math.tan(math.pi / 2 - angle)
+    return Skew(**found)
+
+
+def _lengths(tangent: float) -> str:
+    lean = math.sin(math.atan(tangent))
+    ac, bd = (_SIDE * math.sqrt(2 * (1 + sign * lean)) for sign in (1, -1))
+    return f"{ac:.9f},{bd:.9f},{_SIDE:.9f}"

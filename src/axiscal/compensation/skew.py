@@ -1,0 +1,52 @@
+"""Skew of the axes as printers know it: x' = x - y xy - z (xz - xy yz), y' = y - z yz."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.compensation.effect import Control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.sampling import cross_tables
+from axiscal.compensation.surface import plane_axes
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Skew:
+    """Tangents by which Y leans towards X, Z towards X, and Z towards Y."""
+
+    xy: float
+    xz: float
+    yz: float
+
+
+def skew_of(estimate: Estimate) -> Skew:
+    """Return the slopes that are nearest to the mean deviation along x over y and z, and along y over z."""
+    tables = {(table.axis, table.over): table for table in cross_tables(estimate)}
+
+    def slope(axis: str, over: str) -> float:
+        table = tables.get((axis, over))
+        if table is None:
+            return 0.0
+        low, high = estimate.box[estimate.machine.index(over)]
+        at = np.linspace(low, high, 1001)
+        values = (table.deviation(at, 1) + table.deviation(at, -1)) / 2
+        return float(np.polynomial.polynomial.polyfit(at - at.mean(), values, 1)[1])
+
+    return Skew(slope("X", "Y"), slope("X", "Z"), slope("Y", "Z"))
+
+
+def skew_control(machine: Machine, skew: Skew) -> Control:
+    """Return the control that takes the skew away."""
+    x, y, z = plane_axes(machine)
+
+    def control(poses: Array, approaches: Array) -> Array:
+        added = np.zeros_like(poses)
+        added[:, x] = -poses[:, y] * skew.xy - poses[:, z] * (skew.xz - skew.xy * skew.yz)
+        added[:, y] = -poses[:, z] * skew.yz
+        return added
+
+    return control
