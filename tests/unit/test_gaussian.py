@@ -30,6 +30,8 @@ def test_factors_multiply_to_the_covariance(size: int, rank: int, decades: float
     assert np.array_equal(factors.upper, np.triu(factors.upper))
     assert np.array_equal(np.diagonal(factors.upper), np.ones(size))
     assert np.all(factors.diagonal >= 0)
+    if rank < size // 2:
+        assert np.count_nonzero(factors.diagonal) == rank  # no pivot is lifted where there is no variance
 
 
 def test_variables_that_are_known_exactly_stay_so() -> None:

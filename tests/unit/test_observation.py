@@ -206,6 +206,24 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
                 assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
 
 
+def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
+    """Cubics times sine and cosine, squared, over 117°."""
+    turn = Axis.named("C", True, (0.0, np.radians(350)), origin=(0.3, -0.2, 0.0))
+    entries = tuple(ErrorEntry(name, 1e-5, knots=4) for name in ("EXC", "EYC", "ECC", "EAC"))
+    observation = Observation(
+        ErrorModel(Machine("m", (turn,), 0.1, entries, "", "")),
+        (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
+    )
+    factor = np.random.default_rng(1).standard_normal((16, 4))
+    count, inside = node_count(*observation.smoothness(0)), np.linspace(-1, 1, 101)
+    for left, right in pairwise(observation.breaks(0)):
+        at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
+        seen = observation.rows(0, at, np.zeros_like(at))
+        form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
+        series = evaluate(coefficients(form[None, :count]), inside[None])[0]
+        assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
+
+
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
     axis = Axis.named("X", False, (0.0, 0.4))
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
