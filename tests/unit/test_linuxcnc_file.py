@@ -208,8 +208,8 @@ def tables(draw: st.DrawFn) -> CompensationTable:
     gaps = draw(st.lists(st.floats(1e-4, 0.5), min_size=0, max_size=30))
     positions = draw(st.floats(-2, 2)) + np.cumsum([0.0, *gaps])
     values = st.lists(st.floats(-2e-5, 2e-5), min_size=len(positions), max_size=len(positions))
-    forward, reverse = draw(values), draw(values)
-    return CompensationTable("C" if rotary else "X", rotary, positions, *map(np.array, (forward, reverse, forward)))
+    forward, reverse = np.array(draw(values)), np.array(draw(values))
+    return CompensationTable("C" if rotary else "X", rotary, positions, forward, reverse, forward)
 
 
 @given(tables(), st.integers(0, 1000))

@@ -83,7 +83,8 @@ def test_csv_text() -> None:
 )
 def test_csv_comes_back_as_written(positions: list[float], rotary: bool, data: st.DataObject) -> None:
     values = st.lists(st.floats(-1e-3, 1e-3), min_size=len(positions), max_size=len(positions))
-    written = CompensationTable("C" if rotary else "X", rotary, *map(np.array, (positions, *(data.draw(values),) * 3)))
+    drawn = np.array(data.draw(values))
+    written = CompensationTable("C" if rotary else "X", rotary, np.array(positions), drawn, drawn, drawn)
     back = plain_csv.parse(plain_csv.write(written))
     assert (back.axis, back.rotary) == (written.axis, rotary)
     assert back.positions == pytest.approx(written.positions, abs=1e-9)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.compensation.conditional import mean_along, turned
@@ -29,6 +30,8 @@ from axiscal.units import format_quantity
 _POINTS_PER_INTERVAL = 4
 _MOST_POINTS = 129
 _NOTHING = 1e-12
+_SILENT, _DIFFERENCE = 0.95, 0.65
+_OPEN = 0.2  # where the prior was this narrow by construction, next to the table's zero, nothing is said
 
 Multiples = tuple[float | None, float | None]
 
@@ -139,20 +142,35 @@ def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table nearest to curves given as rows (2, nodes, size), forward and reverse."""
-    rows = hats.best() @ curves
-    anchor = _anchor(estimate, axis, over, hats, curves, rows)
-    rows, curves = rows - anchor, curves - anchor
-    forward, reverse = rows @ estimate.mean
+    free = hats.best() @ curves
+    anchor = _anchor(estimate, axis, over, hats, curves, free)
+    rows, curves = free - anchor, curves - anchor
+    forward, reverse = (_closed(hats, side @ estimate.mean) for side in rows)
     departure = max(
         hats.departure(curve @ estimate.mean, values) for curve, values in zip(curves, (forward, reverse), strict=True)
     )
-    prior = _std(rows, _prior_factor(estimate.model))
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    rest = _rest(estimate, axis, over)
+    std = np.hypot(_std(rows, estimate.factor), _rest(estimate, axis, over))
+    silent = _silent(estimate, free, rows)
     return CompensationTable(
-        own.name, own.rotary, hats.points, forward, reverse, np.hypot(_std(rows, estimate.factor), rest),
-        looked_up.name, np.hypot(prior, rest), departure,
-    )  # fmt: skip
+        own.name, own.rotary, hats.points, forward, reverse, std, looked_up.name, silent, departure
+    )
+
+
+def _silent(estimate: Estimate, free: Array, anchored: Array) -> NDArray[np.bool_]:
+    """Return where the readings said nothing, (points,).
+
+    The deviation is as uncertain as before, and so is its difference to the point where the table is zero, up to what
+    is known at that point: both, since readings that leave the constant open may still know the curve.
+    """
+    prior = _prior_factor(estimate.model)
+    before, after = ([_std(rows, factor) for rows in (free, anchored)] for factor in (prior, estimate.factor))
+    nothing: NDArray[np.bool_] = after[0] >= _SILENT * before[0]
+    return nothing & (after[1] >= _DIFFERENCE * before[1]) & (before[1] > _OPEN * np.max(before[1]))
+
+
+def _closed(hats: Hats, values: Array) -> Array:
+    return np.append(values[:-1], values[0]) if hats.closed else values
 
 
 def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, rows: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,6 @@ from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
-_SILENT = 0.95
-_OPEN = 0.2  # below this share of its largest the prior was narrow by construction: the table is zero there
 _AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
 
 
@@ -26,7 +24,7 @@ class CompensationTable:
     forward, reverse : (n,) m or rad, the deviation when the position was approached upwards or downwards
     std : (n,) m or rad, the standard deviation that the deviation is known to
     over : the linear axis over whose position the deviation goes; the axis itself unless said otherwise
-    prior_std : (n,) what `std` was before the first reading, as far as known
+    prior_only : (n,) where the readings said nothing: the deviation there is what was believed beforehand
     departure : largest distance between the table and the curve it was made of, over the volume, m or rad
     Raises TableError for anything that no controller could hold.
     """
@@ -38,7 +36,7 @@ class CompensationTable:
     reverse: Array
     std: Array
     over: str = ""
-    prior_std: Array | None = None
+    prior_only: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     departure: float = 0.0
 
     def __post_init__(self) -> None:
@@ -46,11 +44,13 @@ class CompensationTable:
         for axis in (self.axis, self.over):
             if not _AXIS.fullmatch(axis):
                 raise TableError(f"{axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
-        for name in ("positions", "forward", "reverse", "std", *(["prior_std"] if self.prior_std is not None else [])):
+        for name in ("positions", "forward", "reverse", "std"):
             values = np.array(getattr(self, name), dtype=np.float64)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
             self._check(name, values)
+        if self.prior_only.shape != self.positions.shape:
+            object.__setattr__(self, "prior_only", np.zeros(len(self.positions), dtype=bool))
         if np.any(np.diff(self.positions) <= 0):
             raise TableError(f"the positions of {self.axis} do not increase", "sort them, and give each once")
 
@@ -72,15 +72,6 @@ class CompensationTable:
     def unit(self) -> str:
         """The unit in which positions are shown."""
         return "deg" if self.rotary and self.over == self.axis else "mm"
-
-    @property
-    def prior_only(self) -> NDArray[np.bool_]:
-        """Where the readings said nothing, (n,): the deviation there is what was believed beforehand."""
-        if self.prior_std is None:
-            return np.zeros(len(self.positions), dtype=bool)
-        open_before = self.prior_std > _OPEN * np.max(self.prior_std)
-        silent: NDArray[np.bool_] = open_before & (self.std >= _SILENT * self.prior_std)
-        return silent
 
     @property
     def fine_unit(self) -> str:
