@@ -67,6 +67,18 @@ class Pool:
                     result[block.where] += block.reach[:, column, None] * table[block.cells[:, column]]
         return result
 
+    def squares(self, observation: Observation, vectors: Array) -> Array:
+        """Return the squared length of each candidate's row times vectors (n, c), (m,)."""
+        tables = [self._table(observation, i, vectors) for i in self._with]
+        result = np.empty(len(self))
+        for block in self._blocks:
+            seen = self._rows(block) @ vectors[: self.size]
+            for column, table in enumerate(tables):
+                if table is not None:
+                    seen += block.reach[:, column, None] * table[block.cells[:, column]]
+            result[block.where] = np.einsum("ij,ij->i", seen, seen)
+        return result
+
     def forms(self, scorer: Scorer) -> tuple[Array, Array]:
         """Return numerator and denominator of the gain of every candidate."""
         above, below = np.empty(len(self)), np.empty(len(self))
@@ -75,6 +87,13 @@ class Pool:
             seen = scorer.observation.rows(block.setup, *part)
             above[block.where], below[block.where] = scorer.split(seen.rows @ scorer.both, seen.variances)
         return above, below
+
+    def scorer(self, state: State) -> Scorer:
+        """Return the gains under a state, as if no cell had been visited."""
+        factor = state.factor[: self.size]
+        if factor.shape[1] > self.size:
+            factor = np.linalg.qr(factor.T).R.T
+        return replace(state, observation=self._bare, factor=factor).scorer()
 
     def row(self, observation: Observation, index: int) -> Array:
         """Return the row of a candidate whose cells all have columns, (n,)."""

@@ -42,7 +42,7 @@ class _Effort:
 
 
 _STACKED = _Effort(16, 0.92, 1, 0.97)
-_FEW_AXES = _Effort(120, 0.7, 24, 0.85)
+_FEW_AXES = _Effort(240, 0.5, 40, 0.75)
 _MANY_AXES = _Effort(32, 0.92, 6, 0.97)
 
 

@@ -1,0 +1,105 @@
+"""Readings chosen together: take one out, put the best one in, until no exchange helps.
+
+On the lattice a reading and what would replace it cost O(M) to look at; afterwards every reading is climbed off the
+lattice by the exact step, under what all the others tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.climb import Climb
+from axiscal.design.lattice import Lattice
+from axiscal.design.scorer import Scorer
+from axiscal.design.scoring import Scores
+from axiscal.design.stacked import adds_up
+from axiscal.design.state import Point
+from axiscal.design.step import best_of
+from axiscal.numerics import Array
+
+Allowed = Callable[[Scores, int], NDArray[np.bool_]]
+"""(scores, slot) -> which candidates (M,) may stand in that slot."""
+
+_SWEEPS = 50
+_BETTER = 1e-9
+_WORTH = 1e-6
+_CANDIDATES = 4
+_SMALL = 60
+
+
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS) -> None:
+    """Exchange readings for candidates until a whole sweep finds nothing better."""
+    for _ in range(sweeps):
+        order = np.argsort(scores.losses(), kind="stable")
+        if not sum(_exchanged(scores, int(slot), allowed) for slot in order):
+            return
+
+
+def _exchanged(scores: Scores, slot: int, allowed: Allowed) -> bool:
+    gains, own = scores.without(slot)
+    gains = np.where(allowed(scores, slot), gains, -np.inf)
+    best = int(gains.argmax())
+    if not gains[best] > own * (1 + _BETTER):
+        return False
+    scores.leave(slot)
+    scores.enter(best, slot)
+    return True
+
+
+def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Callable[[], bool]) -> None:
+    """Climb every reading off the lattice until a round makes J less than a millionth smaller, or time is spent."""
+    for _ in range(rounds):
+        before = scores.state.value
+        for slot in range(len(scores.members)):
+            if spent():
+                return
+            _polished(scores, slot, allowed)
+        if before - scores.state.value <= _WORTH * before:
+            return
+
+
+def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
+    """Put the best reading there is, on the lattice or off it, into a slot."""
+    gains, _ = scores.without(slot)
+    gains = np.where(allowed(scores, slot), gains, -np.inf)
+    old = scores.members[slot].point
+    own = scores.leave(slot)
+    found = _climbed(scores, gains, old)
+    opened = scores.state.opened([found])
+    gain = opened.change(*opened.row(found)).gain
+    scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
+
+
+def _climbed(scores: Scores, gains: Array, old: Point) -> Point:
+    """Return the best reading found from a reading and the best candidates.
+
+    Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
+    """
+    scorer, lattice = scores.pool.scorer(scores.state), scores.pool.lattice
+    order = np.argsort(-gains, kind="stable")[:_CANDIDATES]
+    if np.all(np.isfinite(gains)) and _small(scorer, lattice):
+        step = best_of(scorer, lattice)
+        return Point(step.setup, step.pose, step.approach)
+    points = [old, *(scores.pool.point(int(i)) for i in order if np.isfinite(gains[i]))]
+    climbs = [_climb(scorer, [p for p in points if p.setup == setup]) for setup in {p.setup for p in points}]
+    best = max(climbs, key=lambda climb: float(climb.gains.max()))
+    top = int(best.gains.argmax())
+    return Point(best.setup, best.poses[top], best.approaches[top])
+
+
+def _small(scorer: Scorer, lattice: Lattice) -> bool:
+    """Whether a search over everything costs no more than climbing from a few places."""
+    return scorer.rank <= 2 * _SMALL and all(adds_up(scorer.observation, int(s)) for s in np.unique(lattice.setups))
+
+
+def _climb(scorer: Scorer, points: list[Point]) -> Climb:
+    poses, approaches = np.array([p.pose for p in points]), np.array([p.approach for p in points])
+    climb = Climb(scorer, points[0].setup, poses, approaches, scorer.at(points[0].setup, poses, approaches))
+    if len(climb.moves) > 1:
+        climb.newton(3)
+    climb = climb.distinct().best(1, 0.0, 1.0)
+    climb.finish()
+    return climb
