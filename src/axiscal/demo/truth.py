@@ -42,5 +42,12 @@ def _on_axis(model: ErrorModel, function: ErrorFunction, shape: Array) -> TruthC
     axis = model.machine.axes[function.axis]
     even = np.linspace(0.0, 1.0, len(shape))
     values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
-    values = values / np.sqrt(np.mean(values**2)) * np.sqrt(function.covariance[0, 0])
+    values = values / np.sqrt(np.mean(values**2)) * _expected_bend(function)
     return TruthCurve(np.linspace(*axis.travel, len(shape)), values)
+
+
+def _expected_bend(function: ErrorFunction) -> float:
+    """Return the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have."""
+    straight = np.vander(np.linspace(-1.0, 1.0, function.basis.size), 2)
+    bend = np.eye(function.basis.size) - straight @ np.linalg.pinv(straight)
+    return float(np.sqrt(np.trace(bend @ function.covariance @ bend) / function.basis.size))
