@@ -64,18 +64,20 @@ class Yardstick:
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
-        total = criterion.value(belief, self.root)
+        return self.figures(criterion.value(belief, self.root), self.variances(belief.factor))
+
+    def figures(self, total: float, variances: Array) -> Accuracy:
+        """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
         seen = total - float(np.sum((self.root @ self.unseen) ** 2))
         variance = max(total - self._shift, 0.0) + self.moments.rest
-        spread = self._variances(belief)
-        worst = max(float(np.max(spread)), variance)
-        worst_seen = float(np.max(spread + self._hidden))
+        worst = max(float(np.max(variances)), variance)
+        worst_seen = float(np.max(variances + self._hidden))
         figures = variance, worst, max(seen, 0.0) + self.moments.rest, worst_seen
         return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
     def worst_rows(self, belief: Belief) -> Array:
         """Return H (3, size) at the pose where the TCP is known least."""
-        pose, approach = (x[self._variances(belief).argmax()][None] for x in self._poses)
+        pose, approach = (x[self.variances(belief.factor).argmax()][None] for x in self._poses)
         rows: Array = self.errors.rows(pose, approach)[0]
         return rows
 
@@ -89,13 +91,14 @@ class Yardstick:
         return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
 
     @cached_property
-    def _rows(self) -> Array:
+    def rows(self) -> Array:
+        """H at each pose of the yardstick, (m, 3, size)."""
         return self.errors.rows(*self._poses)
 
     @cached_property
     def _here(self) -> Array:
         """What no allowed reading sees, at each pose: (m, 3, r)."""
-        return self._rows @ self.unseen
+        return self.rows @ self.unseen
 
     @cached_property
     def _hidden(self) -> Array:
@@ -111,7 +114,7 @@ class Yardstick:
         result: Array = added - np.sum(self._here**2, axis=(1, 2)) - self._hidden
         return result
 
-    def _variances(self, belief: Belief) -> Array:
-        factor = belief.factor[: self.errors.size]
-        spread: Array = np.sum((self._rows @ factor) ** 2, axis=(1, 2)) + self._correction
+    def variances(self, factor: Array) -> Array:
+        """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
+        spread: Array = np.sum((self.rows @ factor[: self.errors.size]) ** 2, axis=(1, 2)) + self._correction
         return spread

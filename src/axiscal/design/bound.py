@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.pool import Pool
-from axiscal.design.state import Point, State
+from axiscal.design.state import Point, State, informed
 from axiscal.numerics import Array
 
 _ROUNDS = 60
@@ -89,12 +89,11 @@ class _Relaxation:
         costs = self.costs[self.support]
         self.weights = _optimal(rows, self.state, self.weights, costs, self.limit)
         scaled = (rows * np.sqrt(self.weights)[:, None]) @ self.state.factor
-        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
-        factor: Array = np.linalg.solve(np.linalg.cholesky(information), self.state.factor.T).T
+        factor = informed(self.state.factor, scaled)
         slopes = self._slopes(factor)
         reach = self.state.weight @ factor[: self.state.weight.shape[1]]
-        gap = self.limit * (slopes / self.costs).max() - slopes[self.support] @ self.weights
-        return float(np.sum(reach**2)), float(gap), slopes
+        gap = self.limit * float((slopes / self.costs).max()) - float(slopes[self.support] @ self.weights)
+        return float(np.sum(reach**2)), gap, slopes
 
     def grow(self, slopes: Array) -> bool:
         """Drop what has no weight, add the worst violators that stand apart; return whether any was added."""

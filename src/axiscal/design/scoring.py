@@ -7,12 +7,13 @@ the plan, which make taking one of them out, and looking at what would replace i
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.design.pool import Pool
-from axiscal.design.state import Point, State
+from axiscal.design.state import Change, Point, State
 from axiscal.numerics import Array
 
 
@@ -29,7 +30,10 @@ class Scores:
     """The gains of the candidates of a pool while a plan is made.
 
     above, below : (M + m,) numerator and denominator for the candidates, then for the readings of the plan
+    last : the last change of the covariance
     """
+
+    last: Change
 
     def __init__(self, pool: Pool, state: State) -> None:
         self.pool, self.state = pool, state
@@ -37,6 +41,14 @@ class Scores:
         self.above, self.below = pool.forms(state.scorer())
         self._cross = np.zeros((len(pool), 0))
         self._reach = np.zeros((len(pool), 0))
+
+    def fork(self) -> Scores:
+        """Return a copy that goes its own way."""
+        other = copy.copy(self)
+        other.members = list(self.members)
+        other.above, other.below = self.above.copy(), self.below.copy()
+        other._cross, other._reach = self._cross.copy(), self._reach.copy()
+        return other
 
     @property
     def gains(self) -> Array:
@@ -66,7 +78,7 @@ class Scores:
         self._cross[count + slot], self._reach[count + slot] = cross[count:], reach[count:]
         self.above[count + slot], self.below[count + slot] = change.omega, variance + cross[count + slot]
         self._changed(slot, change.eta, change.omega)
-        self.state = self.state.after(row, variance, change)
+        self.state, self.last = self.state.after(row, variance, change), change
         return change.gain
 
     def leave(self, slot: int) -> float:
@@ -74,7 +86,7 @@ class Scores:
         member, here = self.members[slot], len(self.pool) + slot
         change = self.state.change(self._padded(member), member.variance, leaving=True)
         self._changed(slot, change.eta, float(self.above[here]))
-        self.state = self.state.after(member.row, member.variance, change)
+        self.state, self.last = self.state.after(member.row, member.variance, change), change
         return -change.gain
 
     def close(self, slot: int) -> None:

@@ -107,17 +107,22 @@ class State:
         return replace(self, factor=self.factor - np.outer(change.h, along * scale))
 
     def with_points(self, points: list[Point]) -> State:
-        """Return the state after readings, all at once: F ← F L⁻ᵀ with I + FᵀGᵀR⁻¹GF = L Lᵀ."""
+        """Return the state after readings, all at once."""
         state = self.opened(points)
         if not points:
             return state
         seen = [state.row(point) for point in points]
         scaled = np.array([row / np.sqrt(variance) for row, variance in seen]) @ state.factor
-        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
-        factor: Array = np.linalg.solve(np.linalg.cholesky(information), state.factor.T).T
-        return replace(state, factor=factor)
+        return replace(state, factor=informed(state.factor, scaled))
 
     def scorer(self) -> Scorer:
         """Return the gains under this state."""
         weighted = self.weight @ self.factor[: self.weight.shape[1]]
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+
+
+def informed(factor: Array, scaled: Array) -> Array:
+    """Return F L⁻ᵀ with I + BᵀB = L Lᵀ: the factor after readings.  scaled : B = R^-½ G F, (m, r)."""
+    information: Array = np.eye(scaled.shape[1]) + scaled.T @ scaled
+    after: Array = np.asarray(np.linalg.solve(np.linalg.cholesky(information), factor.T).T, dtype=np.float64)
+    return after

@@ -1,0 +1,111 @@
+"""Which set-ups to use, and how many readings each is worth: greedily by gain per second, over sets of set-ups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.lattice import Lattice
+from axiscal.design.meter import Meter
+from axiscal.design.pool import Pool
+from axiscal.design.problem import Clock, Limits, Problem
+from axiscal.design.scoring import Scores
+
+_COARSE = 2000
+_EVERY_SUBSET = 4
+_MOST = 1000
+_STALLED = 1e-7
+
+Setups = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Trial:
+    """A plan in the making.
+
+    setups : that it may use; seconds : with the usual ways; met : whether the accuracy asked for is reached
+    """
+
+    scores: Scores
+    setups: Setups
+    seconds: float
+    met: bool
+
+    def key(self, limits: Limits) -> tuple[float, float]:
+        """What to compare trials by, the smaller the better: time where the accuracy is reached, else J."""
+        if self.met and limits.accurate:
+            return 0.0, self.seconds
+        return 1.0, self.scores.state.value
+
+
+def chosen_setups(problem: Problem, limits: Limits, times: Clock) -> Setups:
+    """Return the set-ups that are worth their mounting.
+
+    All sets of up to four set-ups are tried on a coarse lattice; with more, sets grow and shrink by one while it helps.
+    """
+    everything = tuple(int(s) for s in np.unique(problem.lattice.setups))
+    if len(everything) == 1 or not limits.timed:
+        return everything
+    base = Scores(Pool(problem.observation, _thinned(problem), problem.memory), problem.state)
+    meter = Meter.of(problem.yardstick, base.state.factor)
+
+    def key(setups: Setups) -> tuple[float, float]:
+        return filled(base.fork(), meter, limits, times, setups).key(limits)
+
+    if len(everything) <= _EVERY_SUBSET:
+        sets = [s for count in range(1, len(everything) + 1) for s in combinations(everything, count)]
+        return min(sets, key=key)
+    return _grown(everything, key)
+
+
+def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    best: Setups = min(((s,) for s in everything), key=key)
+    value = key(best)
+    while True:
+        more = [(*best, s) for s in everything if s not in best]
+        fewer = [s for s in combinations(best, len(best) - 1) if s]
+        tried = {tuple(sorted(s)): key(tuple(sorted(s))) for s in [*more, *fewer]}
+        step = min(tried, key=lambda s: tried[s], default=best)
+        if not tried or not tried[step] < value:
+            return best
+        best, value = step, tried[step]
+
+
+def filled(scores: Scores, meter: Meter, limits: Limits, times: Clock, setups: Setups) -> Trial:
+    """Take the candidate with the most gain (per second, where time counts) until a limit is reached."""
+    of = scores.pool.lattice.setups
+    spent, cost = float(times.mounting[list(setups)].sum()), times.reading[of]
+    allowed = np.isin(of, setups)
+    start = scores.state.value
+    while not (met := limits.met(meter.accuracy)) and len(scores.members) < (limits.readings or _MOST):
+        open_to = allowed & (spent + cost <= (limits.budget or np.inf))
+        if not open_to.any():
+            break
+        rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
+        best = int(rate.argmax())
+        gain = scores.enter(best)
+        meter, spent = meter.after(scores.last), spent + float(cost[best])
+        if gain < _STALLED * start and limits.readings is None and limits.budget is None:
+            break
+    return Trial(scores, setups, spent, met)
+
+
+def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
+    """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
+
+    def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
+        of = scores.pool.lattice.setups
+        room = times.reading[scores.members[slot].point.setup] + slack
+        fitting: NDArray[np.bool_] = np.isin(of, setups) & (times.reading[of] <= room + 1e-9)
+        return fitting
+
+    return allowed
+
+
+def _thinned(problem: Problem) -> Lattice:
+    step = max(1, len(problem.lattice) // _COARSE)
+    return problem.lattice.within(np.arange(0, len(problem.lattice), step))

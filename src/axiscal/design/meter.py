@@ -1,0 +1,38 @@
+"""The accuracy that is predicted while readings enter a plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.design.accuracy import Accuracy, Yardstick
+from axiscal.design.state import Change
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Meter:
+    """total : tr(V C Vᵀ) of the volume, m²; variances : of the TCP at the yardstick's poses, (m,) m²."""
+
+    yardstick: Yardstick
+    total: float
+    variances: Array
+
+    @classmethod
+    def of(cls, yardstick: Yardstick, factor: Array) -> Meter:
+        """Return the meter of a covariance C = F Fᵀ.  factor : F (n, r)."""
+        root = yardstick.root
+        return cls(yardstick, float(np.sum((root @ factor[: root.shape[1]]) ** 2)), yardstick.variances(factor))
+
+    def after(self, change: Change) -> Meter:
+        """Return the meter after C ← C − η h hᵀ."""
+        root, rows = self.yardstick.root, self.yardstick.rows
+        fall = change.eta * float(np.sum((root @ change.h[: root.shape[1]]) ** 2))
+        spread = change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
+        return Meter(self.yardstick, self.total - fall, self.variances - spread)
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The figures."""
+        return self.yardstick.figures(self.total, self.variances)
