@@ -129,8 +129,8 @@ class Calibration:
         self.stated, self._whole = stated, whole
         self._readings: list[Reading] = []
         self._learnt_from = 0
-        self.doubts: tuple[Doubt, ...] = ()
-        self.fit: Fit | None = None
+        self._doubts: tuple[Doubt, ...] = ()
+        self._fit: Fit | None = None
         self._start(stated)
 
     @property
@@ -152,6 +152,16 @@ class Calibration:
     def innovations(self) -> list[Innovations]:
         """What each reading surprised by."""
         return self._settled()._innovations
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """The readings that the others do not believe."""
+        return self._settled()._doubts
+
+    @property
+    def fit(self) -> Fit | None:
+        """The scales as learnt, None where none were."""
+        return self._settled()._fit
 
     @property
     def readings(self) -> tuple[Reading, ...]:
@@ -195,17 +205,17 @@ class Calibration:
 
     def _learn(self, readings: Sequence[Reading]) -> None:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
-        self.doubts, problem = doubts(self.stated.observation, readings), self.stated
+        self._doubts, problem = doubts(self.stated.observation, readings), self.stated
         if self.stated.variable and len(readings) >= FEWEST:
-            trusted = [r for i, r in enumerate(readings) if i not in {doubt.reading for doubt in self.doubts}]
-            self.fit = fit(self.stated.observation, trusted, self.stated.variable)
-            problem = self.stated.rescaled(self.fit.scales)
-            self.doubts = doubts(problem.observation, readings)
+            trusted = [r for i, r in enumerate(readings) if i not in {doubt.reading for doubt in self._doubts}]
+            self._fit = fit(self.stated.observation, trusted, self.stated.variable)
+            problem = self.stated.rescaled(self._fit.scales)
+            self._doubts = doubts(problem.observation, readings)
         self._start(problem)
 
     def _take(self, index: int) -> None:
         reading, weight = self._readings[index], 1.0
-        for doubt in self.doubts:
+        for doubt in self._doubts:
             weight = doubt.weight if doubt.reading == index else weight
         wider = self._observation.visited(np.array(reading.pose))
         belief = self._belief.extended(self._observation.rest_variances(wider))

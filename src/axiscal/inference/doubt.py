@@ -1,9 +1,9 @@
 """Readings that the others do not believe: found by leaving each out, taken as Student-t instead of normal.
 
 Without reading i the others predict it with mean and variance that follow from the inverse of the covariance K of all
-readings: t_i = [K⁻¹y]_i / √[K⁻¹]_ii (Rasmussen and Williams 2006, eq. 5.12). A reading that stands out from the
-scatter of all t is down-weighted by the Student-t of `FREEDOM` degrees, w = (ν+1)/(ν+t²), and from `LEAST` downwards it
-is not used at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
+readings: t_i = [K⁻¹y]_i / √[K⁻¹]_ii (Rasmussen and Williams 2006, eq. 5.12). A reading that is surprising beside the
+scatter of all t is down-weighted by the Student-t of `FREEDOM` degrees, w = (ν+1)/(ν+t²); one that stands out is not
+used at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
 FREEDOM = 5.0
+SURPRISING = 3.0
 STANDS_OUT = 4.0
 """So many standard deviations, of what the others predict, are taken for a mistake and not for chance."""
-LEAST = 0.15
 NOTHING = 1e-9
 FEWEST = 5
 _MOST_PART = 0.2
@@ -53,10 +53,10 @@ def doubts(observation: Observation, readings: Sequence[Reading]) -> tuple[Doubt
         surprise = np.where(free & (weights == 1.0), _left_out(covariance, noise, weights, evidence.values), 0.0)
         worst = int(np.argmax(np.abs(surprise)))
         size = abs(float(surprise[worst]))
-        if size < STANDS_OUT or _has_twin(np.abs(surprise), worst):
+        if size < SURPRISING or _has_twin(np.abs(surprise), worst):
             break
         weight = (FREEDOM + 1.0) / (FREEDOM + size**2)
-        weights[worst] = weight if weight > LEAST else NOTHING
+        weights[worst] = NOTHING if size > STANDS_OUT else weight
         found.append(Doubt(worst, size, float(weights[worst])))
     return tuple(found)
 
@@ -85,4 +85,4 @@ def _left_out(covariance: Array, noise: Array, weights: Array, values: Array) ->
 def _has_twin(sizes: Array, worst: int) -> bool:
     """Whether another reading stands out as far, so that nobody can say which of the two is wrong."""
     others = np.delete(sizes, worst)
-    return bool(len(others)) and float(others.max()) > max(_ALIKE * float(sizes[worst]), STANDS_OUT)
+    return bool(len(others)) and float(others.max()) > max(_ALIKE * float(sizes[worst]), SURPRISING)

@@ -49,9 +49,14 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
 
     best = min((_descended(objective, start) for start in _starts(scales)), key=lambda logs: objective(logs)[0])
     variances = _variances(lambda logs: objective(logs)[1], best)
-    squares = np.array([0.0 if scale.kind == "length" else 1.0 for scale in scales]) * variances
-    found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(best + squares)))
+    cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
+    found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(cautious)))
     return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+
+
+def _cautious(scale: Scale, log: float, variance: float) -> float:
+    """Return the logarithm of the root mean square of a scale, or of a length shorter by one standard deviation."""
+    return log - float(np.sqrt(variance)) if scale.kind == "length" else log + variance
 
 
 def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array) -> Array:

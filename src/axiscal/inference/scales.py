@@ -49,8 +49,8 @@ class Scales:
     """Estimated scales: their factors on what was stated, in the order of `of`.
 
     factors : the most probable ones
-    cautious : root mean squares of them under what is still open, by which the bands are made: where the readings say
-        little about a scale, its band must allow for the larger ones
+    cautious : root mean squares of them under what is still open, lengths shorter by a standard deviation; the bands
+        are made by these: where the readings say little about a scale, its band must allow for the larger ones
     """
 
     of: tuple[Scale, ...]

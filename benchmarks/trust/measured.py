@@ -1,0 +1,133 @@
+"""What the program makes of measured curves from a few readings of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.engine import Visit
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.report.findings import findings
+from axiscal.units import to_unit
+from benchmarks.trust.curves import Case, IsoTest
+
+BAND = 1.96
+_DRAWS = 3
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says; flags : codes said."""
+
+    design: str
+    share: float
+    rms: float
+    std: float
+    flags: tuple[str, ...]
+
+
+def outcomes(case: Case) -> list[Outcome]:
+    """Return what planned, evenly spaced and random readings of a case, as many of each, make of it."""
+    described = campaign_from_texts(case.campaign, "campaign.toml", case.machine, "measured")
+    problem = Problem(described)
+    low, high = np.array([axis.travel for axis in described.machine.axes]).T
+    even = _judged("evenly spaced", case, problem, _nearest(case, _even(case, low, high)))
+    draws = [_judged("random", case, problem, _random(case, low, high, seed)) for seed in range(_DRAWS)]
+    share, rms, std = (float(np.mean(column)) for column in zip(*((d.share, d.rms, d.std) for d in draws), strict=True))
+    mean = Outcome("random", share, rms, std, tuple(sorted({flag for d in draws for flag in d.flags})))
+    return [_judged("planned", case, problem, None), even, mean]
+
+
+def _judged(design: str, case: Case, problem: Problem, poses: Array | None) -> Outcome:
+    calibration = _planned(case, problem) if poses is None else _read(case, problem, poses)
+    concluded = calibration.concluded()
+    mean, std = predicted(concluded, case.places, np.zeros_like(case.places))
+    missed = case.truth - mean
+    share = float(np.mean(np.abs(missed) <= BAND * std))
+    flags = tuple(sorted({finding.code for finding in findings(concluded)}))
+    rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), case.unit) for v in (missed, std))
+    return Outcome(design, share, rms, spread, flags)
+
+
+def predicted(calibration: Calibration, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
+    plain = calibration.problem.observation
+    seen = plain.rows(0, poses, approaches)
+    loose = seen.variances - plain.setups[0].noise ** 2
+    known = calibration.belief.factor[: plain.size]
+    mean: Array = seen.rows @ calibration.belief.mean[: plain.size]
+    return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)
+
+
+def _planned(case: Case, problem: Problem) -> Calibration:
+    calibration, visits = Calibration(problem), list[Visit]()
+    while len(visits) < case.readings:
+        place = calibration.plan((), visits)[0]
+        pose = tuple(_nearest(case, np.array([place.position]))[0]) if case.places.shape[1] > 1 else place.position
+        calibration.absorb(Reading("gauge", pose, place.approach, case.read(pose)))
+        visits.append(Visit("gauge", pose))
+    return calibration
+
+
+def _read(case: Case, problem: Problem, poses: Array) -> Calibration:
+    calibration = Calibration(problem)
+    for pose in poses:
+        at = tuple(map(float, pose))
+        calibration.absorb(Reading("gauge", at, tuple(0 for _ in at), case.read(at)))
+    return calibration
+
+
+def _even(case: Case, low: Array, high: Array) -> Array:
+    if len(low) == 1:
+        return np.linspace(low, high, case.readings)
+    across = max(2, round(float(np.sqrt(case.readings * (high[0] - low[0]) / (high[1] - low[1])))))
+    along = max(2, case.readings // across)
+    x, y = np.meshgrid(np.linspace(low[0], high[0], across), np.linspace(low[1], high[1], along))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _random(case: Case, low: Array, high: Array, seed: int) -> Array:
+    rng = np.random.default_rng(seed)
+    if len(low) == 1:
+        uniform: Array = np.sort(rng.uniform(low, high, (case.readings, 1)), axis=0)
+        return uniform
+    chosen: Array = case.places[rng.choice(len(case.places), case.readings, replace=False)]
+    return chosen
+
+
+def _nearest(case: Case, poses: Array) -> Array:
+    """Move poses of a map onto places where the truth is known, each once."""
+    if case.places.shape[1] == 1:
+        return poses
+    return np.array([case.places[int(np.argmin(np.sum((case.places - pose) ** 2, axis=1)))] for pose in poses])
+
+
+def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
+    """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
+    described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
+    calibration = Calibration(Problem(described))
+    for reading in test.readings:
+        calibration.absorb(reading)
+    concluded = calibration.concluded()
+    parts = [_pass(concluded, *test.passes[key], np.sign(key)) for key in test.passes]
+    missed, std = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+    flags = tuple(sorted({finding.code for finding in findings(concluded)}))
+    rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), "um") for v in (missed, std))
+    share = float(np.mean(np.abs(missed) <= BAND * std))
+    return Outcome("as measured", share, rms, spread, flags), len(parts)
+
+
+def _pass(calibration: Calibration, x: Array, y: Array, direction: float) -> tuple[Array, Array]:
+    mean, std = predicted(calibration, x[:, None], np.full((len(x), 1), direction))
+    missed: Array = y - mean
+    return missed - missed.mean(), std
+
+
+def table(cases: Sequence[Callable[[], Case]]) -> list[tuple[Case, list[Outcome]]]:
+    """Return the outcomes of every case."""
+    return [(case, outcomes(case)) for case in (make() for make in cases)]

@@ -1,0 +1,145 @@
+"""Coverage on virtual machines drawn from the prior, with that prior and with priors that are wrong by three."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.prediction import tcp_prediction
+from axiscal.machine import ErrorEntry, Machine, load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.report.findings import findings
+from axiscal.simulation import Simulator, VirtualMachine
+from benchmarks.trust.measured import BAND
+
+_LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\napproach = "both"\n'
+_ANGLE = '[[setups]]\nname = "angle {0}"\ninstrument = "autocollimator"\ndirection = "{0}"\n'
+_ALL = "".join(kind.format(axis) for kind in (_LENGTH, _ANGLE) for axis in "xyz")
+SETUPS = {"one-axis": _LENGTH.format("x"), "three-axis-mill": _ALL, "dmu60": _ALL}
+READINGS = {"one-axis": 15, "three-axis-mill": 60, "dmu60": 90}
+_POSES = 80
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """curves, tcp : share of the truth in the 95 % band over all machines; error : standard error of `curves`
+
+    misfit : share of the machines of which the report says that the prior did not fit
+    """
+
+    machine: str
+    wrong: float
+    machines: int
+    curves: float
+    error: float
+    tcp: float
+    misfit: float
+
+
+def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription, Machine]:
+    """Return a campaign whose stated prior is the true one times `wrong`, and the machine with the true one."""
+    text = f'machine = "{name}"\nscales = "{scales}"\n[target]\nreadings = 1\n{SETUPS[name]}'
+    description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
+    true = description.machine
+
+    def stated(entry: ErrorEntry) -> ErrorEntry:
+        rest = None if entry.rest is None else entry.rest * wrong
+        return replace(entry, std=entry.std * wrong, rest=rest)
+
+    return replace(description, machine=replace(true, errors=tuple(map(stated, true.errors)))), true
+
+
+def covered(name: str, wrong: float, machines: int) -> Coverage:
+    """Return the coverage over so many virtual machines; scales are learnt where the prior is wrong."""
+    description, true = described(name, wrong, "stated" if wrong == 1 else "estimate")
+    problem, simulator = Problem(description), Simulator(true, description.setups)
+    rows = np.array([_one(problem, simulator.drawn(seed), seed, READINGS[name]) for seed in range(machines)])
+    curves, tcp, misfit = rows.mean(axis=0)
+    return Coverage(name, wrong, machines, curves, float(rows[:, 0].std() / np.sqrt(machines)), tcp, misfit)
+
+
+def _one(problem: Problem, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
+    rng = np.random.default_rng((seed, 9))
+    calibration = read_evenly(problem, machine, rng, readings).concluded()
+    inside = [_curve(calibration, index, machine) for index in range(len(machine.curves))]
+    low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
+    poses = rng.uniform(low, high, (_POSES, len(low)))
+    approaches = rng.choice([-1.0, 1.0], poses.shape)
+    mean, std = tcp_prediction(calibration, poses, approaches)
+    moves = std > 0
+    tcp = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
+    said = (
+        any(finding.code in ("prior-misfit", "lack-of-fit") for finding in findings(calibration)) if seed < 100 else 0
+    )
+    return float(np.mean(np.concatenate(inside))), float(tcp.mean()), float(said)
+
+
+def read_evenly(problem: Problem, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> Calibration:
+    """Return a calibration fed readings of a virtual machine that fill the space, each set-up in turn."""
+    calibration, setups = Calibration(problem), problem.description.setups
+    low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
+    for number in range(readings):
+        setup = setups[number % len(setups)]
+        share = (number + rng.uniform(0, 1)) / readings if len(low) == 1 else rng.uniform(0, 1, len(low))
+        pose = tuple((low + (high - low) * share).tolist())
+        approach = tuple(int(sign) for sign in rng.choice([-1, 1], len(low)))
+        calibration.absorb(Reading(setup.name, pose, approach, machine.read(setup, pose, approach, rng)))
+    return calibration
+
+
+def _curve(calibration: Calibration, index: int, machine: VirtualMachine) -> Array:
+    """Return at 101 positions whether one error's band holds its truth."""
+    function = calibration.problem.errors.functions[index]
+    positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
+    rows = function.basis.rows(positions)
+    variance = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
+    missed = machine.curves[index](positions) - rows @ calibration.belief.mean[function.columns]
+    held: Array = (np.abs(missed) <= BAND * np.sqrt(variance)).astype(float)
+    return held
+
+
+@dataclass(frozen=True)
+class Moved:
+    """How far one gross error moves the curves: the largest shift in units of the σ printed beside it, over all curves.
+
+    worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
+    naive : the worst shift when every reading is believed
+    """
+
+    size: float
+    worst: float
+    typical: float
+    rejected: float
+    naive: float
+
+
+def gross(size: float, trials: int, readings: int = 30) -> Moved:
+    """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
+    description, true = described("one-axis", 1.0, "stated")
+    problem, simulator = Problem(description), Simulator(true, description.setups)
+    shifts, naive, believed = [], [], []
+    for seed in range(trials):
+        rng = np.random.default_rng((seed, 11))
+        clean = read_evenly(problem, simulator.drawn(seed), rng, readings)
+        wrong, bad = Calibration(problem), int(rng.integers(readings))
+        for index, reading in enumerate(clean.readings):
+            wrong.absorb(replace(reading, value=reading.value + size * (index == bad)))
+        judged = wrong.concluded()
+        shifts.append(_shift(clean.concluded(), judged))
+        naive.append(_shift(clean, wrong))
+        believed.append(not any(d.reading == bad and d.rejected for d in judged.doubts))
+    return Moved(size, max(shifts), float(np.median(shifts)), 1 - float(np.mean(believed)), max(naive))
+
+
+def _shift(clean: Calibration, other: Calibration) -> float:
+    largest = 0.0
+    for function in clean.problem.errors.functions:
+        rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
+        std = np.sqrt(np.sum((rows @ other.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+        moved = rows @ (other.belief.mean - clean.belief.mean[: other.belief.size])[function.columns]
+        largest = max(largest, float(np.max(np.abs(moved) / std)))
+    return largest
