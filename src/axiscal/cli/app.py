@@ -25,6 +25,7 @@ from axiscal.cli import (
     start,
     status,
     undo,
+    verify,
 )
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError
@@ -52,6 +53,7 @@ app.command("run")(run_loop.run)
 app.command("estimate")(estimate.estimate)
 app.command("predict")(predict.predict)
 app.command("export")(export.export)
+app.command("verify")(verify.verify)
 app.command("report")(report.report)
 app.command("iso230")(iso230.iso230)
 app.command("reproduce")(reproduce.reproduce)

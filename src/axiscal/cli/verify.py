@@ -1,0 +1,235 @@
+"""`axiscal verify`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axiscal.cli.options import Json, RecordFile
+
+if TYPE_CHECKING:
+    from axiscal.campaign.calibration import Calibration
+    from axiscal.campaign.campaign import Campaign
+    from axiscal.compensation.effect import Control
+    from axiscal.compensation.estimate import Estimate
+    from axiscal.compensation.verification import Judgement, Places
+
+
+def verify(
+    record: RecordFile,
+    found: Annotated[
+        Path | None, typer.Option(metavar="FOUND.csv", help="Readings without the tables (as found).")
+    ] = None,
+    left: Annotated[
+        Path | None, typer.Option(metavar="LEFT.csv", help="The same readings with the tables (as left).")
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Largest deviation allowed; default: from the target.")
+    ] = None,
+    to: Annotated[
+        str, typer.Option(metavar="CONTROLLER", help="The control whose tables are loaded, as in `axiscal export`.")
+    ] = "csv",
+    points: Annotated[int, typer.Option(min=2, max=200, help="How many places to check.")] = 12,
+    plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
+    json: Json = False,
+) -> None:
+    """Check a compensated machine at places that were not read before, and say pass, fail or undecided.
+
+    First it plans: places where the machine should be worst, and best. Read them without the tables and with them; then
+    give both files. A reading decides only with its uncertainty (ISO 14253-1).
+
+    \b
+    Examples:
+      axiscal verify mill.axiscal --points 12 --plan check.csv
+      axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
+    """
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.cli.opening import open_campaign
+
+    if (found is None) != (left is None):
+        raise typer.BadParameter("give --found and --left together, or neither to get a plan")
+    if found is not None and plan is not None:
+        raise typer.BadParameter("--plan is for planning, --found and --left for judging")
+    with open_campaign(record, write=False) as campaign:
+        calibration = calibration_of(campaign.engine)
+        estimate, control = _tables(calibration, to)
+        if found is None or left is None:
+            _plan(campaign, calibration, estimate, control, points, plan, json)
+        else:
+            _judge(campaign, estimate, control, found, left, tolerance, json)
+
+
+def _tables(calibration: Calibration, controller: str) -> tuple[Estimate, Control]:
+    from axiscal.compensation import registry
+    from axiscal.compensation.estimate import Estimate
+    from axiscal.compensation.options import Options
+
+    problem = calibration.problem
+    estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
+    return estimate, registry.export(estimate, controller, Options()).control
+
+
+def _plan(
+    campaign: Campaign,
+    calibration: Calibration,
+    estimate: Estimate,
+    control: Control,
+    count: int,
+    plan: Path | None,
+    json: bool,
+) -> None:
+    from axiscal.cli.printing import say, say_document
+    from axiscal.compensation.verification import Places, lengths_only, plan_check
+    from axiscal.report.delivery import write_whole
+
+    setups, lattice = campaign.description.setups, calibration.problem.lattice
+    candidates = lengths_only(setups, Places(lattice.setups, lattice.poses, lattice.approaches))
+    chosen = plan_check(estimate, setups, candidates, campaign.state.readings, control, count)
+    rows = _rows(campaign, estimate, chosen, control)
+    if plan is not None:
+        write_whole(plan, _csv(campaign, chosen))
+    if json:
+        say_document({"schema": "axiscal-verify/1", "plan": rows})
+        return
+    for row in rows:
+        say(f"{row['setup']}: {row['place']}  as found {row['found_um']:.1f} um, as left {row['left_um']:.1f} um")
+    if plan is not None:
+        say(f"\nFill in value_um without and with the tables: {plan}")
+
+
+def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Control) -> list[dict[str, object]]:
+    from axiscal.cli.wording import place_text, position_document
+    from axiscal.compensation.verification import expected, without_zeros
+    from axiscal.units import to_unit
+
+    setups, axes = campaign.description.setups, estimate.machine.axes
+    both = (without_zeros(setups, chosen, *expected(estimate, setups, chosen, c))[0] for c in (None, control))
+    before, after = (to_unit(mean, "um") for mean in both)
+    return [
+        {
+            "setup": setups[s].name,
+            "place": place_text(axes, tuple(pose), setups[s].moves),
+            "position": position_document(axes, tuple(pose)),
+            "approach": _approach(campaign, approach),
+            "found_um": float(before[i]),
+            "left_um": float(after[i]),
+        }
+        for i, (s, pose, approach) in enumerate(
+            zip(chosen.setups.tolist(), chosen.poses.tolist(), chosen.approaches.tolist(), strict=True)
+        )
+    ]
+
+
+def _csv(campaign: Campaign, chosen: Places) -> str:
+    """Return the places as a file to fill in."""
+    from axiscal.units import to_unit
+
+    setups, axes = campaign.description.setups, campaign.description.machine.axes
+    units = ["deg" if axis.rotary else "mm" for axis in axes]
+    lines = [",".join(["setup", *(f"{a.name}_{u}" for a, u in zip(axes, units, strict=True)), "approach", "value_um"])]
+    for s, pose, approach in zip(
+        chosen.setups.tolist(), chosen.poses.tolist(), chosen.approaches.tolist(), strict=True
+    ):
+        at = (f"{to_unit(value, unit):.6f}" for value, unit in zip(pose, units, strict=True))
+        lines.append(",".join([_quoted(setups[s].name), *at, _approach(campaign, approach), ""]))
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(name: str) -> str:
+    guarded = f"'{name}" if name[:1] in "=+-@" else name
+    return '"' + guarded.replace('"', '""') + '"'
+
+
+def _approach(campaign: Campaign, signs: list[float]) -> str:
+    axes = campaign.description.machine.axes
+    return " ".join(f"{axis.name}{'+' if sign > 0 else '-'}" for axis, sign in zip(axes, signs, strict=True) if sign)
+
+
+def _judge(
+    campaign: Campaign,
+    estimate: Estimate,
+    control: Control,
+    found: Path,
+    left: Path,
+    tolerance: str | None,
+    json: bool,
+) -> None:
+    from axiscal.campaign.placing import placed_readings
+    from axiscal.cli.printing import say, say_document
+    from axiscal.compensation.verification import judge
+    from axiscal.measurement.readers.csv_readings import read_readings
+
+    description = campaign.description
+    before, after = (placed_readings(read_readings(file), description, file) for file in (found, left))
+    judgement = judge(estimate, description.setups, before, after, control, _tolerance(campaign, tolerance))
+    if json:
+        say_document(_document(judgement))
+    else:
+        say(_told(judgement))
+
+
+def _tolerance(campaign: Campaign, text: str | None) -> float:
+    from axiscal.exceptions import TargetError
+    from axiscal.units import parse_quantity
+
+    target = campaign.description.target
+    if text is not None:
+        value = parse_quantity(text, "length")
+        if value <= 0:
+            raise TargetError(f'a tolerance of "{text}"', "Give a length above zero")
+        return value
+    if target.worst is not None:
+        return target.worst
+    if target.rms is not None:
+        return 2 * target.rms
+    raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
+
+
+def _document(judgement: Judgement) -> dict[str, object]:
+    from axiscal.compensation.verification import GUARD
+    from axiscal.units import to_unit
+
+    found, left, std = (to_unit(values, "um").tolist() for values in (judgement.found, judgement.left, judgement.std))
+    return {
+        "schema": "axiscal-verify/1",
+        "verdict": judgement.verdict,
+        "tolerance_um": to_unit(judgement.tolerance, "um"),
+        "guard_band_um": GUARD * max(std),
+        "readings": [
+            {"found_um": f, "left_um": after, "std_um": s} for f, after, s in zip(found, left, std, strict=True)
+        ],
+        "agreement_p": judgement.agrees,
+        "estimate_believed": judgement.believed,
+    }
+
+
+def _told(judgement: Judgement) -> str:
+    from axiscal.compensation.verification import GUARD
+    from axiscal.units import format_quantity
+
+    def figures(values: object) -> str:
+        import numpy as np
+
+        sizes = np.abs(np.asarray(values, dtype=float))
+        largest, rms = (format_quantity(float(v), "um", 3) for v in (sizes.max(), np.sqrt(np.mean(sizes**2))))
+        return f"largest {largest}, RMS {rms}"
+
+    tolerance = format_quantity(judgement.tolerance, "um", 3)
+    guard = format_quantity(GUARD * float(judgement.std.max()), "um", 3)
+    why = {
+        "pass": "every deviation lies inside, with its uncertainty",
+        "fail": "a deviation lies outside, with all of its uncertainty",
+        "undecided": "a deviation lies so near to the tolerance that the readings cannot decide: read again, or better",
+    }
+    agrees = (
+        "The readings agree with the estimate."
+        if judgement.believed
+        else "WARNING: the readings do not agree with the estimate and its uncertainty "
+        f"(p = {judgement.agrees:.2g}): the machine has changed, or the tables are not what was loaded."
+    )
+    return (
+        f"As found: {figures(judgement.found)}\nAs left:  {figures(judgement.left)}\n{agrees}\n"
+        f"{judgement.verdict.upper()} at {tolerance}, guard band {guard}: {why[judgement.verdict]}."
+    )

@@ -1,0 +1,93 @@
+"""`axiscal export`: files with what they leave, or one sentence and nothing written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.compensation.registry import CONTROLLERS
+
+MACHINE = """name = "Bench"
+chain = "w-X'-b-Y-Z-t"
+[tool]
+length = "50 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[axes.Z]
+travel = ["0 mm", "100 mm"]
+[errors]
+EXX = { std = "20 um", knots = 5, length = "200 mm" }
+EYY = { std = "20 um", knots = 5, length = "200 mm" }
+EZY = { std = "20 um", knots = 5, length = "200 mm" }
+C0Y = { std = "90 urad" }
+"""
+CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
+    f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' for d in "xyz"
+)
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("export")
+    (folder / "machine.toml").write_text(MACHINE)
+    (folder / "campaign.toml").write_text(CAMPAIGN)
+    assert run(["run", str(folder / "campaign.toml"), "--source", "sim:3", "--out", str(folder / "out")]) == 0
+    return folder / "out" / "campaign.axiscal"
+
+
+@pytest.mark.parametrize("controller", sorted(set(CONTROLLERS) - {"fanuc", "heidenhain"}))
+def test_files_are_written_with_a_note(
+    record: Path, controller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "tables"
+    assert run(["export", str(record), "--to", controller, "--out", str(out), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["rms_um_after"] < said["rms_um_before"]
+    assert {Path(name).name for name in said["files"]} | {"README.txt"} == {path.name for path in out.iterdir()}
+    assert (out / "README.txt").read_text() == said["readme"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--to", "knitting"], "is not a controller that tables can be made for"),
+        (["--to", "linuxcnc", "--spacing", "7 mm"], "7 mm does not divide the 300 mm of X"),
+        (["--to", "linuxcnc", "--spacing", "7"], "no unit"),
+        (["--to", "linuxcnc", "--spacing", "-5 mm"], "above zero"),
+        (["--to", "linuxcnc", "--number", "X:1"], "is not AXIS=N"),
+        (["--to", "klipper", "--name", "a\nG28"], "is not a name for a table"),
+        (["--to", "klipper", "--mesh", "1"], "Take 2 to 50"),
+        (["--to", "fanuc"], "give it: --template FILE"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_writing(
+    record: Path, arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "tables"
+    assert run(["export", str(record), *arguments, "--out", str(out)]) == 1
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "4200000 bytes"), (b"", "%")]
+)
+def test_a_template_that_is_no_text_is_refused(
+    record: Path, content: bytes, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    template, out = tmp_path / "saved.txt", tmp_path / "tables"
+    template.write_bytes(content)
+    arguments = ["--to", "fanuc", "--template", str(template), "--out", str(out)]
+    assert run(["export", str(record), *arguments]) == 1
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert not out.exists()
+
+
+def test_controllers_are_listed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["export", str(record), "--to", "list"]) == 0
+    assert capsys.readouterr().out.split() == list(CONTROLLERS)
