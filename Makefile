@@ -5,7 +5,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo demo-linuxcnc test check bench docs certify lock clean distclean
+.PHONY: help demo demo-linuxcnc test check bench docs trust certify lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -13,6 +13,7 @@ help:
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make docs       make the generated pages of docs/ anew"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (a quarter of an hour)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
@@ -36,6 +37,9 @@ bench: .venv/dev.stamp
 docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.equations
 	$(BIN)/python -m tests.docs.examples
+
+trust: .venv/dev.stamp
+	$(BIN)/python -m benchmarks.trust
 
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))

@@ -107,7 +107,7 @@ class Moved:
     """How far one gross error moves the curves: the largest shift in units of the σ printed beside it, over all curves.
 
     worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
-    naive : the worst shift when every reading is believed
+    naive : the worst shift when every reading is believed; within : share of the trials that move by at most σ/2
     """
 
     size: float
@@ -115,6 +115,7 @@ class Moved:
     typical: float
     rejected: float
     naive: float
+    within: float
 
 
 def gross(size: float, trials: int, readings: int = 30) -> Moved:
@@ -132,7 +133,8 @@ def gross(size: float, trials: int, readings: int = 30) -> Moved:
         shifts.append(_shift(clean.concluded(), judged))
         naive.append(_shift(clean, wrong))
         believed.append(not any(d.reading == bad and d.rejected for d in judged.doubts))
-    return Moved(size, max(shifts), float(np.median(shifts)), 1 - float(np.mean(believed)), max(naive))
+    within = float(np.mean(np.array(shifts) <= 0.5))
+    return Moved(size, max(shifts), float(np.median(shifts)), 1 - float(np.mean(believed)), max(naive), within)
 
 
 def _shift(clean: Calibration, other: Calibration) -> float:
