@@ -143,10 +143,13 @@ class Campaign:
             raise RecordError("No reading has been asked for", remedy, self.path)
         return self.state.pending
 
-    def record(self, value: float, std: float | None = None, at: Asked | Recorded | None = None) -> Reading:
+    def record(
+        self, value: float, std: float | None = None, at: Asked | Recorded | None = None, *, accepted: bool = False
+    ) -> Reading:
         """Keep a reading, of what was asked or of another place, and return it.
 
         value, std : m or rad; at : the place, whose value and std are not looked at
+        accepted : it is believed however much it surprises
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
         self._refuse_finished()
@@ -155,7 +158,7 @@ class Campaign:
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
         if std is not None and not 0 < std < math.inf:
             raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
-        self._append(Recorded(place.setup, place.position, place.approach, value, std))
+        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted))
         return self.state.readings[-1]
 
     def skip(self, reason: str) -> Asked:
@@ -211,7 +214,9 @@ class Campaign:
     def adopt(self, readings: tuple[Reading, ...]) -> None:
         """Keep readings that were taken without being asked for, in one transaction."""
         self._refuse_finished()
-        self._append(*(Recorded(each.setup, each.pose, each.approach, each.value, each.std) for each in readings))
+        self._append(
+            *(Recorded(each.setup, each.pose, each.approach, each.value, each.std, each.accepted) for each in readings)
+        )
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.

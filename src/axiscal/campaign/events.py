@@ -55,13 +55,17 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A reading was taken: `value` in m or rad, `std` likewise or None for the set-up's noise."""
+    """A reading was taken: `value` in m or rad, `std` likewise or None for the set-up's noise.
+
+    accepted : somebody vouches for it, however much it surprises
+    """
 
     setup: str
     position: tuple[float, ...]
     approach: tuple[int, ...]
     value: float
     std: float | None
+    accepted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +224,8 @@ class _Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._readings.append(Reading(event.setup, event.position, event.approach, event.value, event.std))
+            place = (event.setup, event.position, event.approach)
+            self._readings.append(Reading(*place, event.value, event.std, accepted=event.accepted))
         elif isinstance(event, Finished):
             self._finished = event.because
         elif self._pending is None:

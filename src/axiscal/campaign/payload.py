@@ -68,7 +68,10 @@ def _created(fields: Mapping[str, Any]) -> Created:
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
     std = None if fields["std"] is None else _number(fields["std"])
-    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std)
+    accepted = fields.get("accepted", False)  # records of before it could be said
+    if not isinstance(accepted, bool):
+        raise ValueError(f"{accepted!r} is neither true nor false")
+    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std, accepted)
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {

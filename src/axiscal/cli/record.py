@@ -24,11 +24,14 @@ def record(
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
+    accept: Annotated[bool, typer.Option("--accept", help="Believe it, however much it surprises.")] = False,
     json: Json = False,
 ) -> None:
     """Keep a reading: actual minus commanded, along (about) the set-up's direction.
 
-    It is on the disk when the command ends. Values may be negative: "-1.7 um" is no option.
+    It is on the disk when the command ends. Values may be negative: "-1.7 um" is no option. A reading that the others
+    contradict is kept but not used, and the answer says so: take it back with undo and read again, or record it with
+    --accept if it is right.
 
     \b
     Examples:
@@ -42,7 +45,7 @@ def record(
     text = " ".join(value or [])
     if (skip is None) == (not text):
         raise typer.BadParameter("give either VALUE or --skip REASON")
-    if skip is not None and (std or at or setup or approach):
+    if skip is not None and (std or at or setup or approach or accept):
         raise typer.BadParameter("--skip is of the reading that was asked for; it takes no other option than --json")
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
@@ -52,16 +55,40 @@ def record(
             asked = campaign.skip(skip)
             message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}
         else:
-            kept = _keep(campaign, text, std, at, setup, approach)
-            message, document = _kept(campaign, kept), _kept_document(campaign, kept)
+            kept = _keep(campaign, text, std, at, setup, approach, accept)
+            doubt = _doubt(campaign)
+            message, document = _kept(campaign, kept), _kept_document(campaign, kept) | {"surprise": doubt}
+            if doubt is not None:
+                message += _MIND.format(doubt)
     if json:
         say_document({"schema": "axiscal-record/1", **document})
     else:
         say(f"{message}\nAsk for the next one: axiscal next {record}")
 
 
+_MIND = (
+    "\nMind: it is {:.1f} standard deviations from what the other readings say and is not relied on. "
+    "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."
+)
+
+
+def _doubt(campaign: Campaign) -> float | None:
+    """Return how many standard deviations the last reading is from what the others say, None if it is believed."""
+    from axiscal.campaign.calibration import calibration_of
+
+    last = len(campaign.state.readings) - 1
+    doubts = calibration_of(campaign.engine).doubts
+    return next((round(doubt.surprise, 2) for doubt in doubts if doubt.reading == last), None)
+
+
 def _keep(
-    campaign: Campaign, text: str, std: str | None, at: str | None, setup: str | None, approach: str | None
+    campaign: Campaign,
+    text: str,
+    std: str | None,
+    at: str | None,
+    setup: str | None,
+    approach: str | None,
+    accept: bool,
 ) -> Reading:
     from axiscal.cli.places import typed_place
     from axiscal.measurement.instrument import INSTRUMENTS
@@ -70,7 +97,7 @@ def _keep(
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question()
     dimension = INSTRUMENTS[campaign.description.setup(place.setup).instrument].reads
     value = parse_quantity(text, dimension)
-    return campaign.record(value, None if std is None else parse_quantity(std, dimension), at=place)
+    return campaign.record(value, None if std is None else parse_quantity(std, dimension), at=place, accepted=accept)
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:

@@ -1,0 +1,105 @@
+"""One bad reading: it is found, named, and moves nothing; one that somebody vouches for is believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.cli.app import run
+from axiscal.machine import load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.report.findings import findings
+from axiscal.simulation import Simulator
+
+CAMPAIGN = """machine = "one-axis"
+[target]
+readings = 40
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+"""
+
+
+def _description() -> CampaignDescription:
+    return campaign_from_texts(CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
+
+
+def _readings(seed: int, count: int = 30) -> list[Reading]:
+    description, rng = _description(), np.random.default_rng(seed)
+    machine = Simulator(description.machine, description.setups).drawn(seed)
+    setup = description.setups[0]
+
+    def taken(position: float, sign: int) -> Reading:
+        value = machine.read(setup, (position,), (sign,), rng)
+        return Reading("laser", (position,), (sign,), value)
+
+    return [taken((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
+
+
+def _estimated(readings: list[Reading]) -> Calibration:
+    calibration = Calibration(Problem(_description()))
+    for reading in readings:
+        calibration.absorb(reading)
+    return calibration.concluded()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(seed: int) -> None:
+    clean = _readings(seed)
+    bad = int(np.random.default_rng(seed).integers(2, 28))
+    wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
+    before, after = _estimated(clean), _estimated(wrong)
+    assert [(d.reading, d.rejected) for d in after.doubts] == [(bad, True)]
+    for function in before.problem.errors.functions:
+        rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
+        std = np.sqrt(np.sum((rows @ after.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+        size = before.problem.errors.size
+        moved = rows @ (after.belief.mean[:size] - before.belief.mean[:size])[function.columns]
+        assert np.all(np.abs(moved) <= 0.5 * std)
+
+
+def test_readings_that_agree_are_all_believed() -> None:
+    assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).doubts)
+
+
+def test_a_bad_reading_is_named_in_the_warnings() -> None:
+    readings = _readings(1)
+    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
+    (finding,) = [f for f in findings(_estimated(readings)) if f.code == "outlier"]
+    assert "Reading 8" in finding.text
+    assert "it is not used" in finding.text
+
+
+def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
+    readings = _readings(2)
+    readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)
+    assert not any(doubt.reading == 9 for doubt in _estimated(readings).doubts)
+
+
+def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
+    pair = [Reading("laser", (0.5,), (1,), 0.0), Reading("laser", (0.5,), (1,), 1e-4)]
+    spread = [Reading("laser", (x,), (1,), 5e-5) for x in (0.0, 0.1, 0.9, 1.0)]
+    assert _estimated(pair + spread).doubts == ()
+
+
+def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "mill.axiscal"
+    with Campaign.create(record, _description()) as campaign:
+        campaign.adopt(tuple(_readings(3, 20)))
+    place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
+    assert run(["record", str(record), "900 um", *place]) == 0
+    assert "standard deviations from what the other readings say" in capsys.readouterr().out
+    assert run(["undo", str(record)]) == 0
+    assert run(["record", str(record), "900 um", *place, "--accept"]) == 0
+    assert "Mind" not in capsys.readouterr().out
+    with Campaign.open(record) as campaign:
+        assert campaign.state.readings[-1].accepted
+        assert calibration_of(campaign.engine).doubts == ()
