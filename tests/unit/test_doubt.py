@@ -102,4 +102,5 @@ def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsy
     assert "Mind" not in capsys.readouterr().out
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].accepted
-        assert calibration_of(campaign.engine).doubts == ()
+        last = len(campaign.state.readings) - 1
+        assert last not in {doubt.reading for doubt in calibration_of(campaign.engine).doubts}
