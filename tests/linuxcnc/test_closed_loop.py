@@ -10,8 +10,10 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, Tables
-from axiscal.compensation.controllers.linuxcnc import offer
+from axiscal.compensation.controllers.linuxcnc import offer, pivots
 from axiscal.compensation.controllers.linuxcnc.headless import Joint, Session, available
+from axiscal.compensation.controllers.linuxcnc.headless.configuration import Cross
+from axiscal.compensation.controllers.linuxcnc.headless.probing import ball, touched
 from axiscal.compensation.effect import left_by, table_control
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.options import Options
@@ -20,6 +22,7 @@ from axiscal.compensation.table import CompensationTable
 from axiscal.demo.linuxcnc import MACHINES, close_loop, description
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
+from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 
@@ -92,9 +95,37 @@ def flipped(table: CompensationTable) -> CompensationTable:
     return replace(table, forward=-table.forward, reverse=-table.reverse)
 
 
-def test_a_probe_touches_where_the_ball_is() -> None:
-    """G38.3 without a wired probe runs to its end, and says that nothing was touched."""
-    with Session([Joint("X"), Joint("Y"), Joint("Z")]) as session:
-        step = session.move(["G38.3 F600 X5"])[-1]
-    assert step.motor[0] == pytest.approx(5, abs=1e-6)
-    assert step.probe[1] is False
+@pytest.mark.parametrize("swivel", ["A", "B"])
+def test_the_kinematics_turn_about_our_pivots(swivel: str) -> None:
+    """The joints of xyzac- and xyzbc-trt-kins at places on the workpiece are those that our model of them says."""
+    found = pivots.Pivots(swivel, (3e-3, -2e-3, -0.15), 0.02)
+    rng = np.random.default_rng(6)
+    place = rng.uniform(-0.05, 0.05, (12, 3))
+    angles = rng.uniform(-0.6, 0.6, (2, 12))
+    shown = zip(place * 1e3, *np.degrees(angles), strict=True)
+    codes = [f"G0 X{p[0]:.6f} Y{p[1]:.6f} Z{p[2]:.6f} {swivel}{a:.6f} C{c:.6f}" for p, a, c in shown]
+    joints = [Joint(name) for name in ("X", "Y", "Z", swivel, "C")]
+    settings = Cross((), pivots.write(found, "mm"))
+    with Session(joints, cross=settings, kinematics=found.kinematics) as session:
+        reached = np.array([step.command for step in session.move(codes)])
+        assert session.errors == ()
+    expected = pivots.joints_at(found, place, *angles) * 1e3
+    assert reached[:, :3] == pytest.approx(expected, abs=2e-5)
+
+
+def test_a_probe_finds_the_ball_where_the_machine_has_it() -> None:
+    """Balls touched by G38 on a machine with hidden errors: its deviation there, within the probe's 1 um."""
+    estimate, truth = known("three-axis")
+    radius = 12.5
+    joints = [Joint(axis, -500, 500) for axis in "XYZ"]
+    low, high = np.array(estimate.box).T
+    places = low + (high - low) * np.random.default_rng(2).uniform(0.2, 0.8, (2, 3))
+    order = [estimate.machine.index(name) for name in "XYZ"]
+    deviations = truth.deviation(places, np.zeros_like(places)) * 1e3
+    with Session(joints, cross=ball(radius)) as session:
+        for place, deviation in zip(places[:, order] * 1e3, deviations, strict=True):
+            found = touched(session, place - deviation, place, radius)
+            assert place - found == pytest.approx(deviation, abs=1.1e-3)
+        assert session.errors == ()
+        with pytest.raises(ControlError, match="found no ball"):
+            touched(session, (200, 200, 200), (0, 0, 0), radius)

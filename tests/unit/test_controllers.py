@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from axiscal.belief import Belief
 from axiscal.compensation.controllers import fanuc, heidenhain, isg, klipper, marlin, reprapfirmware, sinumerik
+from axiscal.compensation.controllers.linuxcnc import pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
 from axiscal.compensation.effect import Effect, effect_of_control
 from axiscal.compensation.estimate import Estimate
@@ -25,6 +26,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.exceptions import TableError
 from axiscal.machine.description import load_machine, machine_from_text
+from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 
@@ -347,3 +349,36 @@ def test_marlin_has_no_backlash_that_runs_ahead() -> None:
 def test_hal_refuses_what_it_does_not_know() -> None:
     with pytest.raises(TableError, match="line 2: HAL does not know 'addf nothing servo-thread'"):
         Hal.load("loadrt sum2 names=a\naddf nothing servo-thread\n")
+
+
+def test_pivots_take_away_where_rotors_lie() -> None:
+    """Our model of the kinematics is the nominal chain, and its settings hold four location errors whole."""
+    estimate = known("dmu60")[0]
+    machine, model = estimate.machine, estimate.model
+    low, high = np.array(estimate.box).T
+    poses: Array = low + (high - low) * np.random.default_rng(3).uniform(size=(60, 5))
+    nominal = pivots.pivots(machine, {})
+    tip = poses[:, [machine.index(name) for name in "XYZ"]] - np.array([0, 0, machine.tool])
+    angles = -poses[:, machine.index("B")], -poses[:, machine.index("C")]
+    assert pivots.place_at(nominal, tip, *angles) == pytest.approx(frames(machine, poses).tcp, abs=1e-12)
+    only = np.zeros(model.size)
+    errors = {name: 1e-5 * (1 + i) for i, name in enumerate(pivots.names(machine))}
+    for name, value in errors.items():
+        only[model.names[name].columns] = value
+    control = pivots.control(machine, nominal, pivots.read(pivots.write(pivots.pivots(machine, errors), "mm"), "mm"))
+    found = effect_of_control(machine, lambda p, a: model.rows(p, a) @ only, control, poses, estimate.box)
+    assert found.after < 1e-9 < 1e-5 < found.before
+
+
+def test_pivots_make_five_axes_better_than_tables_alone() -> None:
+    estimate, truth = known("dmu60")
+    plain, turned = (_maker("linuxcnc")(estimate, Options(pivots=choice)) for choice in (False, True))
+    assert set(turned.files) == {*plain.files, "axiscal-pivots.hal"}
+    assert on_the_truth(estimate, truth, turned).after < 0.95 * on_the_truth(estimate, truth, plain).after
+    with pytest.raises(TableError, match="has no table C on a swivel"):
+        _maker("linuxcnc")(known("small")[0], Options(pivots=True))
+
+
+def test_a_kinematics_without_all_its_settings_is_refused() -> None:
+    with pytest.raises(TableError, match="not whole"):
+        pivots.read("setp xyzac-trt-kins.x-rot-point 1.0\n", "mm")

@@ -35,6 +35,9 @@ def export(
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
     mesh: Annotated[int, typer.Option(metavar="N", help="Points of a height map along each side.")] = 5,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
+    pivots: Annotated[
+        bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -53,7 +56,7 @@ def export(
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
         return
-    options = _options(spacing, number, unit, template, name, mesh, flip)
+    options = _options(spacing, number, unit, template, name, mesh, flip, pivots)
     with open_campaign(record, write=False) as campaign:
         from axiscal.campaign.calibration import calibration_of
         from axiscal.compensation.estimate import Estimate
@@ -77,6 +80,7 @@ def _options(
     name: str,
     mesh: int,
     flip: bool,
+    pivots: bool,
 ) -> Options:
     from axiscal.compensation.options import Options
     from axiscal.exceptions import TableError
@@ -87,7 +91,7 @@ def _options(
         raise TableError(f'a spacing of "{spacing}"', "Give a length above zero")
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
-    return Options(distance, unit, dict(map(_numbered, numbers or [])), text, shown, name, mesh, flip)
+    return Options(distance, unit, dict(map(_numbered, numbers or [])), text, shown, name, mesh, flip, pivots)
 
 
 def _numbered(text: str) -> tuple[str, int]:

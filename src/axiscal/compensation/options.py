@@ -21,6 +21,7 @@ class Options:
     numbers : of the joint or machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side
+    pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     flip : the control takes the values with the other sign, as a check at one point has shown
     Raises TableError for a name that is more than letters, digits, _ and -.
     """
@@ -33,6 +34,7 @@ class Options:
     name: str = "axiscal"
     mesh: int = 5
     flip: bool = False
+    pivots: bool = False
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc import cross
+from axiscal.belief import Belief
+from axiscal.compensation.controllers.linuxcnc import cross, pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
 from axiscal.compensation.controllers.linuxcnc.reading import ROWS, LinuxcncTable, correction, parse
 from axiscal.compensation.controllers.linuxcnc.writing import offer, resolution
@@ -15,6 +17,7 @@ from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
+from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -22,6 +25,11 @@ from axiscal.units import from_unit, to_unit
 
 _ORDER = "XYZABCUVW"
 _HAL_FILE = "axiscal-cross.hal"
+_PIVOT_FILE = "axiscal-pivots.hal"
+_PIVOT_NOTE = (
+    "axiscal-pivots.hal sets where the rotary axes lie for {}: {} are in it and not in the tables. The values count "
+    "from the machine's zero, with the spindle nose at its origin; shift them if your configuration counts otherwise."
+)
 _HOLDS = (
     "one COMP_FILE for each axis (its own positions, both directions) and HAL text that moves linear axes over the "
     "positions of other linear axes."
@@ -36,6 +44,8 @@ def make(estimate: Estimate, options: Options) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
     joints = joint_numbers(machine, options.numbers)
+    lies = _pivots(estimate) if options.pivots else None
+    estimate = _without(estimate, pivots.names(machine)) if lies else estimate
     own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, ROWS)
     over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
     offers = [
@@ -47,7 +57,34 @@ def make(estimate: Estimate, options: Options) -> Draft:
     notes = tuple(dict.fromkeys(note for file in offers for note in file.notes)) + _hal_notes(machine, over)
     wanted = table_control(machine, (*own, *over))
     held = control(machine, files, joints, options.unit)
-    return Draft(files, held, wanted, _resolution(own, over, options), (*own, *over), _HOLDS, _LEFT, notes, tried=True)
+    steps = _resolution(own, over, options)
+    if lies:
+        files[_PIVOT_FILE] = pivots.write(lies, options.unit)
+        nominal = pivots.pivots(machine, {})
+        wanted = sum_of(wanted, pivots.control(machine, nominal, lies))
+        held = sum_of(held, pivots.control(machine, nominal, pivots.read(files[_PIVOT_FILE], options.unit)))
+        steps |= {name: steps.get(name, 0.0) + float(from_unit(4e-7, options.unit)) for name in "XYZ"}
+        notes += (_PIVOT_NOTE.format(lies.kinematics, ", ".join(pivots.names(machine))),)
+    return Draft(files, held, wanted, steps, (*own, *over), _HOLDS, _LEFT, notes, tried=True)
+
+
+def _pivots(estimate: Estimate) -> pivots.Pivots:
+    model = estimate.model
+    known = {
+        name: float(estimate.mean[model.names[name].columns][0])
+        for name in pivots.names(estimate.machine)
+        if name in model.names
+    }
+    return pivots.pivots(estimate.machine, known)
+
+
+def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
+    """Return the estimate of a machine that has not these errors."""
+    mean = estimate.belief.mean.copy()
+    for name in names:
+        if name in estimate.model.names:
+            mean[estimate.model.names[name].columns] = 0.0
+    return replace(estimate, belief=Belief(mean, estimate.belief.covariance))
 
 
 def control(machine: Machine, files: Mapping[str, str], joints: Mapping[str, int], unit: str) -> Control:

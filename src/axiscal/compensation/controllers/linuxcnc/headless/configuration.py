@@ -33,17 +33,19 @@ class Cross:
     text: str
 
 
-def files(joints: Sequence[Joint], servo_period: float, cross: Cross | None = None) -> Mapping[str, str]:
-    """Return name and text of every file that LinuxCNC reads."""
+def files(
+    joints: Sequence[Joint], servo_period: float, cross: Cross | None = None, kinematics: str = "trivkins"
+) -> Mapping[str, str]:
+    """Return name and text of every file that LinuxCNC reads; kinematics : name of its module."""
     tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
     return {
-        "machine.ini": _ini(joints, servo_period),
+        "machine.ini": _ini(joints, servo_period, kinematics),
         "machine.hal": _hal(joints, cross),
         "sim.tbl": "T1 P1 D6 Z0\n",
     } | tables
 
 
-def _ini(joints: Sequence[Joint], servo_period: float) -> str:
+def _ini(joints: Sequence[Joint], servo_period: float, kinematics: str) -> str:
     letters = "".join(joint.axis for joint in joints)
     fastest, hardest = max(joint.velocity for joint in joints), max(joint.acceleration for joint in joints)
     traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": "mm", "ANGULAR_UNITS": "degree"}
@@ -57,7 +59,7 @@ def _ini(joints: Sequence[Joint], servo_period: float) -> str:
         "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(servo_period * 1e9)},
         "EMCIO": {"EMCIO": "io", "CYCLE_TIME": 0.1, "TOOL_TABLE": "sim.tbl"},
         "HAL": {"HALFILE": "machine.hal"},
-        "KINS": {"KINEMATICS": f"trivkins coordinates={letters}", "JOINTS": len(joints)},
+        "KINS": {"KINEMATICS": f"{kinematics} coordinates={letters}", "JOINTS": len(joints)},
         "TRAJ": traj,
     }
     for number, joint in enumerate(joints):

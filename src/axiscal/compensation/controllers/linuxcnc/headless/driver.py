@@ -53,12 +53,15 @@ class Machine:
 
     def move(self, code: str) -> dict[str, Any]:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
+        if code.startswith("setp "):
+            hal.set_p(*code.split()[1:])
+            code = "G4 P0.001"
         self.command.mdi(code)
         while (ended := self.command.wait_complete(1)) == UNFINISHED:
             pass
         if ended != linuxcnc.RCS_DONE:
             raise RuntimeError(f"{code} was not completed: {self.errors()}")
-        settled = wait(self._settled, 0.5)
+        settled = wait(self._settled, 0.5) and wait(self._still, 0.5)
         self.stat.poll()
         tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
         return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
@@ -81,6 +84,11 @@ class Machine:
     def _homed(self) -> bool:
         self.stat.poll()
         return all(self.stat.homed[joint] for joint in self.joints)
+
+    def _still(self) -> bool:
+        before = self.pins("pos-cmd")
+        time.sleep(0.003)  # three servo cycles: "in position" may be told a cycle early
+        return self.pins("pos-cmd") == before
 
     def _settled(self) -> bool:
         self.stat.poll()

@@ -16,7 +16,7 @@ import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,7 +71,12 @@ class Session:
     """
 
     def __init__(
-        self, joints: Sequence[Joint], servo_period: float = 1e-3, timeout: float = 60.0, cross: Cross | None = None
+        self,
+        joints: Sequence[Joint],
+        servo_period: float = 1e-3,
+        timeout: float = 60.0,
+        cross: Cross | None = None,
+        kinematics: str = "trivkins",
     ) -> None:
         if not available():
             raise ControlError("LinuxCNC is not installed here", _INSTALL)
@@ -79,7 +84,7 @@ class Session:
         self._timeout = timeout
         self._stack = ExitStack()
         try:
-            self._begin(joints, servo_period, cross)
+            self._begin(joints, servo_period, cross, kinematics)
         except BaseException:
             self.close()
             raise
@@ -100,10 +105,10 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _begin(self, joints: Sequence[Joint], servo_period: float, cross: Cross | None) -> None:
+    def _begin(self, joints: Sequence[Joint], servo_period: float, cross: Cross | None, kinematics: str) -> None:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        _fill(self._work, joints, servo_period, cross)
+        _fill(self._work, joints, cross, files(joints, servo_period, cross, kinematics))
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(self._work / "socket"))
         listener.listen(1)
@@ -166,9 +171,9 @@ def _step(found: dict[str, Any]) -> Step:
     return Step(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
 
 
-def _fill(work: Path, joints: Sequence[Joint], servo_period: float, cross: Cross | None) -> None:
+def _fill(work: Path, joints: Sequence[Joint], cross: Cross | None, texts: Mapping[str, str]) -> None:
     work.chmod(0o755)
-    for name, text in files(joints, servo_period, cross).items():
+    for name, text in texts.items():
         (work / name).write_text(text, encoding="utf-8", newline="")
     (work / "job.json").write_text(json.dumps({"motors": motors(joints, cross)}))
     shutil.copy(_DRIVER, work / "driver.py")
