@@ -8,18 +8,14 @@ from functools import cached_property
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.belief import Belief, Innovations
 from axiscal.campaign.description import CampaignDescription
 from axiscal.campaign.engine import Engine, Visit
 from axiscal.campaign.events import Gap, Place
-from axiscal.design import criterion
 from axiscal.design.accuracy import Accuracy, Yardstick
 from axiscal.design.cost import visit_seconds
 from axiscal.design.lattice import Lattice, spread
-from axiscal.design.scorer import Scorer
-from axiscal.design.step import Step, best_step
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
@@ -217,7 +213,7 @@ class Calibration:
         reading, weight = self._readings[index], 1.0
         for doubt in self._doubts:
             weight = doubt.weight if doubt.reading == index else weight
-        wider = self._observation.visited(np.array(reading.pose))
+        wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup))
         belief = self._belief.extended(self._observation.rest_variances(wider))
         self._observation, self._accuracy = wider, None
         seen = self._seen(reading)
@@ -243,17 +239,10 @@ class Calibration:
         return settled._accuracy
 
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
-        """Return the reading that serves the criterion best; another set-up is mounted only where it pays."""
-        steps = self._steps(gaps)
-        if not steps:
-            return ()
-        last = visits[-1] if visits else None
-        best = max(steps, key=lambda step: step.gain)
-        mounted = [s for s in steps if last is not None and s.setup == self.problem.index(last.setup)]
-        step = mounted[0] if mounted and mounted[0].gain > _STAY * best.gain else best
-        setup = self.problem.description.setups[step.setup]
-        approach = tuple(int(sign) for sign in step.approach)
-        return (Place(setup.name, tuple(map(float, step.pose)), approach),)
+        """Return the readings to come, none of the gaps, in the order of a short way."""
+        from axiscal.campaign.planning import planned_places
+
+        return planned_places(self, gaps, visits)
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
@@ -264,45 +253,3 @@ class Calibration:
             total += visit_seconds(self.problem.description.machine, setup, start, np.array(visit.pose))
             before = visit
         return total
-
-    def _steps(self, gaps: Sequence[Gap]) -> list[Step]:
-        """Return the best step of each set-up that has one outside the gaps."""
-        lattice = self._outside(gaps)
-        result = []
-        for setup in np.unique(lattice.setups):
-            mine = lattice.setups == setup
-            part = Lattice(lattice.setups[mine], lattice.poses[mine], lattice.approaches[mine])
-            step = best_step(self.observation, self.belief, self._weight(), part)
-            result.append(self._candidate(part) if self._at_gap(step.setup, step.pose[None], gaps)[0] else step)
-        return result
-
-    def _candidate(self, lattice: Lattice) -> Step:
-        """Return the best candidate itself, where the way to the exact maximum leads into a gap."""
-        gains = Scorer.of(self.observation, self.belief, self._weight()).gains(lattice)
-        best = int(gains.argmax())
-        setup, pose, approach = int(lattice.setups[best]), lattice.poses[best], lattice.approaches[best]
-        seen = self.observation.rows(setup, pose[None], approach[None])
-        return Step(setup, pose, approach, float(gains[best]), float(seen.variances[0]), seen.rows[0])
-
-    def _outside(self, gaps: Sequence[Gap]) -> Lattice:
-        lattice = self.problem.lattice
-        keep = np.ones(len(lattice), dtype=bool)
-        for setup in np.unique(lattice.setups):
-            mine = lattice.setups == setup
-            keep[mine] = ~self._at_gap(int(setup), lattice.poses[mine], gaps)
-        return Lattice(lattice.setups[keep], lattice.poses[keep], lattice.approaches[keep])
-
-    def _at_gap(self, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
-        """Return which poses (m, q) of a set-up are where a reading could not be taken."""
-        lengths = np.array([axis.length for axis in self.problem.description.machine.axes])
-        result = np.zeros(len(poses), dtype=bool)
-        for gap in gaps:
-            if self.problem.index(gap.asked.setup) == setup:
-                result |= np.all(np.abs(poses - np.array(gap.asked.position)) < _NEAR * lengths, axis=1)
-        return result
-
-    def _weight(self) -> Array:
-        name = self.problem.description.target.criterion
-        if name == "joint":
-            return criterion.joint_root(self.problem.errors)
-        return self.problem.yardstick.root if name == "volume" else self.problem.yardstick.worst_rows(self.belief)

@@ -60,7 +60,12 @@ class Yardstick:
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(max(np.sum((self.root @ self.unseen) ** 2) - self._shift, 0.0)))
+        return float(np.sqrt(max(self._unseen_total - self._shift, 0.0)))
+
+    @cached_property
+    def _unseen_total(self) -> float:
+        """tr(V C_∞ Vᵀ), m²."""
+        return float(np.sum((self.root @ self.unseen) ** 2))
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
@@ -68,7 +73,7 @@ class Yardstick:
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
-        seen = total - float(np.sum((self.root @ self.unseen) ** 2))
+        seen = total - self._unseen_total
         variance = max(total - self._shift, 0.0) + self.moments.rest
         worst = max(float(np.max(variances)), variance)
         worst_seen = float(np.max(variances + self._hidden))
@@ -98,7 +103,8 @@ class Yardstick:
     @cached_property
     def _here(self) -> Array:
         """What no allowed reading sees, at each pose: (m, 3, r)."""
-        return self.rows @ self.unseen
+        here = self.rows.reshape(-1, self.errors.size) @ self.unseen
+        return here.reshape(len(self.rows), 3, -1)
 
     @cached_property
     def _hidden(self) -> Array:
@@ -109,12 +115,16 @@ class Yardstick:
     @cached_property
     def _correction(self) -> Array:
         """What the constant shift takes off the variance at each pose, and what the rest adds, m²."""
-        rests = np.array([f.rest for f in self.errors.functions])
+        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
         added = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
         result: Array = added - np.sum(self._here**2, axis=(1, 2)) - self._hidden
         return result
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
-        spread: Array = np.sum((self.rows @ factor[: self.errors.size]) ** 2, axis=(1, 2)) + self._correction
+        own = factor[: self.errors.size]
+        if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
+            own = np.linalg.qr(own.T).R.T
+        seen = self.rows.reshape(-1, self.errors.size) @ own
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
         return spread

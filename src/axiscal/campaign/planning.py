@@ -1,0 +1,97 @@
+"""The readings to come: what the planner is asked for while a campaign is under way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.campaign.engine import Visit
+from axiscal.campaign.events import Gap, Place
+from axiscal.campaign.target import Target
+from axiscal.design import criterion
+from axiscal.design.lattice import Lattice, spread
+from axiscal.design.plan import make_plan
+from axiscal.design.problem import Limits, Problem
+from axiscal.design.state import Point
+from axiscal.exceptions import PlanError
+from axiscal.numerics import Array
+
+if TYPE_CHECKING:
+    from axiscal.campaign.calibration import Calibration
+
+_CANDIDATES = 2000
+_AT_ONCE = 150
+_NEAR = 0.01
+_PATIENCE = 3.0
+"""Seconds that a person at the machine may be kept waiting for readings off the lattice."""
+
+
+def planned_places(calibration: Calibration, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
+    """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
+
+    gaps : places that could not be read, which are planned around; visits : so far
+    """
+    problem = posed(calibration, gaps, visits)
+    limits = limits_left(calibration.problem.description.target, len(visits), calibration.elapsed(visits))
+    if not len(problem.lattice):
+        return ()
+    try:
+        plan = make_plan(problem, limits, patience=_PATIENCE, bounded=False)
+    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
+        plan = make_plan(problem, Limits(1), patience=_PATIENCE, bounded=False)
+    setups = calibration.problem.description.setups
+    return tuple(
+        Place(setups[r.setup].name, tuple(map(float, r.pose)), tuple(int(sign) for sign in r.approach))
+        for r in plan.readings
+        if not _at_gap(calibration, r.setup, r.pose[None], gaps)[0]
+    )
+
+
+def posed(
+    calibration: Calibration, gaps: Sequence[Gap] = (), visits: Sequence[Visit] = (), candidates: int = _CANDIDATES
+) -> Problem:
+    """Return what is to be planned: the belief so far, and candidates outside the gaps."""
+    learnt, here = calibration.problem, None
+    if visits:
+        last = visits[-1]
+        here = Point(learnt.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
+    lattice = spread(learnt.description.machine, learnt.description.setups, candidates)
+    keep = np.ones(len(lattice), dtype=bool)
+    for setup in np.unique(lattice.setups):
+        mine = lattice.setups == setup
+        keep[mine] = ~_at_gap(calibration, int(setup), lattice.poses[mine], gaps)
+    free = Lattice(lattice.setups[keep], lattice.poses[keep], lattice.approaches[keep])
+    weight = weight_of(calibration)
+    return Problem(calibration.observation, calibration.belief, weight, learnt.yardstick, free, here)
+
+
+def limits_left(target: Target, taken: int, seconds: float) -> Limits:
+    """Return what is left of a target's limits: a plan of so many readings at once at the most.
+
+    Under `worst` the pose that counts moves with every reading, so one is planned at a time.
+    """
+    at_once = 1 if target.criterion == "worst" else _AT_ONCE
+    left = at_once if target.readings is None else min(at_once, max(target.readings - taken, 1))
+    budget = None if target.budget is None else max(target.budget - seconds, 0.0)
+    return Limits(left, target.rms, target.worst, budget)
+
+
+def weight_of(calibration: Calibration) -> Array:
+    """Return V of the target's criterion, W = VᵀV."""
+    name, problem = calibration.problem.description.target.criterion, calibration.problem
+    if name == "joint":
+        return criterion.joint_root(problem.errors)
+    return problem.yardstick.root if name == "volume" else problem.yardstick.worst_rows(calibration.belief)
+
+
+def _at_gap(calibration: Calibration, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
+    """Return which poses (m, q) of a set-up are where a reading could not be taken."""
+    lengths = np.array([axis.length for axis in calibration.problem.description.machine.axes])
+    result = np.zeros(len(poses), dtype=bool)
+    for gap in gaps:
+        if calibration.problem.index(gap.setup) == setup:
+            result |= np.all(np.abs(poses - np.array(gap.position)) < _NEAR * lengths, axis=1)
+    return result
