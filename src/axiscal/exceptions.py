@@ -90,3 +90,7 @@ class ControlError(InputError):
 
 class PlanError(InputError):
     """A plan that cannot be made: nothing ends it, nothing may be read, or the time is too short for one reading."""
+
+
+class ProgramError(InputError):
+    """A measuring program that cannot be written: it would leave the travel, or the control has no words for it."""

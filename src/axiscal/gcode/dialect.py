@@ -1,0 +1,68 @@
+"""What a control calls the few things that a measuring program does."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar
+
+from axiscal.exceptions import ProgramError
+from axiscal.machine.axis import Axis
+
+Words = Sequence[tuple[str, str]]
+"""Names of axes with where they go, as text in mm or deg."""
+
+
+class Dialect(ABC):
+    """One control's words.
+
+    title : its name for people; suffix : of its files; decimals : of a coordinate; longest_name : of a program
+    letters : of the axes that it knows; notes : what must be known of it
+    """
+
+    title: ClassVar[str]
+    suffix: ClassVar[str]
+    decimals: ClassVar[int] = 4
+    longest_name: ClassVar[int] = 24
+    letters: ClassVar[str] = "XYZABCUVW"
+    notes: ClassVar[tuple[str, ...]]
+
+    def check(self, axes: Sequence[Axis]) -> None:
+        """Raise ProgramError for an axis that the control has no name for."""
+        for axis in axes:
+            if not self.knows(axis.name):
+                what = f"{self.title} programs have no axis {axis.name}"
+                raise ProgramError(what, f"Name the axes of the machine by the letters {' '.join(self.letters)}")
+
+    def knows(self, name: str) -> bool:
+        """Return whether an axis may have that name."""
+        return len(name) == 1 and name in self.letters
+
+    def comment(self, text: str) -> str:
+        """Return a comment of its own line; `text` is of plain words."""
+        return f"({text})"
+
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str]) -> str:
+        """Return the whole text of a program; number : 1 for the first of a plan."""
+        return "\n".join([*self.opening(number, axes), *lines, *self.closing]) + "\n"
+
+    def stop(self, axes: Sequence[Axis]) -> list[str]:
+        """Return what halts the program until somebody presses start."""
+        return ["M0"]
+
+    @abstractmethod
+    def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
+        """Return the lines that put the control into a known state."""
+
+    @property
+    @abstractmethod
+    def closing(self) -> list[str]:
+        """The lines that end a program."""
+
+    @abstractmethod
+    def move(self, words: Words, feed: int) -> str:
+        """Return a straight move in machine coordinates; feed : mm/min or deg/min."""
+
+    @abstractmethod
+    def dwell_s(self, seconds: float) -> list[str]:
+        """Return a wait, in the control's own unit of time."""

@@ -1,0 +1,1 @@
+"""One module per control; they do not know each other."""

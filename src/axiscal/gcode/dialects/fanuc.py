@@ -1,0 +1,57 @@
+"""FANUC: G53 is always a rapid there, so moves are G1 in G54, and the program proves that G54 is the machine's zero."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from axiscal.gcode.dialect import Dialect, Words
+from axiscal.machine.axis import Axis
+
+_FIRST = 1000
+"""Programs are called O1001, O1002 …"""
+
+
+class Fanuc(Dialect):
+    """Programs for FANUC milling controls (G-code of the M series) with custom macro B.
+
+    #4008 is the tool length offset in force (B-63944EN, system variables), #5021… the machine position of each axis,
+    #5041… its position in the work coordinates in force; where they agree for every axis, G54 is the machine's zero.
+    """
+
+    title = "FANUC"
+    suffix = "NC"
+    decimals = 3
+    notes = (
+        "Never tried on a control: run it with machine lock and dry run first, then at reduced feed.",
+        "G53 would be a rapid here, so moves are G1 in G54. Set G54 and the external offset to zero for every axis "
+        "first; custom macro B must be there. The program compares machine and work position after each of "
+        "its stops, and ends with alarm 3001 if they differ or if a tool length offset is in force.",
+        "The comparison takes the control's first axes, as many as the machine description has: they must be these.",
+        "No rotation, scaling, mirror image, tilted plane or tool centre point control may be in force.",
+        "Coordinates have three decimals (IS-B): a reading is where the list says, which may be 0.0005 off the plan.",
+        "Programs are O1001, O1002 and so on, one for each set-up: rename them where these numbers are taken.",
+    )
+
+    def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
+        """Return number, check and safety line; G49 alone may move an axis, so it must be in force already."""
+        return ["%", f"O{_FIRST + number}", "IF[#4008NE49]GOTO9000", "G21 G90 G94 G17 G40 G49 G80", "G54"]
+
+    def stop(self, axes: Sequence[Axis]) -> list[str]:
+        """Return M0, which also ends reading ahead, and then the proof that G54 is the machine's zero.
+
+        Offsets may have been changed at the stop, and jogging with manual absolute off shifts them.
+        """
+        return ["M0", *(f"IF[ABS[#{5021 + k}-#{5041 + k}]GT0.0005]GOTO9000" for k in range(len(axes)))]
+
+    @property
+    def closing(self) -> list[str]:
+        """M30, and the alarm that the checks lead to."""
+        return ["M30", "N9000 #3000=1(NOT IN MACHINE COORDINATES)", "%"]
+
+    def move(self, words: Words, feed: int) -> str:
+        """Return G1 in G54, which has been proven to be the machine's zero."""
+        return f"G1 {' '.join(axis + value for axis, value in words)} F{feed}"
+
+    def dwell_s(self, seconds: float) -> list[str]:
+        """Return G4 P, which is a whole number of milliseconds."""
+        return [f"G4 P{round(seconds * 1000)}"]

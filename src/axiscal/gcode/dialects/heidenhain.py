@@ -1,0 +1,53 @@
+"""HEIDENHAIN Klartext: M91 in each block means the machine datum; cycle 9 dwells in seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from axiscal.gcode.dialect import Dialect, Words
+from axiscal.machine.axis import Axis
+
+
+class Heidenhain(Dialect):
+    """Programs for iTNC 530, TNC 640 and their kin, in Klartext."""
+
+    title = "HEIDENHAIN"
+    suffix = "H"
+    longest_name = 16
+    notes = (
+        "Never tried on a control: run it in the test run first, then block by block at reduced feed.",
+        "Call the tool (or tool 0) by hand before: the program has no TOOL CALL. M91 leaves out datum and tool length.",
+        "Before it starts, M128 or FUNCTION TCPM, a tilted plane, M116 and M126 must be off: turning axes move in "
+        "deg/min and do not take the short way.",
+    )
+
+    def comment(self, text: str) -> str:
+        """Return a comment after a semicolon."""
+        return f"; {text}"
+
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str]) -> str:
+        """Return the program with its blocks numbered; MM is said in its first and last block."""
+        blocks = [f"BEGIN PGM {name} MM", *lines, *self.closing, f"END PGM {name} MM"]
+        return "".join(f"{place} {block}\n" for place, block in enumerate(blocks))
+
+    def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
+        """Return nothing: Klartext is absolute, and the unit is said when it begins."""
+        return []
+
+    def stop(self, axes: Sequence[Axis]) -> list[str]:
+        """Return a programmed stop."""
+        return ["STOP"]
+
+    @property
+    def closing(self) -> list[str]:
+        """M30."""
+        return ["M30"]
+
+    def move(self, words: Words, feed: int) -> str:
+        """Return L with M91: a feed move in machine coordinates."""
+        named = " ".join(axis + ("" if value.startswith("-") else "+") + value for axis, value in words)
+        return f"L {named} R0 F{feed} M91"
+
+    def dwell_s(self, seconds: float) -> list[str]:
+        """Return cycle 9 in seconds; it acts where it is defined."""
+        return ["CYCL DEF 9.0 DWELL TIME", f"CYCL DEF 9.1 DWELL {seconds:.3f}"]

@@ -1,0 +1,50 @@
+"""SINUMERIK 840D: SUPA takes every offset out of its block; G4 F is in seconds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from axiscal.gcode.dialect import Dialect, Words
+from axiscal.machine.axis import Axis
+
+
+class Sinumerik(Dialect):
+    """Programs for SINUMERIK 840D/828D in its own language, not in ISO mode."""
+
+    title = "SINUMERIK"
+    suffix = "MPF"
+    letters = "XYZABCUVW"
+    notes = (
+        "Never tried on a control: run it dry first (program test, DRY), then at reduced feed.",
+        "Written for the Siemens language (G291 off). SUPA leaves out every frame, also the handwheel's; D0 takes out "
+        "the tool, TRAFOOF the five-axis transformation.",
+        "FGROUP names all axes, so that the feed of a turning axis is in deg/min; FGREF is taken to be as delivered.",
+    )
+
+    def knows(self, name: str) -> bool:
+        """Return whether an axis may have that name; A2= to C7= are directions of the tool there."""
+        return super().knows(name) or re.fullmatch("[XYZUVW][1-9]", name) is not None
+
+    def comment(self, text: str) -> str:
+        """Return a comment after a semicolon."""
+        return f"; {text}"
+
+    def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
+        """Return metric, absolute, mm/min, no compensation, exact stop, no transformation."""
+        names = ",".join(axis.name for axis in axes)
+        return ["TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", f"FGROUP({names})"]
+
+    @property
+    def closing(self) -> list[str]:
+        """M30."""
+        return ["M30"]
+
+    def move(self, words: Words, feed: int) -> str:
+        """Return G1 SUPA: a feed move in machine coordinates; the name of an axis with a digit takes a =."""
+        named = " ".join(axis + "=" * (len(axis) > 1) + value for axis, value in words)
+        return f"G1 SUPA {named} F{feed}"
+
+    def dwell_s(self, seconds: float) -> list[str]:
+        """Return G4 F in seconds; it does not touch the feed of moves."""
+        return [f"G4 F{seconds:.3f}"]

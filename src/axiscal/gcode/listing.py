@@ -1,0 +1,69 @@
+"""The readings of a program as tables: which is where and when, and the form that their values are written into."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from axiscal.machine.axis import Axis
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.setup import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A reading as the program has it: coordinates as written there, mm or deg.
+
+    number : in the plan; seconds : from the start at the first reading until the axes stand, stops not counted
+    """
+
+    number: int
+    seconds: float
+    setup: Setup
+    axes: tuple[Axis, ...]
+    coordinates: tuple[str, ...]
+    approach: tuple[int, ...]
+
+    @property
+    def sides(self) -> str:
+        """The approach as readings files write it: "X+ Y-"."""
+        signs = {1: "+", -1: "-"}
+        return " ".join(axis.name + signs[side] for axis, side in zip(self.axes, self.approach, strict=True) if side)
+
+
+def listing(readings: Sequence[Listed]) -> str:
+    """Return the list that goes with a program: number, time, set-up, every coordinate, approach."""
+    header = ["reading", "time_s", "setup", *_axis_columns(readings[0].axes), "approach"]
+    rows = [[str(r.number), f"{r.seconds:.1f}", r.setup.name, *r.coordinates, r.sides] for r in readings]
+    return _csv([header, *rows])
+
+
+def form(readings: Sequence[Listed]) -> str:
+    """Return readings.csv, whose last columns are to be filled in for `axiscal estimate`; parked axes stay empty."""
+    kinds = {"length": "value_um", "angle": "value_urad"}
+    reads = {INSTRUMENTS[reading.setup.instrument].reads for reading in readings}
+    values = [column for kind, column in kinds.items() if kind in reads]
+    header = ["setup", *_axis_columns(readings[0].axes), "approach", *values]
+    rows = [[r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
+    return _csv([header, *rows])
+
+
+def _moving(reading: Listed) -> list[str]:
+    return [text if k in reading.setup.moves else "" for k, text in enumerate(reading.coordinates)]
+
+
+def _moving_sides(reading: Listed) -> str:
+    moving = {reading.axes[k].name for k in reading.setup.moves}
+    return " ".join(side for side in reading.sides.split() if side[:-1] in moving)
+
+
+def _axis_columns(axes: Sequence[Axis]) -> list[str]:
+    return [f"{axis.name}_{'deg' if axis.rotary else 'mm'}" for axis in axes]
+
+
+def _csv(rows: Iterable[Sequence[str]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()

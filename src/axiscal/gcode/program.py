@@ -1,0 +1,160 @@
+"""From planned readings to programs: one for each set-up, in the order of the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+from axiscal.exceptions import ProgramError
+from axiscal.gcode.dialect import Dialect
+from axiscal.gcode.groups import Group, groups
+from axiscal.gcode.listing import Listed, listing
+from axiscal.gcode.options import Options
+from axiscal.gcode.scale import Scale
+from axiscal.gcode.steps import Arrival, Dwell, Move, Remark, Step, Stop, run_through
+from axiscal.gcode.targets import Target, target
+from axiscal.gcode.wording import plain, program_name
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.measurement.setup import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A planned reading: set-up, pose (n_axes,) m or rad, approach (n_axes,) +1, −1, 0 per axis."""
+
+    setup: Setup
+    pose: tuple[float, ...]
+    approach: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The program of one set-up.
+
+    name, file_name : what the control calls it; text : ASCII; readings : its list, with where each is and when
+    notes : what whoever runs it must know
+    """
+
+    name: str
+    file_name: str
+    text: str
+    readings: tuple[Listed, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def listing(self) -> str:
+        """The readings as CSV."""
+        return listing(self.readings)
+
+
+def programs(
+    machine: Machine, visits: Sequence[Visit], dialect: Dialect, options: Options | None = None
+) -> tuple[Program, ...]:
+    """Return a program for each set-up, in the order in which the plan first uses them.
+
+    Readings keep their number in the plan, from 1.  Raises ProgramError before anything is written.
+    """
+    if not visits:
+        raise ProgramError("the plan has no readings", "Plan at least one")
+    writer = _Writer(machine, dialect, options or Options())
+    setups = list(dict.fromkeys(visit.setup for visit in visits))
+    numbered = list(enumerate(visits, start=1))
+    return tuple(
+        writer.program(number, setup, [(k, visit) for k, visit in numbered if visit.setup == setup])
+        for number, setup in enumerate(setups, start=1)
+    )
+
+
+class _Writer:
+    """Writes the programs of one machine in one dialect."""
+
+    def __init__(self, machine: Machine, dialect: Dialect, options: Options) -> None:
+        dialect.check(machine.axes)
+        self._machine, self._dialect, self._options = machine, dialect, options
+        self._scales = tuple(Scale.of(axis, dialect.decimals) for axis in machine.axes)
+        self._groups = groups(machine, options)
+
+    def program(self, number: int, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> Program:
+        dialect = self._dialect
+        name = program_name(number, setup.name, dialect.longest_name)
+        run = list(self._steps(setup, visits))
+        lines = [self._comment(text) for text in self._head(setup, visits)]
+        lines += [line for step in run for line in self._lines(step)]
+        text = dialect.framed(name, number, self._machine.axes, lines)
+        readings = tuple(self._listed(setup, run))
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
+
+    def _steps(self, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> Iterator[Step]:
+        targets = [
+            target(self._scales, self._options, setup.name, number, visit.pose, visit.approach)
+            for number, visit in visits
+        ]
+        reading = setup.reading_time if self._options.wait == "dwell" else None
+        return run_through(targets, self._scales, self._groups, setup.settle, reading)
+
+    def _head(self, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> list[str]:
+        return [
+            "AXISCAL MEASURING PROGRAM",
+            f"MACHINE {self._machine.name}",
+            f"SET-UP {setup.name}",
+            f"READINGS {visits[0][0]} TO {visits[-1][0]}",
+            "MACHINE COORDINATES IN MM AND DEG",
+            f"ORDER OF MOVES {order_text(self._groups)}",
+        ]
+
+    def _lines(self, step: Step) -> list[str]:
+        match step:
+            case Move():
+                words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
+                return [self._dialect.move(words, step.feed)]
+            case Dwell():
+                return self._dialect.dwell_s(step.seconds)
+            case Stop():
+                return self._dialect.stop(self._machine.axes)
+            case Remark():
+                return [self._comment(step.text)]
+            case Arrival():
+                return []
+
+    def _comment(self, text: str) -> str:
+        """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
+        return self._dialect.comment(plain(text))
+
+    def _listed(self, setup: Setup, run: Sequence[Step]) -> Iterator[Listed]:
+        """Yield the readings with the time from the start at the first one, stops not counted."""
+        seconds = 0.0
+        for step in run:
+            if isinstance(step, Move | Dwell):
+                seconds += step.seconds
+            elif isinstance(step, Arrival):
+                yield self._row(setup, step.target, seconds)
+
+    def _row(self, setup: Setup, reached: Target, seconds: float) -> Listed:
+        texts = [scale.written(value) for scale, value in zip(self._scales, reached.position, strict=True)]
+        return Listed(reached.number, seconds, setup, self._machine.axes, tuple(texts), reached.approach)
+
+    def _notes(self) -> tuple[str, ...]:
+        return (
+            *self._dialect.notes,
+            "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
+            f"At every place the axes move in this order: {order_text(self._groups)}. Nothing is known here of what "
+            "stands in the way: watch the first run at reduced feed.",
+            "Jog the axes only at the first two stops, before and at the mounting of the instrument; from there the "
+            "program goes to its start again. At a reading nothing may be moved by hand.",
+            f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
+        )
+
+    def _overruns(self) -> str:
+        def text(axis: Axis, step: Decimal, scale: Scale) -> str:
+            return (
+                f"{scale.above(self._options.overrun(axis)).quantize(step).normalize():f} {scale.unit} on {axis.name}"
+            )
+
+        return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
+
+
+def order_text(order: Sequence[Group]) -> str:
+    """Return the groups as words: "X Y Z then A C"."""
+    return " then ".join(" ".join(group.names) for group in order)

@@ -1,0 +1,113 @@
+"""What a measuring program does, before any control's words: moves, waits, stops, remarks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+from axiscal.exceptions import ProgramError
+from axiscal.gcode.groups import Group
+from axiscal.gcode.scale import Scale
+from axiscal.gcode.targets import Numbers, Target
+from axiscal.units import format_quantity
+
+LARGEST_TURN = 120
+"""deg; a longer turn is made in parts, since a control may take the short way round where an axis has no end."""
+LONGEST_DWELL = 60.0
+LONGEST_WAIT = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A straight move: index of each axis named -> where to, mm or deg; feed in mm/min or deg/min.
+
+    seconds : how long it takes; 0 where it begins nobody knows where
+    """
+
+    to: Mapping[int, Decimal]
+    feed: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """The axes stand still, s."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The program halts until somebody presses start."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """A comment, of our own words only."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """The axes have come to a reading."""
+
+    target: Target
+
+
+Step = Move | Dwell | Stop | Remark | Arrival
+
+
+def run_through(
+    targets: Sequence[Target], scales: Sequence[Scale], groups: Sequence[Group], settle: float, reading: float | None
+) -> Iterator[Step]:
+    """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
+
+    After the instrument is mounted every axis is sent to the start once more, for who had to jog.
+    Raises ProgramError for waits or feeds that cannot be.
+    """
+    standing = targets[0].turning
+    for text in ("PRESS START WHEN THE WAY TO THE START IS CLEAR", "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"):
+        yield from (Remark(text), Stop())
+        yield from (Move({k: standing[k] for k in group.axes}, group.feed(None), 0.0) for group in groups)
+    for target in targets:
+        turning = target.way_in(standing)
+        yield from _moves(standing, turning, scales, groups)
+        yield from _moves(turning, target.position, scales, groups)
+        standing = target.position
+        yield Remark(f"READING {target.number}")
+        yield Arrival(target)
+        yield from _dwells(settle)
+        yield from [Stop()] if reading is None else _dwells(reading)
+
+
+def _dwells(seconds: float) -> Iterator[Dwell]:
+    """Yield dwells of at most a minute that add up to so many seconds; raises ProgramError for more than an hour."""
+    if not 0 <= seconds <= LONGEST_WAIT:
+        what = f"a wait of {format_quantity(seconds, 's')} at each reading"
+        raise ProgramError(what, "Shorten settle or reading_time, or let the program stop for the instrument")
+    parts = math.ceil(seconds / LONGEST_DWELL)
+    yield from [Dwell(seconds / max(parts, 1))] * parts
+
+
+def _moves(start: Numbers, stop: Numbers, scales: Sequence[Scale], groups: Sequence[Group]) -> Iterator[Move]:
+    """Yield the moves from one place to another, group after group; none where nothing is to move."""
+    for group in groups:
+        ways = [float(abs(stop[k] - start[k])) for k in group.axes]
+        if not any(ways):
+            continue
+        moving = {k: (start[k], stop[k]) for k in group.axes if start[k] != stop[k]}
+        count = _parts(moving, scales)
+        feed = group.feed(ways)
+        seconds = group.seconds([way / count for way in ways], feed)
+        for part in range(1, count + 1):
+            to = {k: (a + (b - a) * part / count).quantize(scales[k].step) for k, (a, b) in moving.items()}
+            yield Move(to, feed, seconds)
+
+
+def _parts(moving: Mapping[int, tuple[Decimal, Decimal]], scales: Sequence[Scale]) -> int:
+    """Return in how many parts a move is made, so that none turns an axis far."""
+    turns = [abs(stop - start) for k, (start, stop) in moving.items() if scales[k].axis.rotary]
+    return math.ceil(max(turns, default=Decimal(1)) / LARGEST_TURN)

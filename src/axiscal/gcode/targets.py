@@ -1,0 +1,107 @@
+"""Planned readings in the numbers of a program, and from where each is approached."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+from axiscal.document import shown
+from axiscal.exceptions import ProgramError
+from axiscal.gcode.options import LEAST, Options
+from axiscal.gcode.scale import Scale
+from axiscal.machine.description import Machine
+from axiscal.units import format_quantity
+
+Numbers = tuple[Decimal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A reading: its number in the plan, where the axes stand, and from where they come at least.
+
+    turning : the position, less the overrun where the side counts; approach : +1, −1, 0 per axis
+    """
+
+    number: int
+    position: Numbers
+    turning: Numbers
+    approach: tuple[int, ...]
+
+    def way_in(self, standing: Numbers | None) -> Numbers:
+        """Return where to turn on the way from where the axes stand: an axis that comes far enough does not turn."""
+        if standing is None:
+            return self.turning
+        axes = zip(standing, self.position, self.turning, self.approach, strict=True)
+        return tuple(p if side == 0 or (p - s) * side >= abs(p - t) else t for s, p, t, side in axes)
+
+
+def target(
+    scales: Sequence[Scale],
+    options: Options,
+    setup: str,
+    number: int,
+    pose: Sequence[float],
+    approach: Sequence[int],
+) -> Target:
+    """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
+    where = f"reading {number} of the set-up {shown(setup)}"
+    if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
+        raise ProgramError(f"{where} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
+    placed = [_placed(s, options, where, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
+    position, turning = zip(*placed, strict=True)
+    return Target(number, position, turning, tuple(int(side) for side in approach))
+
+
+def approachable(
+    machine: Machine, pose: Sequence[float], approach: Sequence[int], options: Options | None = None
+) -> bool:
+    """Return whether there is room in the travel to come to a pose (m or rad) from the stated sides.
+
+    approach : +1, −1, 0 per axis.  A control that writes fewer than five decimals may round a tight place away.
+    """
+    options = options or Options()
+    for axis, value, side in zip(machine.axes, pose, approach, strict=True):
+        scale = Scale.of(axis, 6)
+        number = scale.nearest(value)
+        if number is None or (side and _sided(scale, options, number, int(side)) is None):
+            return False
+    return True
+
+
+def _placed(scale: Scale, options: Options, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
+    """Return position and turning point of one axis."""
+    number = scale.nearest(value)
+    if number is None:
+        what = f"{where}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
+        raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
+    if side == 0:
+        return number, number
+    sided = _sided(scale, options, number, side)
+    if sided is None:
+        raise _no_room(scale, options, where, number, side)
+    return sided
+
+
+def _sided(scale: Scale, options: Options, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
+    """Return a position and its turning point, the largest overrun that fits; the other end of a turn where none does.
+
+    None where no end leaves room.
+    """
+    wanted = scale.above(options.overrun(scale.axis))
+    least = max(scale.step, scale.above(LEAST * options.overrun(scale.axis)))
+    for place in (number, *(() if scale.turn is None else (number + side * scale.turn,))):
+        room = place - scale.first if side > 0 else scale.last - place
+        if scale.first <= place <= scale.last and room >= least:
+            return place, place - side * min(wanted, room)
+    return None
+
+
+def _no_room(scale: Scale, options: Options, where: str, number: Decimal, side: int) -> ProgramError:
+    sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
+    least = format_quantity(LEAST * options.overrun(scale.axis), scale.unit, 3)
+    what = (
+        f"{where} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
+        f"the travel, which ends at {end} {scale.unit}, leaves less than {least} to come from there"
+    )
+    return ProgramError(what, "Plan it further inside or from the other side, or choose a smaller overrun")
