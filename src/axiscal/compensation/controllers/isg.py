@@ -22,7 +22,7 @@ from axiscal.machine.names import parse_error_name
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
-_NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]")
+_NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
 _GRID = re.compile(r"\[(\w+)\]\s*(?:VALUE\s*=\s*(\S+)|Gridpoints\s*=\s*\{([^}]*)\})")
 _HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain."
 _LEFT = "reversal values, and the orientation of the tool."
@@ -55,6 +55,9 @@ def _draft(
     }
     found = curves(estimate, grids)
     _refuse_names(found)
+    if not found:
+        raise TableError("there is no deviation that these files could hold", "take readings first")
+    found |= nominal(machine)
     text = write(found, machine)
     held = tip_control(estimate.model, read(text, machine))
     files = {name: text, "volcomp.lis": list_file(machine, options, name, kind)}
@@ -62,6 +65,17 @@ def _draft(
     wanted = tip_control(estimate.model, found)
     notes = _notes(machine, found, name, options.flip)
     return Draft(files, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
+
+
+def nominal(machine: Machine) -> dict[str, Curve]:
+    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
+    places = {"P0{}": (0.0, 0.0, -machine.tool)}
+    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+    return {
+        name.format(direction): Curve(np.zeros(1), np.array([value]))
+        for name, place in places.items()
+        for direction, value in zip("XYZ", place, strict=True)
+    }
 
 
 def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
@@ -175,7 +189,8 @@ def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) 
         "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
         "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
         f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
-        f"The chain {machine.chain} has to be the control's own.",
+        f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
+        "rotary axes lie, both from the machine's origin.",
         "The kernel corrects the position of the tool, not its orientation.",
     )
 
@@ -185,8 +200,12 @@ def _row(words: Iterable[str]) -> str:
 
 
 def _shown(name: str, values: Array) -> Array:
-    return values if parse_error_name(name).angular else np.asarray(to_unit(values, "mm"), dtype=float)
+    return values if _angular(name) else np.asarray(to_unit(values, "mm"), dtype=float)
 
 
 def _inside(name: str, values: Array) -> Array:
-    return values if parse_error_name(name).angular else np.asarray(from_unit(values, "mm"), dtype=float)
+    return values if _angular(name) else np.asarray(from_unit(values, "mm"), dtype=float)
+
+
+def _angular(name: str) -> bool:
+    return not name.startswith("P") and parse_error_name(name).angular
