@@ -69,7 +69,7 @@ def test_linuxcnc_sends_every_axis_where_we_say_it_does(name: str) -> None:
     tables = export(estimate, "linuxcnc", Options())
     poses, approaches = spread(estimate)
     with LinuxcncMachine(truth, Tables(tables.files)) as machine:
-        sent = machine.sent(poses.tolist(), approaches.astype(int).tolist())
+        sent = machine.sent(poses, approaches)
         assert machine.errors == ()
     apart = np.abs(sent - poses - tables.control(poses, approaches))
     close = [np.radians(1e-5) if axis.rotary else 1e-8 for axis in estimate.machine.axes]
@@ -85,7 +85,7 @@ def test_tables_with_the_wrong_sign_make_it_worse() -> None:
     wrong = [flipped(t) for t in tables.tables]
     text = {f"{t.axis}.comp": offer(t).text for t in wrong if t.over == t.axis}
     with LinuxcncMachine(truth, Tables(text)) as control:
-        left = control.deviation(poses, approaches)
+        left = control.seen.deviation(poses, approaches)
     found = truth.deviation(poses, approaches)
     right = left_by(machine, truth.deviation, table_control(machine, tables.tables), poses, approaches)
     assert rms(left) > 1.3 * rms(found) > 10 * rms(right)

@@ -20,6 +20,7 @@ from axiscal.campaign.calibration import Calibration, Problem, calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
+from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.compensation.effect import left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.offer import Export
@@ -71,7 +72,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
     with Campaign.create(record, problem.description, lambda _: Calibration(problem)) as campaign:
-        source = LinuxcncSource(truth, seed)
+        source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed))
         try:
             campaign.run(source, _unwatched)
         finally:
@@ -100,7 +101,7 @@ def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, r
     told: list[str] = []
     for loaded in (None, Tables(tables.files)):
         with LinuxcncMachine(truth, loaded) as machine:
-            seen.append(_centred(machine.deviation(poses, approaches)))
+            seen.append(_centred(machine.seen.deviation(poses, approaches)))
             told += machine.errors
     left = _centred(left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches))
     std = calibration.accuracy().rms

@@ -58,6 +58,7 @@ def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
 
 def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
     from axiscal.campaign.sources.linuxcnc import LinuxcncSource
+    from axiscal.campaign.sources.simulated import SimulatedSource
     from axiscal.simulation import VirtualMachine
 
     from_file = rest.endswith(".csv")
@@ -65,7 +66,7 @@ def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
     truth = simulator.from_curves(Path(rest), number) if from_file else simulator.drawn(number)
     if not isinstance(truth, VirtualMachine):
         raise SourceError("LinuxCNC can only move virtual machines of axiscal", _KINDS)
-    return LinuxcncSource(truth, number)
+    return LinuxcncSource(truth, lambda machine: SimulatedSource(machine, number))
 
 
 def _seed(text: str, kind: str) -> int:

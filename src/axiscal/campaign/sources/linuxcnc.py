@@ -6,17 +6,14 @@ are loaded into it act as they would on the shop floor.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from axiscal.campaign.sources.source import Answer, Request
+from axiscal.campaign.sources.source import Answer, Request, Skip, Source
 from axiscal.exceptions import SourceError
-from axiscal.measurement.setup import Setup
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from axiscal.compensation.controllers.linuxcnc.headless import Joint, Session
     from axiscal.compensation.controllers.linuxcnc.headless.configuration import Cross
     from axiscal.machine import Axis
@@ -38,48 +35,40 @@ class Tables:
 class LinuxcncMachine:
     """A virtual machine behind a running LinuxCNC; a context manager.
 
-    tables : loaded into LinuxCNC, or None for none
+    tables : loaded into LinuxCNC, or None for none; seen : the machine as its instruments see it
     Raises ControlError.
     """
 
     def __init__(self, truth: VirtualMachine, tables: Tables | None = None) -> None:
+        from axiscal.compensation.commanded import CommandedMachine
         from axiscal.compensation.controllers.linuxcnc.headless import Session
 
-        machine = truth.model.machine
-        self._machine, self._truth = machine, truth
-        self._axes = sorted(range(len(machine.axes)), key=lambda k: _ORDER.index(_letter(machine.axes[k])))
+        self._machine = truth.model.machine
+        self._axes = sorted(range(len(self._machine.axes)), key=lambda k: _ORDER.index(_letter(self._machine.axes[k])))
         files = {} if tables is None else tables.files
-        joints = [_joint(machine.axes[k], files) for k in self._axes]
+        joints = [_joint(self._machine.axes[k], files) for k in self._axes]
         self._session: Session = Session(joints, cross=_cross(joints, files))
+        self._last: tuple[Array, Array, Array] | None = None
+        self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
 
-    def sent(self, poses: Sequence[Sequence[float]], approaches: Sequence[Sequence[int]]) -> Array:
-        """Move to poses and return where the motors were sent, (m, q), m or rad."""
+    def sent(self, poses: Array, approaches: Array) -> Array:
+        """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad.
+
+        Where it stands already LinuxCNC is not moved again.
+        """
         import numpy as np
 
+        last = self._last
+        if last is not None and np.array_equal(poses, last[0]) and np.array_equal(approaches, last[1]):
+            return last[2]
         codes = [code for pose, signs in zip(poses, approaches, strict=True) for code in self._codes(pose, signs)]
         steps = self._session.move(codes)[1::2]
-        result = np.empty((len(steps), len(self._axes)))
+        result = np.empty(poses.shape)
         for row, step in zip(result, steps, strict=True):
             for k, motor in zip(self._axes, step.motor, strict=True):
                 row[k] = motor / _scale(self._machine.axes[k])
+        self._last = poses.copy(), approaches.copy(), result
         return result
-
-    def deviation(self, poses: Array, approaches: Array) -> Array:
-        """Return the true TCP deviation from what was commanded, (m, 3), m."""
-        from axiscal.machine.kinematics import frames
-
-        sent = self.sent(poses.tolist(), approaches.astype(int).tolist())
-        shift: Array = frames(self._machine, sent).tcp - frames(self._machine, poses).tcp
-        return shift + self._truth.deviation(sent, approaches)
-
-    def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
-        """Return what the set-up would show at a pose."""
-        from axiscal.measurement.instrument import INSTRUMENTS
-
-        sent = self.sent([pose], [approach])
-        shown = self._truth.read(setup, tuple(map(float, sent[0])), approach, rng)
-        length = INSTRUMENTS[setup.instrument].reads == "length"
-        return shown + (self._shift(pose, sent, setup) if length else self._turn(pose, sent, setup))
 
     @property
     def errors(self) -> tuple[str, ...]:
@@ -96,61 +85,40 @@ class LinuxcncMachine:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _codes(self, pose: Sequence[float], signs: Sequence[int]) -> list[str]:
+    def _codes(self, pose: Array, signs: Array) -> list[str]:
         """Return a move beside the pose and one to it; axes without a direction come upwards."""
         words: list[list[str]] = [[], []]
         for k in self._axes:
             axis = self._machine.axes[k]
-            target = pose[k] * _scale(axis)
-            for line, at in zip(words, (target - (signs[k] or 1) * _OVERRUN, target), strict=True):
+            target = float(pose[k]) * _scale(axis)
+            for line, at in zip(words, (target - (float(signs[k]) or 1.0) * _OVERRUN, target), strict=True):
                 line.append(f"{_letter(axis)}{at:.6f}")
         return [f"G53 G0 {' '.join(line)}" for line in words]
-
-    def _shift(self, pose: tuple[float, ...], sent: Array, setup: Setup) -> float:
-        import numpy as np
-
-        from axiscal.machine.kinematics import frames
-
-        tips = [frames(self._machine, np.atleast_2d(at)).tcp[0] for at in (sent, np.array(pose))]
-        return float((tips[0] - tips[1]) @ np.array(setup.direction))
-
-    def _turn(self, pose: tuple[float, ...], sent: Array, setup: Setup) -> float:
-        import numpy as np
-
-        from axiscal.machine.kinematics import frames
-
-        nominal = frames(self._machine, np.array([pose])).rotations
-        turned = sum(
-            (sent[0, k] - pose[k]) * (nominal[k, 0] @ np.array(axis.direction))
-            for k, axis in enumerate(self._machine.axes)
-            if axis.rotary
-        )
-        return float(np.dot(turned, setup.direction)) if np.ndim(turned) else 0.0
 
 
 class LinuxcncSource:
     """The machine as a source: LinuxCNC starts with the first reading.
 
-    The noise of a reading depends on its number only, so that a run that is resumed is the same run.
+    simulated : makes the source that reads a virtual machine
     """
 
-    def __init__(self, truth: VirtualMachine, seed: int, tables: Tables | None = None) -> None:
-        self._truth, self._seed, self._tables = truth, seed, tables
-        self._running: LinuxcncMachine | None = None
+    def __init__(
+        self, truth: VirtualMachine, simulated: Callable[[VirtualMachine], Source], tables: Tables | None = None
+    ) -> None:
+        self._truth, self._simulated, self._tables = truth, simulated, tables
+        self._running: tuple[LinuxcncMachine, Source] | None = None
 
-    def read(self, request: Request) -> Answer:
+    def read(self, request: Request) -> Answer | Skip:
         """Return the reading; raises ControlError."""
-        import numpy as np
-
         if self._running is None:
-            self._running = LinuxcncMachine(self._truth, self._tables)
-        rng = np.random.default_rng((self._seed, request.reading))
-        return Answer(self._running.read(request.setup, request.pose, request.approach, rng))
+            machine = LinuxcncMachine(self._truth, self._tables)
+            self._running = machine, self._simulated(machine.seen)
+        return self._running[1].read(request)
 
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""
         if self._running is not None:
-            self._running.close()
+            self._running[0].close()
 
 
 def _letter(axis: Axis) -> str:
