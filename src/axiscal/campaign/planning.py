@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -25,8 +26,9 @@ if TYPE_CHECKING:
 _CANDIDATES = 2000
 _AT_ONCE = 150
 _NEAR = 0.01
-_PATIENCE = 3.0
-"""Seconds that a person at the machine may be kept waiting for readings off the lattice."""
+_SMALL = 120
+"""Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long. Never
+by the clock, so that the same campaign asks for the same readings on any machine."""
 
 
 def planned_places(calibration: Calibration, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
@@ -38,10 +40,11 @@ def planned_places(calibration: Calibration, gaps: Sequence[Gap], visits: Sequen
     limits = limits_left(calibration.problem.description.target, len(visits), calibration.elapsed(visits))
     if not len(problem.lattice):
         return ()
+    patience = math.inf if problem.observation.size <= _SMALL else 0.0
     try:
-        plan = make_plan(problem, limits, patience=_PATIENCE, bounded=False)
+        plan = make_plan(problem, limits, patience=patience, bounded=False)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
-        plan = make_plan(problem, Limits(1), patience=_PATIENCE, bounded=False)
+        plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
     setups = calibration.problem.description.setups
     return tuple(
         Place(setups[r.setup].name, tuple(map(float, r.pose)), tuple(int(sign) for sign in r.approach))
