@@ -21,7 +21,7 @@ from axiscal.compensation.effect import Control, left_by, table_control
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.options import Options
 from axiscal.compensation.registry import export
-from axiscal.compensation.verification import GUARD, Places, judge, lengths_only, plan_check, verdict
+from axiscal.compensation.verification import GUARD, Places, judge, plan_check, verdict, with_displacements
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -97,7 +97,7 @@ def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
 
 def candidates() -> Places:
     lattice = problem().lattice
-    return lengths_only(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
+    return with_displacements(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
 
 
 def readings(truth: VirtualMachine, places: Places, control: Control | None, seed: int) -> tuple[Reading, ...]:
@@ -213,6 +213,9 @@ def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Readi
         judge(estimate, setups, found, found[:-1], control, 1e-6)
     with pytest.raises(ReadingError, match="not read at the same place"):
         judge(estimate, setups, found, found[::-1], control, 1e-6)
+    level = tuple(replace(reading, setup="level") for reading in found)
+    with pytest.raises(ReadingError, match='"level" reads no displacement'):
+        judge(estimate, setups, level, level, control, 1e-6)
     with pytest.raises(ReadingError, match="cannot tell the machine from the set-up"):
         judge(estimate, setups, found[:1], found[:1], control, 1e-6)
 
@@ -251,4 +254,11 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     assert run([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["tolerance_um"] == pytest.approx(3.0)
     assert run([*arguments, "--tolerance", "6 deg"]) == 1
+    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "6 um"]) == 0
+    assert "PASS" in capsys.readouterr().out
+    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "6 um"]) == 0
+    assert "do not agree with the estimate" in capsys.readouterr().out
+    for source in ("csv:x.csv", "sim:x", "exec:true"):
+        assert run(["verify", str(record), "--source", source]) == 1
+    assert run([*arguments, "--source", "sim:1"]) == 2
     assert run(arguments[:4]) == 2

@@ -14,7 +14,11 @@ if TYPE_CHECKING:
     from axiscal.campaign.campaign import Campaign
     from axiscal.compensation.effect import Control
     from axiscal.compensation.estimate import Estimate
+    from axiscal.compensation.offer import Export
     from axiscal.compensation.verification import Judgement, Places
+    from axiscal.measurement.reading import Reading
+
+    Pair = tuple[tuple[Reading, ...], tuple[Reading, ...]]
 
 
 def verify(
@@ -33,6 +37,9 @@ def verify(
     ] = "csv",
     points: Annotated[int, typer.Option(min=2, max=200, help="How many places to check.")] = 12,
     plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
+    source: Annotated[
+        str | None, typer.Option(metavar="SOURCE", help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Check a compensated machine at places that were not read before, and say pass, fail or undecided.
@@ -44,49 +51,52 @@ def verify(
     Examples:
       axiscal verify mill.axiscal --points 12 --plan check.csv
       axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
+      axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
     """
     from axiscal.campaign.calibration import calibration_of
     from axiscal.cli.opening import open_campaign
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
-    if found is not None and plan is not None:
-        raise typer.BadParameter("--plan is for planning, --found and --left for judging")
+    if found is not None and (plan is not None or source is not None):
+        raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
     with open_campaign(record, write=False) as campaign:
         calibration = calibration_of(campaign.engine)
-        estimate, control = _tables(calibration, to)
-        if found is None or left is None:
-            _plan(campaign, calibration, estimate, control, points, plan, json)
+        estimate, tables = _tables(calibration, to)
+        if found is not None and left is not None:
+            _judge(campaign, estimate, tables.control, _read(campaign, found, left), tolerance, json)
+            return
+        chosen = _chosen(campaign, calibration, estimate, tables.control, points)
+        if source is None:
+            _plan(campaign, estimate, tables.control, chosen, plan, json)
         else:
-            _judge(campaign, estimate, control, found, left, tolerance, json)
+            _judge(campaign, estimate, tables.control, _asked(campaign, source, tables, chosen), tolerance, json)
 
 
-def _tables(calibration: Calibration, controller: str) -> tuple[Estimate, Control]:
+def _tables(calibration: Calibration, controller: str) -> tuple[Estimate, Export]:
     from axiscal.compensation import registry
     from axiscal.compensation.estimate import Estimate
     from axiscal.compensation.options import Options
 
     problem = calibration.problem
     estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
-    return estimate, registry.export(estimate, controller, Options()).control
+    return estimate, registry.export(estimate, controller, Options())
+
+
+def _chosen(campaign: Campaign, calibration: Calibration, estimate: Estimate, control: Control, count: int) -> Places:
+    from axiscal.compensation.verification import Places, plan_check, with_displacements
+
+    setups, lattice = campaign.description.setups, calibration.problem.lattice
+    candidates = with_displacements(setups, Places(lattice.setups, lattice.poses, lattice.approaches))
+    return plan_check(estimate, setups, candidates, campaign.state.readings, control, count)
 
 
 def _plan(
-    campaign: Campaign,
-    calibration: Calibration,
-    estimate: Estimate,
-    control: Control,
-    count: int,
-    plan: Path | None,
-    json: bool,
+    campaign: Campaign, estimate: Estimate, control: Control, chosen: Places, plan: Path | None, json: bool
 ) -> None:
     from axiscal.cli.printing import say, say_document
-    from axiscal.compensation.verification import Places, lengths_only, plan_check
     from axiscal.report.delivery import write_whole
 
-    setups, lattice = campaign.description.setups, calibration.problem.lattice
-    candidates = lengths_only(setups, Places(lattice.setups, lattice.poses, lattice.approaches))
-    chosen = plan_check(estimate, setups, candidates, campaign.state.readings, control, count)
     rows = _rows(campaign, estimate, chosen, control)
     if plan is not None:
         write_whole(plan, _csv(campaign, chosen))
@@ -97,6 +107,29 @@ def _plan(
         say(f"{row['setup']}: {row['place']}  as found {row['found_um']:.1f} um, as left {row['left_um']:.1f} um")
     if plan is not None:
         say(f"\nFill in value_um without and with the tables: {plan}")
+
+
+def _asked(campaign: Campaign, source: str, tables: Export, chosen: Places) -> Pair:
+    from axiscal.campaign.checking import as_found_and_left
+    from axiscal.campaign.sources import Request
+    from axiscal.simulation import Simulator
+
+    description = campaign.description
+    places = zip(chosen.setups.tolist(), chosen.poses.tolist(), chosen.approaches.astype(int).tolist(), strict=True)
+    wanted = [
+        Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
+        for n, (s, pose, approach) in enumerate(places)
+    ]
+    return as_found_and_left(source, Simulator(description.machine, description.setups), tables, wanted)
+
+
+def _read(campaign: Campaign, found: Path, left: Path) -> Pair:
+    from axiscal.campaign.placing import placed_readings
+    from axiscal.measurement.readers.csv_readings import read_readings
+
+    description = campaign.description
+    before, after = (placed_readings(read_readings(file), description, file) for file in (found, left))
+    return before, after
 
 
 def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Control) -> list[dict[str, object]]:
@@ -148,22 +181,12 @@ def _approach(campaign: Campaign, signs: list[float]) -> str:
 
 
 def _judge(
-    campaign: Campaign,
-    estimate: Estimate,
-    control: Control,
-    found: Path,
-    left: Path,
-    tolerance: str | None,
-    json: bool,
+    campaign: Campaign, estimate: Estimate, control: Control, readings: Pair, tolerance: str | None, json: bool
 ) -> None:
-    from axiscal.campaign.placing import placed_readings
     from axiscal.cli.printing import say, say_document
     from axiscal.compensation.verification import judge
-    from axiscal.measurement.readers.csv_readings import read_readings
 
-    description = campaign.description
-    before, after = (placed_readings(read_readings(file), description, file) for file in (found, left))
-    judgement = judge(estimate, description.setups, before, after, control, _tolerance(campaign, tolerance))
+    judgement = judge(estimate, campaign.description.setups, *readings, control, _tolerance(campaign, tolerance))
     if json:
         say_document(_document(judgement))
     else:

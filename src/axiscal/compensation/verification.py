@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
+INSTRUMENTS = frozenset({"interferometer", "indicator", "probe", "straightedge"})
+"""Those that read a displacement along one direction: the ones a check is made with."""
 _FRESH, _APART = 0.05, 0.15
 _PER_SETUP = 4
 _UNLIKELY = 0.01
@@ -128,11 +129,12 @@ def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: 
     return mean, factor
 
 
-def lengths_only(setups: Sequence[Setup], candidates: Places) -> Places:
-    """Return the candidates of set-ups that read lengths; raises ReadingError when there are none."""
-    kept = [i for i, s in enumerate(candidates.setups) if INSTRUMENTS[setups[s].instrument].reads == "length"]
+def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
+    """Return the candidates of set-ups that read a displacement; raises ReadingError when there are none."""
+    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in INSTRUMENTS]
     if not kept:
-        raise ReadingError("no set-up of this campaign reads a length", "Add one to check the machine with")
+        known = ", ".join(sorted(INSTRUMENTS))
+        raise ReadingError("no set-up of this campaign reads a displacement", f"A check is made with: {known}")
     return candidates.of(kept)
 
 
@@ -150,6 +152,7 @@ def judge(
     """
     _refuse_different(found, left)
     names = [setup.name for setup in setups]
+    _refuse_others([setups[names.index(reading.setup)] for reading in left])
     indices = np.array([names.index(reading.setup) for reading in left])
     places = Places(
         indices,
@@ -207,6 +210,15 @@ def _likelihood(values: Array, covariance: Array) -> float:
     kept = scale > 1e-9 * scale[-1]
     parts = vectors[:, kept].T @ values
     return float(chdtrc(int(kept.sum()), float(np.sum(parts**2 / scale[kept]))))
+
+
+def _refuse_others(used: Sequence[Setup]) -> None:
+    for setup in used:
+        if setup.instrument not in INSTRUMENTS:
+            known = ", ".join(sorted(INSTRUMENTS))
+            raise ReadingError(
+                f'"{setup.name}" reads no displacement ({setup.instrument})', f"Check with one of {known}"
+            )
 
 
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
