@@ -35,7 +35,3 @@ def test_a_finding_beyond_its_limit_is_a_failure(
     said = capsys.readouterr().out
     assert "FAILS" in said
     assert "2 beyond the limit" in said
-
-
-def test_every_part_is_tried_here_or_by_a_sample_of_its_own() -> None:
-    assert {*SMALL, "belief", "coverage"} == set(campaign.PARTS)
