@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.certify import belief, coverage, machines, one_joint_cases
+from tests.certify import belief, coverage, gcode, machines, one_joint_cases
 
 LIMIT = 1e-9
 LATTICE = 1_000_000
@@ -67,11 +67,17 @@ def bands(drawn: int, first: int) -> Iterator[Finding]:
         yield Finding(f"{name}, {len(trial.visits)} readings: {means}; limits {low:.1%}, {high:.1%}", good)
 
 
+def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
+    """Yield what LinuxCNC's interpreter, and a reader of each dialect, make of that many random plans."""
+    yield from (Finding(text, good) for text, good in gcode.verdicts(plans, first))
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
     "belief": (million_updates, 1_000_000, "updates of five problems"),
     "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
+    "gcode": (measuring_programs, 2_000, "random plans as measuring programs"),
 }
 
 

@@ -13,6 +13,9 @@ from axiscal.gcode.scale import Scale
 from axiscal.gcode.targets import Numbers, Target
 from axiscal.units import format_quantity
 
+Places = Mapping[int, Decimal]
+"""Index of an axis -> where it is, mm or deg."""
+
 LARGEST_TURN = 120
 """deg; a longer turn is made in parts, since a control may take the short way round where an axis has no end."""
 LONGEST_DWELL = 60.0
@@ -26,7 +29,7 @@ class Move:
     seconds : how long it takes; 0 where it begins nobody knows where
     """
 
-    to: Mapping[int, Decimal]
+    to: Places
     feed: int
     seconds: float
 
@@ -95,19 +98,19 @@ def _dwells(seconds: float) -> Iterator[Dwell]:
 def _moves(start: Numbers, stop: Numbers, scales: Sequence[Scale], groups: Sequence[Group]) -> Iterator[Move]:
     """Yield the moves from one place to another, group after group; none where nothing is to move."""
     for group in groups:
-        ways = [float(abs(stop[k] - start[k])) for k in group.axes]
-        if not any(ways):
-            continue
-        moving = {k: (start[k], stop[k]) for k in group.axes if start[k] != stop[k]}
-        count = _parts(moving, scales)
-        feed = group.feed(ways)
-        seconds = group.seconds([way / count for way in ways], feed)
-        for part in range(1, count + 1):
-            to = {k: (a + (b - a) * part / count).quantize(scales[k].step) for k, (a, b) in moving.items()}
-            yield Move(to, feed, seconds)
+        begin: Places = {k: start[k] for k in group.axes}
+        for end in _places(begin, {k: stop[k] for k in group.axes}, scales):
+            ways = [float(abs(end[k] - begin[k])) for k in group.axes]
+            feed = group.feed(ways)
+            yield Move({k: end[k] for k in group.axes if end[k] != begin[k]}, feed, group.seconds(ways, feed))
+            begin = end
 
 
-def _parts(moving: Mapping[int, tuple[Decimal, Decimal]], scales: Sequence[Scale]) -> int:
-    """Return in how many parts a move is made, so that none turns an axis far."""
-    turns = [abs(stop - start) for k, (start, stop) in moving.items() if scales[k].axis.rotary]
-    return math.ceil(max(turns, default=Decimal(1)) / LARGEST_TURN)
+def _places(begin: Places, end: Places, scales: Sequence[Scale]) -> Iterator[Places]:
+    """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
+    if begin == end:
+        return
+    turns = [abs(end[k] - begin[k]) for k in end if scales[k].axis.rotary]
+    count = max(1, math.ceil(max(turns, default=Decimal(0)) / LARGEST_TURN))
+    for part in range(1, count + 1):
+        yield {k: (begin[k] + (end[k] - begin[k]) * part / count).quantize(scales[k].step) for k in end}

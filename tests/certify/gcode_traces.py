@@ -1,0 +1,246 @@
+"""Programs read a second time, each by a small reader written from the descriptions of the controls, not from ours.
+
+A reader knows the few words that a measuring program may have and refuses every other: what it returns is what the
+machine would do.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A straight move at a feed to machine coordinates, mm or deg, mm/min or deg/min; axes left out stand still."""
+
+    to: dict[str, float]
+    feed: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """The machine stands still, s."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Halt:
+    """The program waits for start."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Here reading `number` is taken."""
+
+    number: int
+
+
+Event = Move | Wait | Halt | Mark
+
+_NUMBER = r"[+-]?\d+\.\d+"
+_WORD = re.compile(rf"([A-Z][0-9]?)(?:=|(?<=[A-Z]))({_NUMBER})")
+_COMMENT = r"[A-Z0-9 _.+-]*"
+
+
+def _mark(comment: str) -> list[Event]:
+    found = re.fullmatch(r"READING (\d+)", comment.strip())
+    return [Mark(int(found[1]))] if found else []
+
+
+def _move(words: str, feed: str) -> Move:
+    pairs = [_WORD.fullmatch(word) for word in words.split()]
+    assert pairs
+    assert all(pairs), words
+    to = {pair[1]: float(pair[2]) for pair in pairs if pair}
+    assert len(to) == len(pairs), f"an axis twice in {words}"
+    return Move(to, float(feed))
+
+
+def _read(lines: list[str], patterns: dict[str, Callable[[re.Match[str]], list[Event]]]) -> list[Event]:
+    """Return what the lines do; every line is of one of the patterns."""
+    events: list[Event] = []
+    for line in lines:
+        hits = [(found, act) for pattern, act in patterns.items() if (found := re.fullmatch(pattern, line))]
+        assert len(hits) == 1, f"not a line of a measuring program: {line!r}"
+        events += hits[0][1](hits[0][0])
+    return events
+
+
+def read_linuxcnc(text: str) -> list[Event]:
+    """G53 with G1 in every block; G4 P in seconds."""
+    head, exact_stop, *body, end = text.splitlines()
+    assert head == "G21 G90 G94 G17 G40 G49 G80"
+    assert (exact_stop, end) == ("G61", "M2")
+    return _read(
+        body,
+        {
+            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
+            rf"G53 G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
+            r"G4 P(\d+\.\d+)": lambda m: [Wait(float(m[1]))],
+            "M0": lambda m: [Halt()],
+        },
+    )
+
+
+def read_sinumerik(text: str) -> list[Event]:
+    """SUPA in every block; G4 F in seconds; an axis whose name has a digit takes a =."""
+    transformation, modal, group, *body, end = text.splitlines()
+    assert transformation == "TRAFOOF"
+    assert modal.split() == ["G710", "G90", "G94", "G17", "G40", "G60", "D0"]
+    assert end == "M30"
+    named = re.fullmatch(r"FGROUP\(([A-Z0-9,]+)\)", group)
+    assert named
+    events = _read(
+        body,
+        {
+            rf"; ({_COMMENT})": lambda m: _mark(m[1]),
+            rf"G1 SUPA ((?:[A-Z](?:\d=)?{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
+            r"G4 F(\d+\.\d+)": lambda m: [Wait(float(m[1]))],
+            "M0": lambda m: [Halt()],
+        },
+    )
+    moved = {axis for event in events if isinstance(event, Move) for axis in event.to}
+    assert moved == set(named[1].split(","))
+    return events
+
+
+def read_heidenhain(text: str) -> list[Event]:
+    """Numbered blocks; M91 in every move; cycle 9 in seconds, in two blocks."""
+    numbered = [line.partition(" ") for line in text.splitlines()]
+    assert [int(number) for number, _, _ in numbered] == list(range(len(numbered)))
+    begin, *body, end_program, end = [block for _, _, block in numbered]
+    name = begin.removeprefix("BEGIN PGM ").removesuffix(" MM")
+    assert re.fullmatch("[A-Z0-9_]{1,16}", name)
+    assert (begin, end_program, end) == (f"BEGIN PGM {name} MM", "M30", f"END PGM {name} MM")
+    joined = "\n".join(body).replace("CYCL DEF 9.0 DWELL TIME\n", "CYCL DEF 9.0 DWELL TIME|").splitlines()
+    return _read(
+        joined,
+        {
+            rf"; ({_COMMENT})": lambda m: _mark(m[1]),
+            r"L ((?:[A-Z][+-]\d+\.\d+ )+)R0 F(\d+) M91": lambda m: [_move(m[1], m[2])],
+            r"CYCL DEF 9\.0 DWELL TIME\|CYCL DEF 9\.1 DWELL (\d+\.\d+)": lambda m: [Wait(float(m[1]))],
+            "STOP": lambda m: [Halt()],
+        },
+    )
+
+
+def read_fanuc(text: str) -> list[Event]:
+    """G54 that has been compared with the machine's zero after every stop; G4 P in whole milliseconds."""
+    percent, number, tool, modal, work, *body, end, alarm, last = text.splitlines()
+    assert (percent, tool, modal, work, end, last) == (
+        "%",
+        "IF[#4008NE49]GOTO9000",
+        "G21 G90 G94 G17 G40 G49 G80",
+        "G54",
+        "M30",
+        "%",
+    )
+    assert re.fullmatch(r"O[1-9]\d{3}", number)
+    assert re.fullmatch(r"N9000 #3000=1\([A-Z ]{1,31}\)", alarm)
+    plain, compared = _without_comparisons(body)
+    events = _read(
+        plain,
+        {
+            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
+            rf"G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
+            r"G4 P(\d+)": lambda m: [Wait(int(m[1]) / 1000)],
+            "M0": lambda m: [Halt()],
+        },
+    )
+    axes = {axis for event in events if isinstance(event, Move) for axis in event.to}
+    assert compared == [list(range(1, len(axes) + 1))] * events.count(Halt())
+    return events
+
+
+def _without_comparisons(lines: list[str]) -> tuple[list[str], list[list[int]]]:
+    """Return the other lines, and which axes are compared after each M0."""
+    others: list[str] = []
+    compared: list[list[int]] = []
+    for line in lines:
+        found = re.fullmatch(r"IF\[ABS\[#50([24]\d)-#50([46]\d)\]GT0\.0005\]GOTO9000", line)
+        if found is None:
+            others.append(line)
+            compared += [[]] if line == "M0" else []
+            continue
+        assert others[-1] == "M0", "a comparison is made where reading ahead has ended"
+        assert int(found[2]) - int(found[1]) == 20
+        compared[-1].append(int(found[1]) - 20)
+    return others, compared
+
+
+READERS = {
+    "linuxcnc": read_linuxcnc,
+    "sinumerik": read_sinumerik,
+    "heidenhain": read_heidenhain,
+    "fanuc": read_fanuc,
+}
+
+SILENT = {
+    "USE_LENGTH_UNITS(CANON_UNITS_MM)",
+    "SET_FEED_MODE(0, 0)",
+    "SET_FEED_REFERENCE(CANON_XYZ)",
+    "SELECT_PLANE(CANON_PLANE_XY)",
+    "SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)",
+    "SET_XY_ROTATION(0.0000)",
+    "ON_RESET()",
+}
+"""Calls that set what a measuring program may set; beside them offsets of nothing but zeros."""
+AT_THE_END = {"STOP_SPINDLE_TURNING(0)", "SET_SPINDLE_MODE(0 0.0000)", "PROGRAM_END()"}
+
+
+def interpreter() -> str | None:
+    """Return where LinuxCNC's interpreter is, as a program of its own; None where it is not installed."""
+    return shutil.which("rs274")
+
+
+def canonical_calls(text: str, folder: Path) -> list[str]:
+    """Return the calls that LinuxCNC's interpreter makes of a program: "STRAIGHT_FEED(1.0000, …)"."""
+    program = interpreter()
+    assert program is not None
+    path = folder / "program.ngc"
+    path.write_text(text, encoding="ascii")
+    done = subprocess.run([program, "-g", path], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return [line.split(maxsplit=2)[2] for line in done.stdout.splitlines() if re.match(r"\s*\d+ N", line)]
+
+
+def read_canonical(calls: list[str]) -> list[Event]:
+    """Return what the calls do; any call that a measuring program has no use for is refused, a rapid above all.
+
+    The interpreter begins with every axis at zero; of its moves only the axes that move are returned.
+    """
+    assert calls.count("PROGRAM_END()") == 1
+    events: list[Event] = []
+    at, feed, ending = dict.fromkeys("XYZABC", 0.0), 0.0, False
+    for call in calls:
+        name, _, rest = call.partition("(")
+        ending = ending or call in AT_THE_END or (name == "SET_G5X_OFFSET" and bool(events))
+        assert not (ending and name in {"STRAIGHT_FEED", "DWELL", "PROGRAM_STOP"})
+        if name == "SET_FEED_RATE":
+            feed = float(rest[:-1])
+        elif name == "STRAIGHT_FEED":
+            there = dict(zip("XYZABC", map(float, rest[:-1].split(",")), strict=True))
+            events.append(Move({axis: to for axis, to in there.items() if to != at[axis]}, feed))
+            at = there
+        else:
+            events += list(_event(call, name, rest[:-1], ending))
+    return events
+
+
+def _event(call: str, name: str, rest: str, ending: bool) -> Iterator[Event]:
+    if name == "DWELL":
+        yield Wait(float(rest))
+    elif call == "PROGRAM_STOP()":
+        yield Halt()
+    elif name == "COMMENT":
+        yield from _mark(rest.strip('"'))
+    elif name in {"SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET"}:
+        assert set(re.findall(r"\d+\.\d+", rest)) == {"0.0000"}, call
+    else:
+        assert call in SILENT or (ending and call in AT_THE_END), f"not a call of a measuring program: {call}"

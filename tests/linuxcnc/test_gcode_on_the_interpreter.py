@@ -1,0 +1,86 @@
+"""Measuring programs read by LinuxCNC's own interpreter: what it would make the machine do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.numerics import Array
+from tests.certify.gcode import HOSTILE, Plan, interpreted, random_plan, verdicts
+from tests.certify.gcode_traces import canonical_calls, interpreter, read_canonical
+
+pytestmark = [
+    pytest.mark.linuxcnc,
+    pytest.mark.skipif(interpreter() is None, reason="Debian package linuxcnc-uspace is not installed"),
+]
+
+SAMPLE = range(200)
+
+
+@pytest.mark.parametrize("tens", range(0, len(SAMPLE), 20))
+def test_random_plans_stay_in_the_travel_and_come_from_the_planned_side(tens: int, tmp_path: Path) -> None:
+    for seed in SAMPLE[tens : tens + 20]:
+        found = list(interpreted(random_plan(np.random.default_rng(seed)), tmp_path))
+        assert [faults for _, faults in found if faults] == [], f"seed {seed}"
+        assert all(moves for moves, _ in found)
+
+
+def named(plan: Plan, name: str) -> Plan:
+    """Return the plan with its machine and its one set-up under another name."""
+    setup = replace(plan.visits[0].setup, name=name)
+    visits = tuple(replace(visit, setup=setup) for visit in plan.visits)
+    return Plan(replace(plan.machine, name=name), visits, plan.options)
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_name_adds_no_call(name: str, tmp_path: Path) -> None:
+    plan = random_plan(np.random.default_rng(5))
+    with_name, without = (
+        canonical_calls(program.text, tmp_path)
+        for each in (name, "A")
+        for program in named(plan, each).programs("linuxcnc")
+    )
+    assert [call for call in with_name if not call.startswith("COMMENT")] == [
+        call for call in without if not call.startswith("COMMENT")
+    ]
+    assert len(with_name) == len(without)
+    said = [call for call in with_name if call.startswith("COMMENT") and call not in without]
+    assert all(call.startswith(('COMMENT("SET-UP', 'COMMENT("MACHINE')) for call in said)
+    assert [path.name for path in tmp_path.iterdir()] == ["program.ngc"]
+
+
+@pytest.mark.parametrize(
+    "line", ["G0 X1", "G53 G0 X1", "M3 S100", "T1", "G20", "G91", "G38.2 X999 F10", "G10 L2 P1 X5", "G43.1 Z5", "M5"]
+)
+def test_the_reader_of_the_calls_refuses_what_does_not_belong(line: str, tmp_path: Path) -> None:
+    (program,) = named(random_plan(np.random.default_rng(5)), "A").programs("linuxcnc")
+    head, rest = program.text.split("M0\n", 1)
+    assert read_canonical(canonical_calls(f"{head}M0\n{rest}", tmp_path))
+    with pytest.raises(AssertionError):
+        read_canonical(canonical_calls(f"{head}M0\n{line}\n{rest}", tmp_path))
+
+
+def test_offsets_in_force_do_not_move_the_readings(tmp_path: Path) -> None:
+    (program,) = named(random_plan(np.random.default_rng(5)), "A").programs("linuxcnc")
+    offset = np.array([12.5, -3.0, 8.0, 4.0, 5.0, 6.0])
+    words = " ".join(f"{axis}{value}" for axis, value in zip("XYZABC", offset, strict=True))
+    plain = feeds(canonical_calls(program.text, tmp_path))
+    moved = feeds(canonical_calls(f"G10 L2 P1 {words}\nG54\n{program.text}", tmp_path))
+    np.testing.assert_allclose(moved + offset, plain, atol=1e-9)
+    assert len(plain) > 3
+
+
+def feeds(calls: list[str]) -> Array:
+    """Return the ends of the feed moves, (n, 6), in the coordinates in force."""
+    ends = [call.partition("(")[2][:-1].split(",") for call in calls if call.startswith("STRAIGHT_FEED")]
+    return np.array(ends, dtype=np.float64)
+
+
+def test_the_campaign_says_how_much_it_read() -> None:
+    found = list(verdicts(3, 0))
+    assert len(found) == 5
+    assert all(good for _, good in found)
+    assert found[0][0].startswith("LinuxCNC's interpreter: ")
