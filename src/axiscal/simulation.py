@@ -19,6 +19,7 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import SmallMotions, tool_motion
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.model import Actual, Place
 from axiscal.measurement.readers.truth import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -60,19 +61,20 @@ class VirtualMachine:
         return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 
     def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
-        """Return what the set-up would show: the truth along (about) its direction, its own unknowns, and noise."""
-        at, come = np.array([pose]), np.array([approach], dtype=float)
-        reads_length = INSTRUMENTS[setup.instrument].reads == "length"
-        deviation = self.deviation(at, come) if reads_length else self.rotation(at, come)
-        return float(deviation[0] @ setup.direction) + self._own(setup, pose) + setup.noise * rng.standard_normal()
+        """Return the first number of what the set-up would show."""
+        return self.read_all(setup, pose, approach, rng)[0]
 
-    def _own(self, setup: Setup, pose: tuple[float, ...]) -> float:
+    def read_all(
+        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+    ) -> tuple[float, ...]:
+        """Return what the set-up would show: the truth, its own unknowns, nothing linearised, and noise."""
+        at, come = np.array([pose]), np.array([approach], dtype=float)
+        model, place = INSTRUMENTS[setup.instrument].model, Place(self.model.machine, at, setup.moves)
+        actual = Actual(self.deviation(at, come), self.rotation(at, come))
+        directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
         own = self.offsets.get(setup.name, {})
-        total = own.get("zero", 0.0)
-        if "slope" in own:
-            axis = next(k for k in setup.moves if not self.model.machine.axes[k].rotary)
-            total += own["slope"] * (pose[axis] - sum(self.model.machine.axes[axis].travel) / 2)
-        return total
+        shown = [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
+        return tuple(value + setup.noise * rng.standard_normal() for value in shown)
 
     def _motions(self, poses: Array, approaches: Array) -> tuple[Motion, Motion]:
         small = self.model.compose(self.values(poses), approaches)

@@ -74,7 +74,10 @@ def test_the_table_of_defaults_is_the_program_s() -> None:
     for name, reads, rest in rows:
         usual = INSTRUMENTS[name]
         unit = "um" if reads == "length" else "urad"
-        unknowns = [(u.name, format_quantity(u.std, "urad" if u.name == "slope" else unit)) for u in usual.unknowns]
+        unknowns = [
+            (u.name, format_quantity(u.std, "um" if usual.model.unknown_reads[u.name] == "length" else "urad"))
+            for u in usual.unknowns
+        ]
         expected = [
             format_quantity(usual.noise, unit),
             ", ".join(f"{unknown} {std}" for unknown, std in unknowns),

@@ -15,6 +15,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import coefficients, evaluate, node_count, nodes
@@ -26,12 +27,13 @@ from tests.machines import random_machine, random_poses
 def mounted(machine: Machine, instrument: str, direction: tuple[float, float, float], name: str = "s") -> Setup:
     """Return a set-up that may move every axis and has every unknown that it can have."""
     linear = any(not axis.rotary for axis in machine.axes)
-    unknowns = (Unknown("zero", 1e-4), *([Unknown("slope", 1e-4)] if linear else []))
+    kinds = INSTRUMENTS[instrument].model.unknown_reads
+    unknowns = tuple(Unknown(kind, 1e-4) for kind in kinds if linear or kind != "slope")
     count = len(machine.axes)
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
-    return Setup(
-        name, instrument, direction, tuple(range(count)), park, 0.3e-6, unknowns, 0.0, 0.0, 0.0, (0.0,) * count, "both"
-    )
+    times, raster = (0.0, 0.0, 0.0), (0.0,) * count
+    moves, station = tuple(range(count)), (3.0, -2.0, 1.5)
+    return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station)
 
 
 def _direction(seed: int) -> tuple[float, float, float]:
@@ -63,11 +65,11 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
     observation, step = Observation(model, setups), 1e-5
     poses, approaches = random_poses(model.machine, 1, rng)
     pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
-    row = observation.rows(1, poses, approaches).rows[0]
+    rows = observation.reading(Reading("s", pose, approach, 0.0)).rows
     for i in range(observation.size):
         ends = [_virtual(model, setups, sign * step * np.eye(observation.size)[i]) for sign in (1, -1)]
-        up, down = (machine.read(one, pose, approach, rng) for machine in ends)
-        assert abs((up - down) / (2 * step) - row[i]) < 1e-8
+        up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
+        assert np.abs((up - down) / (2 * step) - rows[:, i]).max() < 1e-8
 
 
 def test_columns_are_errors_then_set_ups_then_cells() -> None:

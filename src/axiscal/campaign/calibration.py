@@ -23,15 +23,18 @@ from axiscal.inference.doubt import FEWEST, Doubt, doubts
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.observation import Observation, Rows
+from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.numerics import Array
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAY = 0.1
 _NEAR = 0.01
 _GROWTH = 1.34
+_ROUNDS = 12
+_STAYS = 1e-8
 
 
 def calibration_of(engine: Engine) -> Calibration:
@@ -57,6 +60,24 @@ class Problem:
         """Return the problem with priors and noise as learnt."""
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
         return Problem(replace(self.description, machine=machine, setups=setups))
+
+    def located(self, mean: Array) -> Problem | None:
+        """Return the problem about the places where the stations of distances are found to be; None if these stay."""
+        found = [self._found(index, mean) for index in range(len(self.description.setups))]
+        if found == [setup.found for setup in self.description.setups]:
+            return None
+        pairs = zip(self.description.setups, found, strict=True)
+        return Problem(replace(self.description, setups=tuple(replace(s, found=f) for s, f in pairs)))
+
+    def _found(self, index: int, mean: Array) -> Vector | None:
+        setup = self.description.setups[index]
+        columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
+        if not set(SHIFTS) & set(columns):
+            return setup.found
+        x, y, z = (float(columns.get(name, 0.0)) for name in SHIFTS)
+        before = setup.found or (0.0, 0.0, 0.0)
+        moved = max(abs(new - old) for new, old in zip((x, y, z), before, strict=True))
+        return setup.found if moved < _STAYS else (x, y, z)
 
     @cached_property
     def errors(self) -> ErrorModel:
@@ -94,8 +115,8 @@ class Problem:
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""
-        reads_length = INSTRUMENTS[setup.instrument].reads == "length"
-        return "um" if reads_length and unknown.name == "zero" else "urad"
+        reads = INSTRUMENTS[setup.instrument].model.unknown_reads[unknown.name]
+        return "um" if reads == "length" else "urad"
 
     def reading_unit(self, setup: Setup) -> str:
         """Return the unit in which readings of a set-up are shown."""
@@ -186,6 +207,7 @@ class Calibration:
         if due != self._learnt_from:
             self._learnt_from = due
             self._learn(self._readings[:due])
+            self._locate()
         for index in range(len(self._innovations), len(self._readings)):
             self._take(index)
         return self
@@ -209,6 +231,17 @@ class Calibration:
             self._doubts = doubts(problem.observation, readings)
         self._start(problem)
 
+    def _locate(self) -> None:
+        """Take all readings, and again about the places of stations that they show, until these stay."""
+        for _ in range(_ROUNDS):
+            problem = self._problem
+            for index in range(len(self._innovations), len(self._readings)):
+                self._take(index)
+            located = problem.located(self._belief.mean)
+            if located is None:
+                return
+            self._start(located)
+
     def _take(self, index: int) -> None:
         reading, weight = self._readings[index], 1.0
         for doubt in self._doubts:
@@ -216,20 +249,15 @@ class Calibration:
         wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup))
         belief = self._belief.extended(self._observation.rest_variances(wider))
         self._observation, self._accuracy = wider, None
-        seen = self._seen(reading)
+        seen = self._observation.reading(reading)
         expected = belief.predict(seen.rows)
-        surprise = Innovations(reading.value - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
+        surprise = Innovations(seen.values - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
-        self._belief = belief.update(seen.rows, reading.value, seen.variances / weight)
+        self._belief = belief.update(seen.rows, seen.values, seen.variances / weight)
 
-    def rows_of(self, reading: Reading) -> Rows:
-        """Return what a reading sees, and its variance."""
-        return self._settled()._seen(reading)
-
-    def _seen(self, reading: Reading) -> Rows:
-        pose, approach = np.array(reading.pose), np.array(reading.approach, dtype=float)
-        seen = self._observation.rows(self._problem.index(reading.setup), pose[None], approach[None])
-        return seen if reading.std is None else Rows(seen.rows, np.array([reading.std**2]))
+    def rows_of(self, reading: Reading) -> Seen:
+        """Return what a reading sees, its variances and values."""
+        return self._settled()._observation.reading(reading)
 
     def accuracy(self) -> Accuracy:
         """Return how well the machine is known now."""

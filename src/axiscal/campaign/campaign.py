@@ -25,6 +25,7 @@ from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.store import Record
 from axiscal.campaign.versions import versions
 from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.units import to_unit
 
@@ -144,22 +145,36 @@ class Campaign:
         return self.state.pending
 
     def record(
-        self, value: float, std: float | None = None, at: Asked | Recorded | None = None, *, accepted: bool = False
+        self,
+        value: float,
+        std: float | None = None,
+        at: Asked | Recorded | None = None,
+        *,
+        accepted: bool = False,
+        others: tuple[float, ...] = (),
     ) -> Reading:
         """Keep a reading, of what was asked or of another place, and return it.
 
         value, std : m or rad; at : the place, whose value and std are not looked at
         accepted : it is believed however much it surprises
+        others : the values along y and z where an instrument reads three directions
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
         self._refuse_finished()
         place = at or self.open_question()
-        if not math.isfinite(value):
+        if not all(math.isfinite(each) for each in (value, *others)):
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
+        self._refuse_other_count(place.setup, 1 + len(others))
         if std is not None and not 0 < std < math.inf:
             raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
-        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted))
+        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted, others))
         return self.state.readings[-1]
+
+    def _refuse_other_count(self, setup: str, count: int) -> None:
+        instrument = INSTRUMENTS[self.description.setup(setup).instrument]
+        if count != instrument.values:
+            what = f"the {instrument.name} gives {instrument.values} value{'s' * (instrument.values > 1)}, not {count}"
+            raise ReadingError(what, "Give the values along x, y and z" if instrument.values > 1 else "Give one value")
 
     def skip(self, reason: str) -> Asked:
         """Note that the reading asked for cannot be taken, and return it; it is not asked for again."""
@@ -215,7 +230,10 @@ class Campaign:
         """Keep readings that were taken without being asked for, in one transaction."""
         self._refuse_finished()
         self._append(
-            *(Recorded(each.setup, each.pose, each.approach, each.value, each.std, each.accepted) for each in readings)
+            *(
+                Recorded(each.setup, each.pose, each.approach, each.value, each.std, each.accepted, each.others)
+                for each in readings
+            )
         )
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
@@ -236,7 +254,7 @@ class Campaign:
                     in_a_row += 1
                     self._refuse_endless(in_a_row, answer)
                 else:
-                    self.record(answer.value, answer.std)
+                    self.record(answer.value, answer.std, others=answer.others)
                     in_a_row = 0
                     path.append(self._milestone())
                     watch(path[-1])

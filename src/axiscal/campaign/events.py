@@ -58,6 +58,7 @@ class Recorded:
     """A reading was taken: `value` in m or rad, `std` likewise or None for the set-up's noise.
 
     accepted : somebody vouches for it, however much it surprises
+    others : the values along y and z where an instrument reads three directions
     """
 
     setup: str
@@ -66,6 +67,7 @@ class Recorded:
     value: float
     std: float | None
     accepted: bool = False
+    others: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +227,7 @@ class _Folding:
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
             place = (event.setup, event.position, event.approach)
-            self._readings.append(Reading(*place, event.value, event.std, accepted=event.accepted))
+            self._readings.append(Reading(*place, event.value, event.std, None, event.accepted, event.others))
         elif isinstance(event, Finished):
             self._finished = event.because
         elif self._pending is None:

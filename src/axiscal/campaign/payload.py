@@ -69,9 +69,10 @@ def _created(fields: Mapping[str, Any]) -> Created:
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
     std = None if fields["std"] is None else _number(fields["std"])
     accepted = fields.get("accepted", False)  # records of before it could be said
+    others = tuple(_number(value) for value in fields.get("others", ()))
     if not isinstance(accepted, bool):
         raise ValueError(f"{accepted!r} is neither true nor false")
-    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std, accepted)
+    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std, accepted, others)
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {

@@ -58,13 +58,21 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     if row.dimension != reads:
         what = f'the {setup.instrument} of the set-up "{setup.name}" reads a {reads}, not a {row.dimension}'
         raise ReadingError(what, f"Give the value as {'value_um' if reads == 'length' else 'value_urad'}")
+    _refuse_other_count(row, setup)
     position, approach = row.position, row.approach
     if "" in position:
         moving = campaign.machine.axes[setup.moves[0]].name
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
-    return Reading(setup.name, pose, directions, row.value, row.std, row.line)
+    return Reading(setup.name, pose, directions, row.value, row.std, row.line, others=row.others)
+
+
+def _refuse_other_count(row: RawReading, setup: Setup) -> None:
+    values = INSTRUMENTS[setup.instrument].values
+    if 1 + len(row.others) != values:
+        remedy = "Give value_x_um, value_y_um and value_z_um" if values > 1 else "Give one value, as value_um"
+        raise ReadingError(f'the {setup.instrument} of "{setup.name}" gives {values} values a reading', remedy)
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:

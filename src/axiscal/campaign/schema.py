@@ -34,7 +34,8 @@ class SetupTable(Table):
 
     name: str = Field(examples=['"laser along X"'])
     instrument: str = Field(examples=['"interferometer"'])
-    direction: str | list[float | int] = Field(examples=['"x"'])
+    direction: str | list[float | int] | None = Field(None, examples=['"x"'])
+    station: list[QuantityText] | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
     moves: list[str] | None = Field(None, examples=['["X"]'])
     park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
     noise: QuantityText | None = Field(None, examples=['"0.3 um"'])

@@ -12,11 +12,12 @@ from axiscal.campaign.target import coordinate, travel_text
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
-from axiscal.measurement.instrument import INSTRUMENTS, NOT_YET, UNKNOWN_NAMES, Instrument
+from axiscal.measurement.instrument import INSTRUMENTS, Instrument
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
 LONGEST_NAME = 80
+_DIAGONAL = 1 / math.sqrt(3)
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 
 
@@ -51,12 +52,14 @@ class _Reader:
         with self._at("instrument"):
             usual = _instrument(table.instrument)
         with self._at("direction"):
-            direction = _direction(table.direction)
+            direction = _direction(table.direction, usual)
+        with self._at("station"):
+            station = self._station()
         with self._at("moves"):
             moves = self._moves()
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
-        return Setup(
+        setup = Setup(
             name=name,
             instrument=usual.name,
             direction=direction,
@@ -69,7 +72,21 @@ class _Reader:
             reading_time=self._time("reading_time", usual.reading_time),
             raster=self._raster(moves),
             approach=table.approach,
+            station=station,
         )
+        with self._at("instrument"):
+            usual.model.check(setup)
+        return setup
+
+    def _station(self) -> Vector | None:
+        given = self._table.station
+        if given is None:
+            return None
+        if len(given) != 3:
+            remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+            raise DescriptionError(f"{shown(given)} is not a place", remedy)
+        x, y, z = (parse_quantity(text, "length") for text in given)
+        return x, y, z
 
     @contextmanager
     def _at(self, *keys: str) -> Iterator[None]:
@@ -146,11 +163,12 @@ class _Reader:
 
     def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
         with self._at("unknowns", name):
-            if name not in UNKNOWN_NAMES:
-                near = nearest(name, UNKNOWN_NAMES)
-                known = f'Perhaps "{near}" is meant' if near else f"Known are {', '.join(UNKNOWN_NAMES)}"
-                raise DescriptionError(f"{shown(name)} is not an unknown of a set-up", known)
-            return Unknown(name, _positive(text, usual.reads if name == "zero" else "angle"))
+            kinds = usual.model.unknown_reads
+            if name not in kinds and not (name == "slope" and usual.reads == "angle"):  # that one has its own reason
+                near = nearest(name, kinds)
+                known = f'Perhaps "{near}" is meant' if near else f"Known are {', '.join(kinds)}"
+                raise DescriptionError(f"{shown(name)} is not an unknown of a set-up with a {usual.name}", known)
+            return Unknown(name, _positive(text, kinds.get(name, "angle")))
 
     def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
         if usual.reads == "angle":
@@ -177,17 +195,20 @@ def _name(text: str) -> str:
 def _instrument(name: str) -> Instrument:
     if name in INSTRUMENTS:
         return INSTRUMENTS[name]
-    if name in NOT_YET:
-        raise DescriptionError(
-            f'the instrument "{name}" is not yet supported', f"Supported are {', '.join(INSTRUMENTS)}"
-        )
     near = nearest(name, INSTRUMENTS)
     remedy = f'Perhaps "{near}" is meant' if near else f"Instruments are {', '.join(INSTRUMENTS)}"
     raise DescriptionError(f"{shown(name)} is not an instrument", remedy)
 
 
-def _direction(value: str | list[float | int]) -> Vector:
+def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vector:
+    """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
     remedy = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
+    if not usual.model.directed:
+        if value is not None:
+            raise DescriptionError(f"a {usual.name} has no direction of its own", "Take direction out")
+        return _DIAGONAL, _DIAGONAL, _DIAGONAL
+    if value is None:
+        raise DescriptionError(f'"direction" is missing: the {usual.name} reads in one direction', remedy)
     if isinstance(value, str):
         found = _LETTER.fullmatch(value)
         if found is None:

@@ -96,8 +96,9 @@ def _keep(
 
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question()
     dimension = INSTRUMENTS[campaign.description.setup(place.setup).instrument].reads
-    value = parse_quantity(text, dimension)
-    return campaign.record(value, None if std is None else parse_quantity(std, dimension), at=place, accepted=accept)
+    value, *others = (parse_quantity(part.strip(), dimension) for part in text.split(","))
+    spread = None if std is None else parse_quantity(std, dimension)
+    return campaign.record(value, spread, at=place, accepted=accept, others=tuple(others))
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:

@@ -50,10 +50,13 @@ def doubts(observation: Observation, readings: Sequence[Reading]) -> tuple[Doubt
     free = np.array([not reading.accepted for reading in readings])
     weights, found = np.ones(len(readings)), list[Doubt]()
     while len(found) < _MOST_PART * len(readings):
-        surprise = np.where(free & (weights == 1.0), _left_out(covariance, noise, weights, evidence.values), 0.0)
-        worst = int(np.argmax(np.abs(surprise)))
-        size = abs(float(surprise[worst]))
-        if size < SURPRISING or _has_twin(np.abs(surprise), worst):
+        distance = _left_out(covariance, noise, weights[evidence.reading], evidence.values)
+        surprise = np.zeros(len(readings))
+        np.maximum.at(surprise, evidence.reading, np.abs(distance))
+        surprise[~free | (weights < 1.0)] = 0.0
+        worst = int(np.argmax(surprise))
+        size = float(surprise[worst])
+        if size < SURPRISING or _has_twin(surprise, worst):
             break
         weight = (FREEDOM + 1.0) / (FREEDOM + size**2)
         weights[worst] = NOTHING if size > STANDS_OUT else weight

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from axiscal.error_model.model import ErrorFunction
 from axiscal.error_model.prior import distances, matern52, matern52_by_length
 from axiscal.inference.scales import Kind, Scale
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
@@ -57,23 +57,16 @@ class Evidence:
     """The marginal likelihood of readings as a function of the logarithms of the scales' factors.
 
     observation : the stated model; scales : those that vary; what is not among them stays as stated
-    weights : (m,) by which the noise variance of each reading is divided; None for ones
+    A reading of three numbers counts as three; m is the count of all numbers, `reading` (m,) the index of its reading.
     """
 
-    def __init__(
-        self,
-        observation: Observation,
-        readings: Sequence[Reading],
-        scales: tuple[Scale, ...] = (),
-        weights: Array | None = None,
-    ) -> None:
+    def __init__(self, observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...] = ()) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
-        self.values = np.array([reading.value for reading in readings])
-        self._parts = _parts(observation, readings)
-        self._fixed = _unknowns(observation, readings)
-        self.weights = np.ones(len(readings)) if weights is None else weights
-        self._noise = _noise(observation, readings) / self.weights
-        self._owners, self._own_noise = _noise_owners(observation, readings)
+        seen = _Seen(observation, readings)
+        self.reading, self.values = seen.reading, seen.values
+        self._parts, self._fixed = seen.parts(), seen.unknowns()
+        self._noise, self._own_noise = seen.noise()
+        self._owners = [readings[int(i)].setup for i in seen.reading]
         self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
@@ -91,7 +84,7 @@ class Evidence:
         return self._covariance(np.zeros(len(self.scales)))
 
     def noise(self) -> Array:
-        """Return the noise variances as stated, weights included, (m,)."""
+        """Return the noise variances as stated, (m,)."""
         return self._noise
 
     def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
@@ -148,61 +141,59 @@ class Evidence:
             result[i] = self._scale("rest", entry.name, 0.0, logs) ** 2 * part.sharing(pull)
 
 
-def _parts(observation: Observation, readings: Sequence[Reading]) -> list[_Part]:
-    """Return what each error does to the readings, without those that none of them depends on."""
-    rows, effects = _rows_and_effects(observation, readings)
-    poses = np.array([reading.pose for reading in readings])
-    result = []
-    for function, effect in zip(observation.errors.functions, effects, strict=True):
-        if not np.any(effect):
-            continue
-        cells = function.cells(poses[:, function.axis])
-        first, second = np.nonzero((cells[:, None] == cells[None, :]) & (effect[:, None] * effect[None, :] != 0))
-        products = effect[first] * effect[second]
-        result.append(_Part(function, rows[:, function.columns], distances(function.basis), first, second, products))
-    return result
+class _Seen:
+    """All numbers of all readings: rows (m, size) over the unknowns, effects of errors (functions, m), values (m,)."""
 
+    def __init__(self, observation: Observation, readings: Sequence[Reading]) -> None:
+        self._observation, self._readings = observation, readings
+        counts = np.array([len(reading.values) for reading in readings])
+        self.reading = np.repeat(np.arange(len(readings)), counts)
+        self._first = np.cumsum(counts) - counts
+        size = len(self.reading)
+        self.values, self._rows = np.zeros(size), np.zeros((size, observation.size))
+        self._effects = np.zeros((len(observation.errors.functions), size))
+        for index in range(len(observation.setups)):
+            self._fill(index)
 
-def _rows_and_effects(observation: Observation, readings: Sequence[Reading]) -> tuple[Array, Array]:
-    """Return rows (m, size) over the errors, and what a unit of each error adds to each reading (functions, m)."""
-    errors = observation.errors
-    rows, effects = np.zeros((len(readings), errors.size)), np.zeros((len(errors.functions), len(readings)))
-    for setup, mine, poses, approaches in _by_setup(observation, readings):
-        rows[mine] = observation.rows(setup, poses, approaches).rows[:, : errors.size]
-        effects[:, mine] = observation.effects(setup, poses, approaches)
-    return rows, effects
+    def _fill(self, index: int) -> None:
+        """Fill in the numbers of one set-up."""
+        setup = self._observation.setups[index]
+        mine = [i for i, reading in enumerate(self._readings) if reading.setup == setup.name]
+        if not mine:
+            return
+        poses = np.array([self._readings[i].pose for i in mine])
+        approaches = np.array([self._readings[i].approach for i in mine], dtype=float)
+        for number, direction in enumerate(directions_of(setup)):
+            at = self._first[mine] + number
+            self._rows[at] = self._observation.rows(index, poses, approaches, direction).rows
+            self._effects[:, at] = self._observation.effects(index, poses, approaches, direction)
+            self.values[at] = [self._readings[i].values[number] for i in mine]
+            self.values[at] -= self._observation.beyond(index, poses)
 
+    def parts(self) -> list[_Part]:
+        """Return what each error does to the numbers, without those that none of them depends on."""
+        poses = np.array([self._readings[int(i)].pose for i in self.reading])
+        result = []
+        for function, effect in zip(self._observation.errors.functions, self._effects, strict=True):
+            if np.any(effect):
+                cells = function.cells(poses[:, function.axis])
+                felt = effect[:, None] * effect[None, :]
+                first, second = np.nonzero((cells[:, None] == cells[None, :]) & (felt != 0))
+                rows, apart = self._rows[:, function.columns], distances(function.basis)
+                result.append(_Part(function, rows, apart, first, second, felt[first, second]))
+        return result
 
-def _unknowns(observation: Observation, readings: Sequence[Reading]) -> Array:
-    """Return F D Fᵀ (m, m)."""
-    size = observation.size - observation.errors.size - len(observation.cells)
-    rows = np.zeros((len(readings), size))
-    start = observation.errors.size
-    for setup, mine, poses, approaches in _by_setup(observation, readings):
-        rows[mine] = observation.rows(setup, poses, approaches).rows[:, start : start + size]
-    variances = np.array([unknown.std**2 for setup in observation.setups for unknown in setup.unknowns])
-    product: Array = (rows * variances) @ rows.T
-    return product
+    def unknowns(self) -> Array:
+        """Return F D Fᵀ (m, m)."""
+        start = self._observation.errors.size
+        variances = np.array([unknown.std**2 for setup in self._observation.setups for unknown in setup.unknowns])
+        rows = self._rows[:, start : start + len(variances)]
+        product: Array = (rows * variances) @ rows.T
+        return product
 
-
-def _noise(observation: Observation, readings: Sequence[Reading]) -> Array:
-    usual = {setup.name: setup.noise for setup in observation.setups}
-    return np.array([(usual[r.setup] if r.std is None else r.std) ** 2 for r in readings])
-
-
-def _noise_owners(observation: Observation, readings: Sequence[Reading]) -> tuple[list[str], NDArray[np.bool_]]:
-    """Return the set-up of each reading, and whether the reading states its own standard deviation."""
-    return [r.setup for r in readings], np.array([r.std is not None for r in readings], dtype=bool)
-
-
-def _by_setup(
-    observation: Observation, readings: Sequence[Reading]
-) -> list[tuple[int, NDArray[np.intp], Array, Array]]:
-    result = []
-    for index, setup in enumerate(observation.setups):
-        mine = np.array([i for i, reading in enumerate(readings) if reading.setup == setup.name], dtype=np.intp)
-        if len(mine):
-            poses = np.array([readings[i].pose for i in mine])
-            approaches = np.array([readings[i].approach for i in mine], dtype=float)
-            result.append((index, mine, poses, approaches))
-    return result
+    def noise(self) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the noise variances (m,), and whether a reading states its own standard deviation."""
+        usual = {setup.name: setup.noise for setup in self._observation.setups}
+        each = [(usual[r.setup] if r.std is None else r.std) ** 2 for r in self._readings]
+        own = np.array([r.std is not None for r in self._readings], dtype=bool)
+        return np.array(each)[self.reading], own[self.reading]

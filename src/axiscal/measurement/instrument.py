@@ -5,52 +5,76 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
 
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.distance import SHIFTS, Distance
+from axiscal.measurement.instruments.model import Model, Reads
+from axiscal.measurement.instruments.nest import Nest
+from axiscal.measurement.instruments.rotation import Rotation
+from axiscal.measurement.instruments.tracker import Tracker
 from axiscal.measurement.setup import Unknown
-
-Reads = Literal["length", "angle"]
-
-UNKNOWN_NAMES = ("zero", "slope")
 
 
 @dataclass(frozen=True, slots=True)
 class Instrument:
     """Usual figures of a kind of instrument; every one of them can be replaced in the description of a set-up.
 
-    reads : a displacement along the set-up's direction ("length") or a rotation about it ("angle")
-    noise : standard deviation of one reading, m or rad
+    model : what it sees; noise : standard deviation of one reading, m or rad
     unknowns : what each new mounting leaves open, with prior standard deviations
     setup_time, settle, reading_time : s
     """
 
     name: str
-    reads: Reads
+    model: Model
     noise: float
     unknowns: tuple[Unknown, ...]
     setup_time: float
     settle: float
     reading_time: float
 
+    @property
+    def reads(self) -> Reads:
+        """Lengths, or angles."""
+        return self.model.reads
 
-_ZERO_LENGTH = Unknown("zero", 1e-3)
-_ZERO_ANGLE = Unknown("zero", 1e-3)
+    @property
+    def values(self) -> int:
+        """Numbers in one reading: one, or one each along x, y and z."""
+        return self.model.values
+
+
+def _zeros(std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(f"zero_{axis}", std) for axis in "xyz")
+
+
+def _turns(std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(f"turn_{axis}", std) for axis in "xyz")
+
+
+def _station(std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(name, std) for name in SHIFTS)
+
+
+_ZERO = Unknown("zero", 1e-3)
+_SLOPE = Unknown("slope", 1e-3)
 
 INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
     {
         instrument.name: instrument
         for instrument in (
-            Instrument("interferometer", "length", 0.3e-6, (_ZERO_LENGTH,), 1800.0, 1.0, 3.0),
-            Instrument("indicator", "length", 1.0e-6, (_ZERO_LENGTH,), 600.0, 1.0, 5.0),
-            Instrument("probe", "length", 1.0e-6, (_ZERO_LENGTH,), 600.0, 0.5, 6.0),
-            Instrument("straightedge", "length", 1.0e-6, (_ZERO_LENGTH, Unknown("slope", 1e-3)), 1200.0, 1.0, 5.0),
-            Instrument("level", "angle", 2.0e-6, (_ZERO_ANGLE,), 300.0, 5.0, 5.0),
-            Instrument("autocollimator", "angle", 0.5e-6, (_ZERO_ANGLE,), 1800.0, 1.0, 3.0),
+            Instrument("interferometer", Displacement(), 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0),
+            Instrument("indicator", Displacement(), 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0),
+            Instrument("probe", Displacement(), 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0),
+            Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0),
+            Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0),
+            Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0),
+            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4)), 900.0, 0.5, 1.0),
+            Instrument("rtest", Nest(), 0.7e-6, _zeros(1e-3), 900.0, 1.0, 3.0),
+            Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3)), 3600.0, 2.0, 5.0),
+            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3)), 1800.0, 1.0, 3.0),
         )
     }
 )
-"""The instruments that read one length or one angle at a time. The indicator is a dial or lever gauge; the straightedge
-is read by an indicator and lies at an unknown angle; the level is an electronic one."""
-
-NOT_YET = ("ballbar", "rtest", "tracker", "tracer")
-"""Names that are reserved in descriptions; their readings are not a single length or angle along a fixed direction."""
+"""The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
+level is an electronic one; the tracer is a length-only interferometer that follows the tool from a station nobody knows
+well."""

@@ -17,7 +17,9 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.instruments.model import Place
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
@@ -34,6 +36,14 @@ class Rows(NamedTuple):
 
     rows: Array
     variances: Array
+
+
+class Seen(NamedTuple):
+    """The numbers of one reading.  rows : (k, size); variances : (k,); values : (k,), what is not linear taken off."""
+
+    rows: Array
+    variances: Array
+    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,23 +78,44 @@ class Observation:
         start = self.errors.size + sum(len(s.unknowns) for s in self.setups[:setup])
         return slice(start, start + len(self.setups[setup].unknowns))
 
-    def rows(self, setup: int, poses: Array, approaches: Array) -> Rows:
-        """Return what readings of a set-up would tell (B&H eq. 29-30).  poses, approaches : (m, q)."""
+    def rows(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Rows:
+        """Return what readings of a set-up would tell (B&H eq. 29-30).
+
+        poses, approaches : (m, q); direction : (3,) of one number of a reading that has three; None for the set-up's
+        """
         mounted = self.setups[setup]
-        levers = self._levers(mounted, poses)
+        levers = self._levers(mounted, poses, direction)
         result = np.zeros((len(poses), self.size))
         result[:, : self.errors.size] = self.errors.along(levers, poses, approaches)
+        model, place = INSTRUMENTS[mounted.instrument].model, self._place(mounted, poses)
+        at = np.array(mounted.direction) if direction is None else direction
         for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
-            result[:, column] = self._own(unknown, mounted, poses)
+            result[:, column] = model.own(mounted, unknown.name, at, place)
         variances = np.full(len(poses), mounted.noise**2)
         effects = self.errors.effects(levers, approaches) if self._with_rest else levers
         for index in self._with_rest:
             self._add_rest(index, effects[index], poses, result, variances)
         return Rows(result, variances)
 
-    def effects(self, setup: int, poses: Array, approaches: Array) -> Array:
-        """Return what a unit of each error adds to readings, (functions, m).  poses, approaches : (m, q)."""
-        return self.errors.effects(self._levers(self.setups[setup], poses), approaches)
+    def reading(self, reading: Reading) -> Seen:
+        """Return rows, variances and values of all numbers of a reading, of cells that are visited or not."""
+        setup = next(i for i, mounted in enumerate(self.setups) if mounted.name == reading.setup)
+        mounted, poses = self.setups[setup], np.array([reading.pose])
+        approaches = np.array([reading.approach], dtype=float)
+        parts = [self.rows(setup, poses, approaches, direction) for direction in directions_of(mounted)]
+        rows, variances = np.concatenate([p.rows for p in parts]), np.concatenate([p.variances for p in parts])
+        if reading.std is not None:
+            variances = np.full(len(rows), reading.std**2)
+        return Seen(rows, variances, np.array(reading.values) - self.beyond(setup, poses)[0])
+
+    def beyond(self, setup: int, poses: Array) -> Array:
+        """Return what readings show beyond rows times unknowns, where an instrument is not linear, (m,)."""
+        mounted = self.setups[setup]
+        return INSTRUMENTS[mounted.instrument].model.beyond(mounted, self._place(mounted, poses))
+
+    def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
+        """Return what a unit of each error adds to readings, (functions, m); arguments as for `rows`."""
+        return self.errors.effects(self._levers(self.setups[setup], poses, direction), approaches)
 
     def visited(self, pose: Array, setup: int | None = None) -> Observation:
         """Return the map with columns for the cells of a pose that had none, in the order of the functions.
@@ -99,8 +130,10 @@ class Observation:
         return replace(self, cells=MappingProxyType({**self.cells, **added}))
 
     def _felt(self, setup: int, pose: Array) -> tuple[int, ...]:
-        levers = self._levers(self.setups[setup], pose[None])[:, 0]
-        return tuple(i for i in self._with_rest if abs(levers[i]) > _NOT_FELT)
+        mounted = self.setups[setup]
+        each = [np.abs(self._levers(mounted, pose[None], d)[:, 0]) for d in directions_of(mounted)]
+        levers = np.max(each, axis=0)
+        return tuple(i for i in self._with_rest if levers[i] > _NOT_FELT)
 
     def rest_variances(self, after: Observation) -> Array:
         """Return the prior variances of the columns that `after` has beyond this map."""
@@ -136,18 +169,15 @@ class Observation:
     def _with_rest(self) -> tuple[int, ...]:
         return tuple(i for i, function in enumerate(self.errors.functions) if function.rest > 0)
 
-    def _levers(self, mounted: Setup, poses: Array) -> Array:
-        reads_length = INSTRUMENTS[mounted.instrument].reads == "length"
-        levers = self.errors.levers(poses) if reads_length else self.errors.angular_levers(poses)
-        along: Array = levers @ np.array(mounted.direction)
+    def _levers(self, mounted: Setup, poses: Array, direction: Array | None = None) -> Array:
+        model, place = INSTRUMENTS[mounted.instrument].model, self._place(mounted, poses)
+        towards = model.towards(mounted, np.array(mounted.direction) if direction is None else direction, place)
+        levers = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
+        along: Array = np.einsum("fmc,mc->fm", levers, towards)
         return along
 
-    def _own(self, unknown: Unknown, mounted: Setup, poses: Array) -> Array:
-        if unknown.name == "zero":
-            return np.ones(len(poses))
-        axis = next(k for k in mounted.moves if not self.errors.machine.axes[k].rotary)
-        distance: Array = poses[:, axis] - sum(self.errors.machine.axes[axis].travel) / 2
-        return distance
+    def _place(self, mounted: Setup, poses: Array) -> Place:
+        return Place(self.errors.machine, poses, mounted.moves)
 
     def _add_rest(self, index: int, lever: Array, poses: Array, result: Array, variances: Array) -> None:
         function = self.errors.functions[index]
@@ -159,6 +189,11 @@ class Observation:
                 result[here, column] = lever[here]
                 known |= here
         variances[~known] += (lever[~known] * function.rest) ** 2
+
+
+def directions_of(setup: Setup) -> list[Array | None]:
+    """Return the directions of the numbers of one reading: the set-up's own, or x, y and z."""
+    return list(np.eye(3)) if INSTRUMENTS[setup.instrument].values > 1 else [None]
 
 
 def _indices(columns: slice) -> range:

@@ -12,7 +12,8 @@ class Reading:
     setup : name of the set-up
     pose : (n_axes,) m or rad, in chain order
     approach : (n_axes,) +1 or -1 where the direction of the last motion is known, else 0
-    value : m or rad
+    value : m or rad; along x where an instrument reads three directions
+    others : its values along y and z
     std : standard deviation of this reading in the unit of the value; None takes the set-up's noise
     line : line of the file it came from, if it came from one
     accepted : somebody vouches for it, however much it surprises
@@ -25,3 +26,9 @@ class Reading:
     std: float | None = None
     line: int | None = None
     accepted: bool = False
+    others: tuple[float, ...] = ()
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """All numbers of the reading, m or rad."""
+        return (self.value, *self.others)

@@ -13,8 +13,8 @@ Vector = tuple[float, float, float]
 class Unknown:
     """A quantity of the set-up itself that is estimated along with the machine.
 
-    name : "zero" (constant offset of every reading, m or rad) or "slope" (rad; times the distance of the moving
-        linear axis from the middle of its travel)
+    name : such as "zero" (constant offset of every reading, m or rad) or "slope" (rad; times the distance of the
+        moving linear axis from the middle of its travel); each kind of instrument has its own
     std : prior standard deviation in the same unit
     """
 
@@ -33,6 +33,8 @@ class Setup:
     setup_time, settle, reading_time : s
     raster : (n_axes,) m or rad, positions are multiples of it; 0 is continuous
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
+    station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
+    found : how far from there its station has been found so far, m; None is nowhere else
     """
 
     name: str
@@ -47,3 +49,5 @@ class Setup:
     reading_time: float
     raster: tuple[float, ...]
     approach: Approach
+    station: Vector | None = None
+    found: Vector | None = None

@@ -158,7 +158,7 @@ def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) ->
         seen = calibration.rows_of(reading)
         row = seen.rows[0]
         std = float(np.sqrt(seen.variances[0]))
-        part = _Part(number, reading, row, reading.value - float(row @ calibration.belief.mean), std)
+        part = _Part(number, reading, row, float(seen.values[0] - row @ calibration.belief.mean), std)
         part.total = sum(part._share(f) for f in calibration.problem.errors.functions)
         parts.append(part)
     return parts

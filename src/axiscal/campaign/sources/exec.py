@@ -142,13 +142,22 @@ class ExecSource:
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
         unit = self._unit(answer.get("unit"), line, request)
-        value = self._number(answer.get("value"), unit, line)
+        value, *others = self._numbers(answer.get("value"), unit, line, INSTRUMENTS[request.setup.instrument].values)
         if answer.get("std") is None:
-            return Answer(value)
+            return Answer(value, others=tuple(others))
         std = self._number(answer["std"], unit, line)
         if std <= 0:
             raise self._failure(f"answered {_quoted(line)}, whose std is not positive", "Give a std above 0, or none")
-        return Answer(value, std)
+        return Answer(value, std, tuple(others))
+
+    def _numbers(self, value: object, unit: str, line: str, count: int) -> list[float]:
+        """Return the numbers of a reading: one, or a list of those along x, y and z."""
+        if count == 1:
+            return [self._number(value, unit, line)]
+        if not isinstance(value, list) or len(value) != count:
+            remedy = 'Answer with the values along x, y and z: {"value": [1.7, 0.2, -0.4], "unit": "um"}'
+            raise self._failure(f"answered {_quoted(line)}, in which {count} numbers were expected", remedy)
+        return [self._number(each, unit, line) for each in value]
 
     def _unit(self, unit: object, line: str, request: Request) -> str:
         reads = INSTRUMENTS[request.setup.instrument].reads

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 class VirtualMachine(Protocol):
     """A machine with a hidden truth."""
 
-    def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
+    def read_all(
+        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+    ) -> tuple[float, ...]:
         """Return what the set-up would show, in m or rad: truth, the set-up's own unknowns, and noise from `rng`."""
 
 
@@ -43,7 +45,8 @@ class SimulatedSource:
         import numpy as np
 
         rng = np.random.default_rng((self._seed, request.reading))
-        return Answer(self._machine.read(request.setup, request.pose, request.approach, rng))
+        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng)
+        return Answer(value, others=tuple(others))
 
     def close(self) -> None:
         """Nothing is held."""

@@ -44,10 +44,14 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The reading: value in m or rad; its standard deviation likewise, or None for the set-up's noise."""
+    """The reading: value in m or rad; its standard deviation likewise, or None for the set-up's noise.
+
+    others : the values along y and z where an instrument reads three directions
+    """
 
     value: float
     std: float | None = None
+    others: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,12 +1,13 @@
 """READINGS.csv: `setup,X_mm,…,B_deg,approach,value_um[,std_um]`, or the columns of an ISO 230-2 test.
 
+`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -15,7 +16,12 @@ from axiscal.measurement.readers.axes import axis_layout, read_approach, read_po
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
 from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
 
-_LAYOUT = {"setup": TEXT, "approach": TEXT, "value": LENGTHS + ANGLES, "std": LENGTHS + ANGLES}
+_THREE = ("value_x", "value_y", "value_z")
+_LAYOUT = {
+    "setup": TEXT,
+    "approach": TEXT,
+    **dict.fromkeys(("value", "std", *_THREE), LENGTHS + ANGLES),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +35,7 @@ class RawReading:
     value : deviation, actual minus commanded, m or rad as `dimension` says
     std : standard deviation of the value, None if not said
     line : line of the file
+    others : the values along y and z of an instrument that reads three directions, whose first is `value`
     """
 
     setup: str
@@ -38,6 +45,7 @@ class RawReading:
     std: float | None
     dimension: Literal["length", "angle"]
     line: int
+    others: tuple[float, ...] = ()
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
@@ -47,7 +55,7 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
         return _of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))
     setup = table.one_of("setup", "setup")
-    if not table.all_of("value"):
+    if not table.all_of("value") and not table.all_of("value_x"):
         table.one_of("value", "value_um")
     return tuple(_reading(table, row, setup) for row in table.rows)
 
@@ -61,14 +69,24 @@ def _of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
 
 
 def _reading(table: Table, row: Row, setup: Column) -> RawReading:
-    column = row.only_filled(table.all_of("value"))
+    three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
+    column = row.only_filled([*table.all_of("value"), *table.all_of("value_x")])
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not row.text(setup):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
     value, std = row.quantity(column), _std(table, row, column)
     position, approach = read_position(table, row), read_approach(table, row)
-    return RawReading(row.text(setup), position, approach, value, std, column.dimension, row.line)
+    others = _others(row, column, three[1:]) if column is three[0] else ()
+    return RawReading(row.text(setup), position, approach, value, std, column.dimension, row.line, others)
+
+
+def _others(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:
+    """Return the values along y and z beside the one along x."""
+    filled = [column for column in columns if column is not None]
+    if len(filled) < len(columns) or any(column.dimension != first.dimension for column in filled):
+        raise row.fail("the line has a value along x, but not along y and z too", "fill value_x, value_y and value_z")
+    return tuple(row.quantity(column) for column in filled)
 
 
 def _std(table: Table, row: Row, value: Column) -> float | None:

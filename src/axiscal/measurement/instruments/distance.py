@@ -1,0 +1,70 @@
+"""Instruments that read a distance to the TCP from a point that is known roughly only: ball bar and length-only tracer.
+
+y = |p + δp − station − shift| − |p − station| + zero: linearised about the best known place of the station, so that a
+station that is millimetres away from where it was said to be does no harm once its place has been found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from axiscal.measurement.instruments.model import Actual, Place, Reads, need_station
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+SHIFTS = ("station_x", "station_y", "station_z")
+_UNKNOWNS: dict[str, Reads] = dict.fromkeys(("zero", *SHIFTS), "length")
+_LEAST = 1e-3
+
+
+class Distance:
+    """One distance."""
+
+    reads: Reads = "length"
+    values = 1
+    directed = False
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
+
+    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+        """Return the unit vector from the station to the TCP, (m, 3)."""
+        line = place.tcp - _found(setup)
+        unit: Array = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), _LEAST)
+        return unit
+
+    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+        """Return 1 for the zero, less the unit vector's part for a shift of the station, (m,)."""
+        if unknown == "zero":
+            return np.ones(place.count)
+        part: Array = -self.towards(setup, direction, place)[:, SHIFTS.index(unknown)]
+        return part
+
+    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+        """Return |p + δp − station − shift| − |p − station| + zero, (m,)."""
+        stated = _stated(setup)
+        shift = np.array([own.get(name, 0.0) for name in SHIFTS])
+        seen = np.linalg.norm(place.tcp + actual.displacement - stated - shift, axis=1)
+        shown: Array = seen - np.linalg.norm(place.tcp - stated, axis=1) + own.get("zero", 0.0)
+        return shown
+
+    def beyond(self, setup: Setup, place: Place) -> Array:
+        """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
+        shift = _found(setup) - _stated(setup)
+        now, first = (np.linalg.norm(place.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))
+        beyond: Array = now - first + self.towards(setup, shift, place) @ shift
+        return beyond
+
+    def check(self, setup: Setup) -> None:
+        """Raise DescriptionError without a station."""
+        need_station(setup, f"the {setup.instrument}'s other end")
+
+
+def _stated(setup: Setup) -> Array:
+    return np.zeros(3) if setup.station is None else np.array(setup.station)
+
+
+def _found(setup: Setup) -> Array:
+    found: Array = _stated(setup) + np.array(setup.found or (0.0, 0.0, 0.0))
+    return found

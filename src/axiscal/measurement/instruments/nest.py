@@ -1,0 +1,47 @@
+"""The R-test: a nest of three probes reads where a ball is that is held in the spindle, in all three directions.
+
+y = δp + zero, zero the place of the nest, in the workpiece frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from axiscal.measurement.instruments.model import Actual, Place, Reads, along
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+_ZEROS = ("zero_x", "zero_y", "zero_z")
+
+
+class Nest:
+    """Three lengths along x, y, z of the workpiece frame."""
+
+    reads: Reads = "length"
+    values = 3
+    directed = False
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(_ZEROS, "length"))
+
+    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+        """Return d for every reading, (m, 3)."""
+        return along(direction, place.count)
+
+    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+        """Return the part of the zero along d, (m,)."""
+        return np.full(place.count, direction[_ZEROS.index(unknown)])
+
+    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+        """Return dᵀ(δp + zero), (m,)."""
+        zero = np.array([own.get(name, 0.0) for name in _ZEROS])
+        shown: Array = (actual.displacement + zero) @ direction
+        return shown
+
+    def beyond(self, setup: Setup, place: Place) -> Array:
+        """Return nothing: it is linear, (m,)."""
+        return np.zeros(place.count)
+
+    def check(self, setup: Setup) -> None:
+        """Everything makes sense: it reads all directions."""

@@ -1,0 +1,61 @@
+"""The laser tracker: it reads where the TCP is, in all directions, from a station of unknown place and orientation.
+
+What it shows in its own frame, less the nominal place: y = R(turn)(p + δp − station) + station + zero − p, to first
+order δp + zero + turn × (p − station).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from axiscal.measurement.instruments.model import Actual, Place, Reads, along, need_station
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array, rigid
+
+_ZEROS = ("zero_x", "zero_y", "zero_z")
+_TURNS = ("turn_x", "turn_y", "turn_z")
+_UNKNOWNS: dict[str, Reads] = {name: "length" if name in _ZEROS else "angle" for name in _ZEROS + _TURNS}
+
+
+class Tracker:
+    """Three lengths along x, y, z of the workpiece frame."""
+
+    reads: Reads = "length"
+    values = 3
+    directed = False
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
+
+    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+        """Return d for every reading, (m, 3)."""
+        return along(direction, place.count)
+
+    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+        """Return the part of a zero along d, or of the turn of the frame about the station, (m,)."""
+        if unknown in _ZEROS:
+            return np.full(place.count, direction[_ZEROS.index(unknown)])
+        about = np.eye(3)[_TURNS.index(unknown)]
+        turned: Array = np.cross(about, place.tcp - _station(setup)) @ direction
+        return turned
+
+    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+        """Return dᵀ( R(turn)(p + δp − station) + station + zero − p ), (m,)."""
+        turn = rigid.rotation(np.array([[own.get(name, 0.0) for name in _TURNS]]))[0]
+        zero = np.array([own.get(name, 0.0) for name in _ZEROS])
+        seen = (place.tcp + actual.displacement - _station(setup)) @ turn.T + _station(setup) + zero
+        shown: Array = (seen - place.tcp) @ direction
+        return shown
+
+    def beyond(self, setup: Setup, place: Place) -> Array:
+        """Return nothing: it is linear, (m,)."""
+        return np.zeros(place.count)
+
+    def check(self, setup: Setup) -> None:
+        """Raise DescriptionError without a station."""
+        need_station(setup, "the tracker")
+
+
+def _station(setup: Setup) -> Array:
+    return np.zeros(3) if setup.station is None else np.array(setup.station)
