@@ -34,8 +34,10 @@ class Drawn:
     def __init__(self, seed: int) -> None:
         self.seed = seed
 
-    def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
-        return self.seed + pose[0] + float(rng.normal())
+    def read_all(
+        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+    ) -> tuple[float, ...]:
+        return (self.seed + pose[0] + float(rng.normal()),)
 
 
 class Simulation:

@@ -55,8 +55,12 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
 
 
 def _cautious(scale: Scale, log: float, variance: float) -> float:
-    """Return the logarithm of the root mean square of a scale, or of a length shorter by one standard deviation."""
-    return log - float(np.sqrt(variance)) if scale.kind == "length" else log + variance
+    """Return the logarithm that the bands use: of the root mean square, and a quarter of a standard deviation more.
+
+    A length is taken shorter by one standard deviation.
+    """
+    spread = float(np.sqrt(variance))
+    return log - spread if scale.kind == "length" else log + variance + spread / 4
 
 
 def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array) -> Array:
