@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +11,7 @@ import typer
 
 if TYPE_CHECKING:
     from axiscal.campaign.calibration import Problem
+    from axiscal.campaign.events import Place
     from axiscal.report.summary import Summary
 
 
@@ -33,7 +36,7 @@ def demo(
     folder = _fresh(out)
     say(_beginning(problem))
     with shown_progress(problem.description.target) as watch:
-        summary = run_demo(problem, folder, watch)
+        summary = run_demo(problem, folder, lambda places: say(_planned(problem, places)), watch)
     say(_end(summary, folder))
 
 
@@ -58,6 +61,14 @@ def _beginning(problem: Problem) -> str:
         f"Its hidden truth is made of measured curves (axiscal/demo/SOURCES.md). Set-ups:\n{setups}\n"
         f"Target: {micrometres(target.rms or 0.0)} RMS at the tool over the volume."
     )
+
+
+def _planned(problem: Problem, places: Sequence[Place]) -> str:
+    counts = Counter(place.setup for place in places)
+    used = ", ".join(f'{count} in "{setup}"' for setup, count in counts.items())
+    idle = [f'"{setup.name}"' for setup in problem.description.setups if setup.name not in counts]
+    left = f" Not worth their mounting: {', '.join(idle)}." if idle else ""
+    return f"Planned together: {len(places)} readings, {used}.{left}"
 
 
 def _end(summary: Summary, folder: Path) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 
 from axiscal.campaign.calibration import Calibration, Problem, calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.events import Asked, Place
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.truth import measured_truth
 from axiscal.machine import load_machine
@@ -33,10 +34,19 @@ def hidden_machine(problem: Problem) -> VirtualMachine:
     return simulator.with_curves(measured_truth(problem.errors, SEED), SEED)
 
 
-def run_demo(problem: Problem, out: Path, watch: Callable[[Milestone], None]) -> Summary:
-    """Run the campaign into a folder and return what is said of it.  Raises RecordError if one is there already."""
+def run_demo(
+    problem: Problem, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
+) -> Summary:
+    """Run the campaign into a folder and return what is said of it.
+
+    planned : told of the plan; watch : told of every reading
+    Raises RecordError if there is a campaign already.
+    """
     truth = hidden_machine(problem)
     with Campaign.create(out / "campaign.axiscal", problem.description, lambda _: Calibration(problem)) as campaign:
+        first = campaign.next()
+        if isinstance(first, Asked):
+            planned((Place(first.setup, first.position, first.approach), *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
         calibration = calibration_of(campaign.engine)
         return deliver(campaign, calibration, out, Extras(truth=truth, truth_check=truth_check(calibration, truth)))
