@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.exceptions import EvaluationError, ReadingError
-from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows, read_positioning
+from axiscal.measurement.readers.files import read_any_positioning
+from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -98,7 +99,7 @@ class _Direction:
 
 def read_iso230(path: str | Path) -> PositioningTest:
     """Read a test of one axis in which every run visits every target; raises ReadingError."""
-    readings = read_positioning(path)
+    readings = read_any_positioning(path)
     targets = sorted({row.target for row in readings.rows})
     up, down = (_passes(readings, targets, direction) for direction in (1, -1))
     return PositioningTest(np.array(targets), up, down, readings.rotary, readings.file)

@@ -10,12 +10,14 @@ from axiscal.campaign.description import CampaignDescription
 from axiscal.campaign.target import travel_text
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import Axis, Machine
+from axiscal.machine.names import parse_error_name
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
+_ALONG = 1 - 1e-9
 _STILL = {False: 1e-6, True: math.radians(1e-5)}
 """How far from its park position an axis may be said to stand: 1 um, or 1e-5 deg."""
 
@@ -53,7 +55,7 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
-    setup = campaign.setup(row.setup) if row.setup else _only_setup(campaign)
+    setup, sign = _setup_of(row, campaign)
     reads = INSTRUMENTS[setup.instrument].reads
     if row.dimension != reads:
         what = f'the {setup.instrument} of the set-up "{setup.name}" reads a {reads}, not a {row.dimension}'
@@ -62,10 +64,41 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     position, approach = row.position, row.approach
     if "" in position:
         moving = campaign.machine.axes[setup.moves[0]].name
+        _refuse_other_kind(row, campaign.machine.axes[setup.moves[0]])
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
-    return Reading(setup.name, pose, directions, row.value, row.std, row.line, others=row.others)
+    return Reading(setup.name, pose, directions, sign * row.value, row.std, row.line, others=row.others)
+
+
+def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+    """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
+    if row.setup:
+        return campaign.setup(row.setup), 1
+    if not row.error:
+        return _only_setup(campaign), 1
+    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
+    moving = {campaign.machine.index(name) for name in row.position}
+    fitting = [
+        setup
+        for setup in campaign.setups
+        if moving <= set(setup.moves)
+        and INSTRUMENTS[setup.instrument].reads == row.dimension
+        and abs(setup.direction[component]) > _ALONG
+    ]
+    if len(fitting) != 1:
+        axis, what = "xyz"[component], "rotation about" if row.dimension == "angle" else "length along"
+        many = "several set-ups read" if fitting else "no set-up reads"
+        remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
+        raise ReadingError(f"{many} a {what} {axis} while {', '.join(row.position)} moves", remedy)
+    return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
+
+
+def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
+    if axis.rotary != (row.dimension == "angle"):
+        kind = "an angle" if axis.rotary else "a length"
+        what = f"the axis that moves is {axis.name}, whose position is {kind}, and the file gives the other kind"
+        raise ReadingError(what, "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one")
 
 
 def _refuse_other_count(row: RawReading, setup: Setup) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def estimate(
     campaign: CampaignFile,
     readings: Annotated[
-        Path, typer.Argument(metavar="READINGS.csv", help="Readings that exist, or an ISO 230-2 test.")
+        Path, typer.Argument(metavar="READINGS.csv", help="Readings that exist: .csv, .rtl, a bed map.")
     ],
     out: Out,
     json: Json = False,
@@ -25,8 +25,9 @@ def estimate(
     """Evaluate readings that exist already; nothing is planned.
 
     Columns: setup, X_mm, Y_mm, ... B_deg, approach, value_um (value_urad for angles); parked axes may be left out.
-    The columns of an ISO 230-2 test (target_mm, direction, run, deviation_um) do for a campaign with one set-up and one
-    moving axis.
+    The columns of an ISO 230-2 test (target_mm, direction, run, deviation_um) or a Renishaw .rtl file do for a campaign
+    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg), and files
+    that begin with "# axiscal-csv 1", find their set-up by the direction that it reads.
 
     \b
     Example:
@@ -36,12 +37,12 @@ def estimate(
     from axiscal.campaign.placing import placed_readings
     from axiscal.cli.opening import create_campaign
     from axiscal.cli.outputs import RECORD, write_outputs
-    from axiscal.measurement.readers.csv_readings import read_readings
+    from axiscal.measurement.readers.files import read_any
 
     description = read_campaign(campaign, target_needed=False)
-    raw = read_readings(readings)
+    raw = read_any(readings)
     placed = placed_readings(raw, description, readings)
-    extras = _standard_test(readings, description) if any(not reading.setup for reading in raw) else None
+    extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else None
     out.mkdir(parents=True, exist_ok=True)
     with create_campaign(out / RECORD, description) as opened:
         opened.adopt(placed)

@@ -36,6 +36,7 @@ class RawReading:
     std : standard deviation of the value, None if not said
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`
+    error : where a file names no set-up but the error that was read, such as "EXX"; "z" for a height
     """
 
     setup: str
@@ -46,13 +47,14 @@ class RawReading:
     dimension: Literal["length", "angle"]
     line: int
     others: tuple[float, ...] = ()
+    error: str = ""
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
     """Read the readings of a file of either kind, in its order; raises ReadingError."""
     table = read_table(path)
     if {column.stem for column in table.columns} >= STEMS:
-        return _of_positioning(positioning_rows(table))
+        return of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))
     setup = table.one_of("setup", "setup")
     if not table.all_of("value") and not table.all_of("value_x"):
@@ -60,7 +62,8 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
     return tuple(_reading(table, row, setup) for row in table.rows)
 
 
-def _of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
+def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
+    """Return the readings of an ISO 230-2 test, whose axis is not named."""
     dimension: Literal["length", "angle"] = "angle" if test.rotary else "length"
     return tuple(
         RawReading("", {"": row.target}, {"": row.direction}, row.deviation, None, dimension, row.line)

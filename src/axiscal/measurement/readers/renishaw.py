@@ -1,0 +1,99 @@
+"""Renishaw `.rtl`: a positioning test as laser software exports it, in sections `NAME::`.
+
+Targets wrap over lines, indices count from 1, odd runs go up and even runs down unless the flags say that all go up.
+Deviations are read as micrometres and targets as millimetres: the file does not say, and angles differ from program
+to program, so a rotary axis is refused where the axis is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows
+from axiscal.measurement.readers.text import TextFile
+from axiscal.units import from_unit
+
+_ONE_WAY = "1"
+_SHORTENED = "export it again from the laser software; the file seems to be cut or edited"
+
+
+def is_rtl(file: TextFile) -> bool:
+    """Return whether the file begins like a `.rtl` file."""
+    return next((line.strip() for line in file.lines if line.strip()), "") == "HEADER::"
+
+
+def rtl_positioning(file: TextFile) -> PositioningRows:
+    """Return the readings of a `.rtl` file; raises ReadingError."""
+    sections = dict(_sections(file))
+    targets, one_way = _targets(file, sections)
+    rows: dict[tuple[int, int], PositioningRow] = {}
+    for line, text in _deviations(file, sections):
+        run, index, row = _row(file, line, text, targets, one_way)
+        if (run, index) in rows:
+            what = f"run {run} has target {index} already, in line {rows[run, index].line}"
+            raise file.fail(what, "keep one of the two", line)
+        rows[run, index] = row
+    if not rows:
+        raise file.fail("there are no deviations", _SHORTENED)
+    return PositioningRows(file.name, False, tuple(rows.values()))
+
+
+def _sections(file: TextFile) -> Iterator[tuple[str, list[tuple[int, str]]]]:
+    """Yield the lines of each section with their numbers; empty lines are left out."""
+    name, lines = "", list[tuple[int, str]]()
+    for number, line in enumerate(file.lines, 1):
+        text = line.strip()
+        if text.endswith("::"):
+            yield name, lines
+            name, lines = text[:-2].strip().upper(), []
+        elif text:
+            lines.append((number, text))
+    yield name, lines
+
+
+def _targets(file: TextFile, sections: dict[str, list[tuple[int, str]]]) -> tuple[list[float], bool]:
+    """Return the targets in m, and whether all runs go up."""
+    lines = sections.get("TARGET DATA")
+    if lines is None:
+        raise file.fail("there is no section TARGET DATA::", _SHORTENED)
+    stated, targets, one_way, inside = None, list[float](), False, False
+    for number, text in lines:
+        key, colon, rest = text.partition(":")
+        if colon:
+            inside = key.strip().lower() == "targets"
+            if key.strip().lower() == "target-count":
+                stated = (number, rest.strip())
+            if key.strip().lower() == "flags":
+                one_way = rest.split()[1:2] == [_ONE_WAY]
+            text = rest
+        if inside:
+            targets += [from_unit(value, "mm") for value in file.numbers(text.split(), "target", number)]
+    if not targets:
+        raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
+    if stated is not None and stated[1] != str(len(targets)):
+        raise file.fail(f"{stated[1]} targets are announced, and there are {len(targets)}", _SHORTENED, stated[0])
+    if len(set(targets)) < len(targets):
+        raise file.fail("a target is named twice", "name each once", lines[0][0])
+    return targets, one_way
+
+
+def _deviations(file: TextFile, sections: dict[str, list[tuple[int, str]]]) -> list[tuple[int, str]]:
+    lines = sections.get("DEVIATIONS")
+    if lines is None:
+        raise file.fail("there is no section DEVIATIONS::", _SHORTENED)
+    return [(number, text) for number, text in lines if not text.lower().startswith("run target data")]
+
+
+def _row(file: TextFile, line: int, text: str, targets: list[float], one_way: bool) -> tuple[int, int, PositioningRow]:
+    words = text.split()
+    if len(words) != 3 or not (words[0].isdecimal() and words[1].isdecimal()):
+        raise file.fail(f"{text[:40]!r} is not run, target and deviation", _SHORTENED, line)
+    run, index = int(words[0]), int(words[1])
+    if run < 1 or not 1 <= index <= len(targets):
+        raise file.fail(
+            f"target {index} of run {run} is not there: targets go from 1 to {len(targets)}", _SHORTENED, line
+        )
+    up = one_way or run % 2 == 1
+    deviation = from_unit(file.number(words[2], "deviation", line), "um")
+    number = run if one_way else (run + 1) // 2
+    return run, index, PositioningRow(targets[index - 1], 1 if up else -1, number, deviation, line)

@@ -1,0 +1,59 @@
+"""A text file of an instrument or a controller: whatever it is encoded in, its lines and their numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.exceptions import ReadingError
+
+
+@dataclass(frozen=True, slots=True)
+class TextFile:
+    """A file as lines, without the ends of lines."""
+
+    name: str
+    lines: tuple[str, ...]
+
+    def fail(self, what: str, remedy: str, line: int | None = None) -> ReadingError:
+        """Return the error that places a fault in a line, counted from 1."""
+        return ReadingError(what, remedy, self.name, line)
+
+    def number(self, text: str, what: str, line: int) -> float:
+        """Return a finite number; raises ReadingError."""
+        try:
+            value = float(text) if "_" not in text else math.nan
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            shown = text if len(text) <= 40 else text[:37] + "..."
+            raise self.fail(f"{what} {shown!r} is not a finite number", "write digits with a decimal point", line)
+        return value
+
+    def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
+        """Return finite numbers; raises ReadingError."""
+        return [self.number(text.strip(), what, line) for text in texts]
+
+
+def read_text(path: str | Path) -> TextFile:
+    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or "cannot be read").lower()
+        remedy = "check the name and the permissions"
+        raise ReadingError(f"the file cannot be read: {reason}", remedy, str(path)) from None
+    except ValueError:
+        raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a file") from None
+    return TextFile(str(path), tuple(_decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")))
+
+
+def _decoded(data: bytes) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", errors="replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # only names and remarks go beyond ASCII
