@@ -8,6 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axiscal.compensation.controllers.linuxcnc.headless import Joint, run
+from axiscal.exceptions import ControlError
+from axiscal.gcode import Visit, dialect, programs
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from tests.certify.gcode import HOSTILE, Plan, interpreted, random_plan, verdicts
 from tests.certify.gcode_traces import canonical_calls, interpreter, read_canonical
@@ -77,6 +83,29 @@ def feeds(calls: list[str]) -> Array:
     """Return the ends of the feed moves, (n, 6), in the coordinates in force."""
     ends = [call.partition("(")[2][:-1].split(",") for call in calls if call.startswith("STRAIGHT_FEED")]
     return np.array(ends, dtype=np.float64)
+
+
+def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else() -> None:
+    axes = [Axis.named(name, False, (-0.0123, 0.0456), speed=0.5) for name in "XYZ"]
+    table = Axis.named("C", True, (0.0, 2 * np.pi), speed=20.0)
+    machine = Machine("m", (table, *axes), 0.0, (), "", "")
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    rng = np.random.default_rng(3)
+    poses = [low, high, *rng.uniform(low + 0.001, high - 0.001, (6, 4))]
+    sides = [(0, 0, 0, 0)] * 2 + [tuple(map(int, row)) for row in rng.integers(-1, 2, (6, 4))]
+    setup = Setup("s", "probe", (1, 0, 0), (0, 1, 2, 3), tuple(low), 1e-6, (), 0, 0.001, 0, (0.0,) * 4, "both")
+    visits = [Visit(setup, tuple(map(float, pose)), side) for pose, side in zip(poses, sides, strict=True)]
+    (program,) = programs(machine, visits, dialect("linuxcnc"))
+    codes = [line for line in program.text.splitlines()[:-1] if line[0] == "G"]
+    joints = [Joint(axis, *((0.0, 360.0) if axis == "C" else (-12.3, 45.6))) for axis in "XYZC"]
+    done = run(joints, [*codes, "G53 G1 X45.6 F9000"])
+    assert done.errors == ()
+    for code, step in zip(codes, done.steps, strict=False):
+        for word in code.split():
+            if code.startswith("G53") and word[0] in "XYZC":
+                assert step.motor["XYZC".index(word[0])] == pytest.approx(float(word[1:]), abs=1e-6)
+    with pytest.raises(ControlError, match="limit"):
+        run(joints, ["G53 G1 X45.6001 F9000"])
 
 
 def test_the_campaign_says_how_much_it_read() -> None:

@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from axiscal.gcode import approachable, controllers
@@ -66,6 +66,7 @@ def test_what_has_a_program_is_approachable(seed: int) -> None:
 
 
 @given(text=st.text(max_size=200))
+@example("a" * 59 + " " + "b" * 300)
 def test_any_text_becomes_plain(text: str) -> None:
     assert re.fullmatch(r"[A-Z0-9 _.+-]{0,60}", plain(text))
     assert plain(plain(text)) == plain(text)

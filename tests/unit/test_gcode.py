@@ -6,6 +6,7 @@ import csv
 import math
 import re
 from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from axiscal.campaign.events import Place
 from axiscal.exceptions import ProgramError
 from axiscal.gcode import Options, Program, Visit, approachable, controllers, dialect, programs, write_programs
+from axiscal.gcode.scale import Scale
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers.csv_readings import read_readings
@@ -119,6 +121,13 @@ def test_the_overrun_that_still_fits_is_taken_at_the_end_of_the_travel() -> None
     assert "G53 G1 X500.0000 F6000" in text_of("linuxcnc", replace(DOWN, pose=(0.0, 0.4995)))
 
 
+def test_the_usual_overrun_of_a_short_axis_is_a_hundredth_of_its_travel() -> None:
+    short = Machine("m", (Axis.named("X", False, (0.0, 0.02)), Axis.named("A", False, (0.0, 0.2))), 0.0, (), "", "")
+    text = text_of("linuxcnc", Visit(SETUP, (0.01, math.radians(5)), (1, -1)), machine=short)
+    assert "X9.8000" in text
+    assert "A5.1146 " in text  # 5 deg and a hundredth of 0.2 rad
+
+
 def test_an_approach_without_room_is_refused_and_named() -> None:
     why = refusal(UP, replace(UP, pose=(0.0, 0.00005)))
     assert 'reading 2 of the set-up "laser 1" is to be approached with X+ at X = 0.0500 mm' in why
@@ -170,6 +179,16 @@ def test_a_coordinate_that_rounding_would_push_out_is_rounded_inwards() -> None:
     assert "X123.4568" not in text
 
 
+def test_what_arithmetic_adds_to_the_end_of_the_travel_is_forgiven() -> None:
+    assert "X500.0000" in text_of("linuxcnc", Visit(SETUP, (0.0, 0.5 + 1e-13), (0, 0)))
+
+
+@pytest.mark.parametrize("value", ["-0.0001", "500.0001", "0.00001"])
+def test_a_number_is_read_again_before_it_is_written(value: str) -> None:
+    with pytest.raises(ProgramError, match=r"X would go to .* its travel is 0\.0 to 500\.0"):
+        Scale.of(SLIDE, 4).written(Decimal(value))
+
+
 def test_a_travel_without_any_number_that_can_be_written_is_refused() -> None:
     sliver = Machine("m", (Axis.named("X", False, (0.10000004, 0.10000006)),), 0.0, (), "", "")
     assert "no number with 4 decimals" in refusal(Visit(SETUP, (0.10000005,), (0,)), machine=sliver)
@@ -204,6 +223,12 @@ def test_a_straight_move_is_as_fast_as_its_slowest_axis_allows() -> None:
     visits = [Visit(SETUP, (0.1, 0.1), (0, 0)), Visit(SETUP, (0.4, 0.5), (0, 0))]
     assert "X400.0000 Y500.0000 F2250" in text_of("linuxcnc", *visits, machine=machine)  # Y: 2250 * 4/5 = 1800
     assert "F1125" in text_of("linuxcnc", *visits, machine=machine, options=Options(feed=0.5))
+
+
+@pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (10 / 60, 10000), (50.0, 99999)])
+def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, feed: int) -> None:
+    machine = Machine("m", (replace(SLIDE, speed=speed),), 0.0, (), "", "")
+    assert f"F{feed}\n" in text_of("linuxcnc", Visit(SETUP, (0.1,), (0,)), machine=machine)
 
 
 def test_the_time_of_a_reading_counts_ways_and_waits() -> None:
@@ -268,6 +293,20 @@ def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) ->
     first, second = read_readings(tmp_path / "readings.csv")
     assert (first.setup, first.position, first.approach, first.value) == ("laser 1", {"X": 0.1}, {"X": 1}, 1.5e-6)
     assert second.approach == {"X": -1}
+
+
+def test_the_form_leaves_parked_axes_out(tmp_path: Path) -> None:
+    write_programs(MACHINE, [SETUP], [Place("laser 1", (0.1, 0.2), (1, -1))], "linuxcnc", tmp_path)
+    header, row = (tmp_path / "readings.csv").read_text().splitlines()
+    assert header == "setup,C_deg,X_mm,approach,value_um"
+    assert row == "laser 1,,200.0000,X-,"
+
+
+def test_the_form_has_a_column_for_each_kind_of_value(tmp_path: Path) -> None:
+    level = replace(SETUP, name="level", instrument="level")
+    places = [Place(setup.name, UP.pose, UP.approach) for setup in (SETUP, level)]
+    write_programs(MACHINE, [SETUP, level], places, "linuxcnc", tmp_path)
+    assert (tmp_path / "readings.csv").read_text().splitlines()[0].endswith("approach,value_um,value_urad")
 
 
 def test_the_files_of_a_plan(tmp_path: Path) -> None:

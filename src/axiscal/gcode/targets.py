@@ -89,7 +89,7 @@ def _sided(scale: Scale, options: Options, number: Decimal, side: int) -> tuple[
     None where no end leaves room.
     """
     wanted = scale.above(options.overrun(scale.axis))
-    least = max(scale.step, scale.above(LEAST * options.overrun(scale.axis)))
+    least = scale.above(LEAST * options.overrun(scale.axis))
     for place in (number, *(() if scale.turn is None else (number + side * scale.turn,))):
         room = place - scale.first if side > 0 else scale.last - place
         if scale.first <= place <= scale.last and room >= least:
