@@ -225,7 +225,7 @@ def test_a_straight_move_is_as_fast_as_its_slowest_axis_allows() -> None:
     assert "F1125" in text_of("linuxcnc", *visits, machine=machine, options=Options(feed=0.5))
 
 
-@pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (10 / 60, 10000), (50.0, 99999)])
+@pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (11 / 60, 11000), (50.0, 99999)])
 def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, feed: int) -> None:
     machine = Machine("m", (replace(SLIDE, speed=speed),), 0.0, (), "", "")
     assert f"F{feed}\n" in text_of("linuxcnc", Visit(SETUP, (0.1,), (0,)), machine=machine)
