@@ -9,6 +9,7 @@ from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from axiscal.campaign.events import Place
@@ -135,6 +136,13 @@ def test_an_approach_without_room_is_refused_and_named() -> None:
     assert "from the other side, or choose a smaller overrun" in why
     assert refusal(replace(DOWN, pose=(0.0, 0.5)))
     assert "X+ at X" in refusal(replace(UP, pose=(0.0, 0.001)), options=Options(overrun_length=0.02))
+
+
+def test_poses_may_come_as_numpy_has_them() -> None:
+    pose, approach = np.array(UP.pose), np.array([0.0, 1.0])
+    assert approachable(MACHINE, tuple(pose), tuple(approach))
+    as_arrays = Visit(SETUP, tuple(pose), tuple(approach))
+    assert text_of("linuxcnc", as_arrays, DOWN) == text_of("linuxcnc", UP, DOWN)
 
 
 def test_a_reading_at_the_end_without_a_side_is_possible() -> None:

@@ -16,7 +16,7 @@ _NOISE = 9
 
 def exact(value: float) -> Decimal:
     """Return a number in mm or deg as it was meant, without the noise of binary arithmetic."""
-    return Decimal(repr(round(value, _NOISE)))
+    return Decimal(repr(round(float(value), _NOISE)))
 
 
 @dataclass(frozen=True, slots=True)
