@@ -22,7 +22,7 @@ demo: .venv/run.stamp
 	$(BIN)/axiscal demo --out demo-out
 
 demo-linuxcnc: .venv/run.stamp
-	$(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out  # small matrices: threads only wait
 
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .
