@@ -46,7 +46,7 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
     raise SourceError(f"'{text}' is not a source", _KINDS)
 
 
-_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc:SEED where LinuxCNC is installed"
+_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc:SEED with LinuxCNC"
 
 
 def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
