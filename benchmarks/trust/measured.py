@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.engine import Visit
+from axiscal.campaign.problem import Problem
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.report.findings import findings

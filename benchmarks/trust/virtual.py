@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.prediction import tcp_prediction
+from axiscal.campaign.problem import Problem
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.description import campaign_from_texts
 from axiscal.campaign.prediction import tcp_prediction
+from axiscal.campaign.problem import Problem
 from axiscal.design.scorer import Scorer
 from axiscal.error_model.model import ErrorFunction
 from axiscal.machine import load_machine

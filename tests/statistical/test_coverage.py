@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.problem import Problem
 from axiscal.machine import builtin_names
 from tests.certify.coverage import CLAIMED, MACHINES, SLACK, Covered, Trial
 

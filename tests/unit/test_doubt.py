@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.calibration import Calibration, calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.problem import Problem
 from axiscal.cli.app import run
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.placing import placed_readings
+from axiscal.campaign.problem import Problem
 from axiscal.cli.app import run
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine

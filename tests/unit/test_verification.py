@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.compensation.effect import Control, left_by, table_control

@@ -8,6 +8,7 @@ from axiscal.campaign.engine import Engine
 
 def build(description: CampaignDescription) -> Engine:
     """Return the engine of a campaign; what it needs is loaded when it is first asked."""
-    from axiscal.campaign.calibration import Calibration, Problem
+    from axiscal.campaign.calibration import Calibration
+    from axiscal.campaign.problem import Problem
 
     return Calibration(Problem(description))

@@ -3,38 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
 from math import ceil
 
 import numpy as np
 
 from axiscal.belief import Belief, Innovations
-from axiscal.campaign.description import CampaignDescription
 from axiscal.campaign.engine import Engine, Visit
 from axiscal.campaign.events import Gap, Place
-from axiscal.design.accuracy import Accuracy, Yardstick
+from axiscal.campaign.planning import planned_places
+from axiscal.campaign.problem import Problem
+from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
-from axiscal.design.lattice import Lattice, spread
-from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments
 from axiscal.inference.doubt import FEWEST, Doubt, doubts
 from axiscal.inference.fit import Fit, fit
-from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown, Vector
-from axiscal.numerics import Array
 
-_FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
-_STAY = 0.1
-_NEAR = 0.01
 _GROWTH = 1.34
 _ROUNDS = 12
-_STAYS = 1e-8
 
 
 def calibration_of(engine: Engine) -> Calibration:
@@ -42,96 +28,6 @@ def calibration_of(engine: Engine) -> Calibration:
     if not isinstance(engine, Calibration):
         raise TypeError(f"{type(engine).__name__} is not a Calibration")
     return engine.concluded()
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume."""
-
-    description: CampaignDescription
-
-    @cached_property
-    def variable(self) -> tuple[Scale, ...]:
-        """The scales that the description asks to be learnt."""
-        machine, setups = self.description.machine, self.description.setups
-        return all_scales(machine, setups) if self.description.scales_estimated else wanted_rests(machine)
-
-    def rescaled(self, scales: Scales) -> Problem:
-        """Return the problem with priors and noise as learnt."""
-        machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
-        return Problem(replace(self.description, machine=machine, setups=setups))
-
-    def located(self, mean: Array) -> Problem | None:
-        """Return the problem about the places where the stations of distances are found to be; None if these stay."""
-        found = [self._found(index, mean) for index in range(len(self.description.setups))]
-        if found == [setup.found for setup in self.description.setups]:
-            return None
-        pairs = zip(self.description.setups, found, strict=True)
-        return Problem(replace(self.description, setups=tuple(replace(s, found=f) for s, f in pairs)))
-
-    def _found(self, index: int, mean: Array) -> Vector | None:
-        setup = self.description.setups[index]
-        columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
-        if not set(SHIFTS) & set(columns):
-            return setup.found
-        x, y, z = (float(columns.get(name, 0.0)) for name in SHIFTS)
-        before = setup.found or (0.0, 0.0, 0.0)
-        moved = max(abs(new - old) for new, old in zip((x, y, z), before, strict=True))
-        return setup.found if moved < _STAYS else (x, y, z)
-
-    @cached_property
-    def errors(self) -> ErrorModel:
-        """The error model of the machine."""
-        return ErrorModel(self.description.machine)
-
-    @cached_property
-    def observation(self) -> Observation:
-        """The map from all unknowns to readings, before any cell is visited."""
-        return Observation(self.errors, self.description.setups)
-
-    @cached_property
-    def prior(self) -> Belief:
-        """The belief before the first reading."""
-        covariance = self.observation.prior_covariance()
-        return Belief(np.zeros(len(covariance)), covariance)
-
-    @cached_property
-    def lattice(self) -> Lattice:
-        """Candidates spread over everything that is allowed."""
-        count = int(np.clip(_PER_UNKNOWN * self.observation.size, _FEWEST, _MOST))
-        return spread(self.description.machine, self.description.setups, count)
-
-    @cached_property
-    def yardstick(self) -> Yardstick:
-        """The figures over the target's volume."""
-        box = self.description.target.volume
-        unseen = unseen_factor(self.prior.factor, self._allowed_rows())[: self.errors.size]
-        return Yardstick(self.errors, box, volume_moments(self.errors, box), unseen)
-
-    @cached_property
-    def hidden(self) -> tuple[Hidden, ...]:
-        """What no allowed reading can see, in words."""
-        return hidden(self.errors, self.yardstick.unseen, self.yardstick.moments)
-
-    def unit_of(self, setup: Setup, unknown: Unknown) -> str:
-        """Return the unit in which an unknown of a set-up is shown."""
-        reads = INSTRUMENTS[setup.instrument].model.unknown_reads[unknown.name]
-        return "um" if reads == "length" else "urad"
-
-    def reading_unit(self, setup: Setup) -> str:
-        """Return the unit in which readings of a set-up are shown."""
-        return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
-
-    def index(self, setup: str) -> int:
-        """Return the index of a set-up by name; raises DescriptionError."""
-        return self.description.setups.index(self.description.setup(setup))
-
-    def _allowed_rows(self) -> Array:
-        parts = []
-        for i in range(len(self.description.setups)):
-            seen = self.observation.rows(i, *self.lattice.of(i))
-            parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
-        return np.concatenate(parts)
 
 
 class Calibration:
@@ -268,9 +164,9 @@ class Calibration:
 
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way."""
-        from axiscal.campaign.planning import planned_places
-
-        return planned_places(self, gaps, visits)
+        settled = self._settled()
+        known = settled._problem, settled._observation, settled._belief
+        return planned_places(*known, gaps, visits, self.elapsed(visits))
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

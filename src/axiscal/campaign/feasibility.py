@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from axiscal.campaign.calibration import Problem
+from axiscal.campaign.problem import Problem
 from axiscal.units import to_unit
 
 _NAMED = 3

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.belief import Belief
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.events import Gap, Place
+from axiscal.campaign.problem import Problem
 from axiscal.campaign.target import Target
 from axiscal.design import criterion
+from axiscal.design import problem as design
 from axiscal.design.lattice import Lattice, spread
 from axiscal.design.plan import make_plan
-from axiscal.design.problem import Limits, Problem
+from axiscal.design.problem import Limits
 from axiscal.design.state import Point
 from axiscal.exceptions import PlanError
+from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
-
-if TYPE_CHECKING:
-    from axiscal.campaign.calibration import Calibration
 
 _CANDIDATES = 2000
 _AT_ONCE = 150
@@ -31,13 +31,20 @@ _SMALL = 120
 by the clock, so that the same campaign asks for the same readings on any machine."""
 
 
-def planned_places(calibration: Calibration, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
+def planned_places(
+    case: Problem,
+    observation: Observation,
+    belief: Belief,
+    gaps: Sequence[Gap],
+    visits: Sequence[Visit],
+    seconds: float,
+) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
 
-    gaps : places that could not be read, which are planned around; visits : so far
+    gaps : places that could not be read, which are planned around; visits, seconds : so far
     """
-    problem = posed(calibration, gaps, visits)
-    limits = limits_left(calibration.problem.description.target, len(visits), calibration.elapsed(visits))
+    problem = posed(case, observation, belief, gaps, visits)
+    limits = limits_left(case.description.target, len(visits), seconds)
     if not len(problem.lattice):
         return ()
     patience = math.inf if problem.observation.size <= _SMALL else 0.0
@@ -45,30 +52,34 @@ def planned_places(calibration: Calibration, gaps: Sequence[Gap], visits: Sequen
         plan = make_plan(problem, limits, patience=patience, bounded=False)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
-    setups = calibration.problem.description.setups
+    setups = case.description.setups
     return tuple(
         Place(setups[r.setup].name, tuple(map(float, r.pose)), tuple(int(sign) for sign in r.approach))
         for r in plan.readings
-        if not _at_gap(calibration, r.setup, r.pose[None], gaps)[0]
+        if not _at_gap(case, r.setup, r.pose[None], gaps)[0]
     )
 
 
 def posed(
-    calibration: Calibration, gaps: Sequence[Gap] = (), visits: Sequence[Visit] = (), candidates: int = _CANDIDATES
-) -> Problem:
+    case: Problem,
+    observation: Observation,
+    belief: Belief,
+    gaps: Sequence[Gap] = (),
+    visits: Sequence[Visit] = (),
+    candidates: int = _CANDIDATES,
+) -> design.Problem:
     """Return what is to be planned: the belief so far, and candidates outside the gaps."""
-    learnt, here = calibration.problem, None
+    machine, setups, here = case.description.machine, case.description.setups, None
     if visits:
         last = visits[-1]
-        here = Point(learnt.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
-    lattice = spread(learnt.description.machine, learnt.description.setups, candidates)
+        here = Point(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
+    lattice = spread(machine, setups, candidates)
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
-        keep[mine] = ~_at_gap(calibration, int(setup), lattice.poses[mine], gaps)
+        keep[mine] = ~_at_gap(case, int(setup), lattice.poses[mine], gaps)
     free = Lattice(lattice.setups[keep], lattice.poses[keep], lattice.approaches[keep])
-    weight = weight_of(calibration)
-    return Problem(calibration.observation, calibration.belief, weight, learnt.yardstick, free, here)
+    return design.Problem(observation, belief, weight_of(case, belief), case.yardstick, free, here)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:
@@ -82,19 +93,19 @@ def limits_left(target: Target, taken: int, seconds: float) -> Limits:
     return Limits(left, target.rms, target.worst, budget)
 
 
-def weight_of(calibration: Calibration) -> Array:
+def weight_of(case: Problem, belief: Belief) -> Array:
     """Return V of the target's criterion, W = VᵀV."""
-    name, problem = calibration.problem.description.target.criterion, calibration.problem
+    name = case.description.target.criterion
     if name == "joint":
-        return criterion.joint_root(problem.errors)
-    return problem.yardstick.root if name == "volume" else problem.yardstick.worst_rows(calibration.belief)
+        return criterion.joint_root(case.errors)
+    return case.yardstick.root if name == "volume" else case.yardstick.worst_rows(belief)
 
 
-def _at_gap(calibration: Calibration, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
+def _at_gap(case: Problem, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
     """Return which poses (m, q) of a set-up are where a reading could not be taken."""
-    lengths = np.array([axis.length for axis in calibration.problem.description.machine.axes])
+    lengths = np.array([axis.length for axis in case.description.machine.axes])
     result = np.zeros(len(poses), dtype=bool)
     for gap in gaps:
-        if calibration.problem.index(gap.setup) == setup:
+        if case.index(gap.setup) == setup:
             result |= np.all(np.abs(poses - np.array(gap.position)) < _NEAR * lengths, axis=1)
     return result

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from axiscal.campaign.calibration import Problem
     from axiscal.campaign.events import Place
+    from axiscal.campaign.problem import Problem
     from axiscal.report.summary import Summary
 
 
@@ -27,7 +27,7 @@ def demo(
     Example:
       axiscal demo --out demo-out
     """
-    from axiscal.campaign.calibration import Problem
+    from axiscal.campaign.problem import Problem
     from axiscal.cli.printing import say
     from axiscal.cli.progress import shown_progress
     from axiscal.demo.five_axis import description, run_demo

@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 
-from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.calibration import Calibration, calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.events import Asked, Place
+from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.truth import measured_truth
 from axiscal.machine import load_machine

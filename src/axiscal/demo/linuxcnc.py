@@ -16,9 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, Problem, calibration_of
+from axiscal.campaign.calibration import Calibration, calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
+from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.compensation.effect import left_by

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.engine import Visit
+from axiscal.campaign.problem import Problem
 from axiscal.campaign.versions import versions
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS

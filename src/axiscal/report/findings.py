@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, Problem
+from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.problem import Problem
 from axiscal.error_model.iso230 import words
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.judgement import Misfit, misfits
