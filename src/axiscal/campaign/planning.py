@@ -12,11 +12,12 @@ from axiscal.belief import Belief
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.events import Gap, Place
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.room import with_room
 from axiscal.campaign.target import Target
 from axiscal.design import criterion
 from axiscal.design import problem as design
 from axiscal.design.lattice import Lattice, spread
-from axiscal.design.plan import make_plan
+from axiscal.design.plan import Plan, make_plan
 from axiscal.design.problem import Limits
 from axiscal.design.state import Point
 from axiscal.exceptions import PlanError
@@ -52,12 +53,17 @@ def planned_places(
         plan = make_plan(problem, limits, patience=patience, bounded=False)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
-    setups = case.description.setups
-    return tuple(
-        Place(setups[r.setup].name, tuple(map(float, r.pose)), tuple(int(sign) for sign in r.approach))
-        for r in plan.readings
-        if not _at_gap(case, r.setup, r.pose[None], gaps)[0]
-    )
+    return tuple(place for place in placed(case, plan) if not _in_gap(case, place, gaps))
+
+
+def placed(case: Problem, plan: Plan) -> tuple[Place, ...]:
+    """Return the places of a plan, each with room to come to it from its side."""
+    places = []
+    for reading in plan.readings:
+        setup = case.description.setups[reading.setup]
+        pose, approach = tuple(map(float, reading.pose)), tuple(int(sign) for sign in reading.approach)
+        places.append(Place(setup.name, *with_room(case.errors, setup, pose, approach)))
+    return tuple(places)
 
 
 def posed(
@@ -99,6 +105,10 @@ def weight_of(case: Problem, belief: Belief) -> Array:
     if name == "joint":
         return criterion.joint_root(case.errors)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_rows(belief)
+
+
+def _in_gap(case: Problem, place: Place, gaps: Sequence[Gap]) -> bool:
+    return bool(_at_gap(case, case.index(place.setup), np.array([place.position]), gaps)[0])
 
 
 def _at_gap(case: Problem, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
