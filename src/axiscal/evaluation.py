@@ -6,8 +6,8 @@ not measured is None.  No figure holds a coverage factor of ours: the standard's
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,8 @@ from axiscal.measurement.readers.positioning import PositioningRow, PositioningR
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
+COVERAGE_FACTOR = 2.0
+_DRAWS = 1000
 _FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 
 
@@ -50,7 +52,10 @@ class TargetFigures:
 
 @dataclass(frozen=True, slots=True)
 class Positioning:
-    """The figures of one axis, m or rad, with what falls short of the standard's test in plain words."""
+    """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
+
+    uncertainty : expanded (k = 2), of each figure that was measured
+    """
 
     A: float | None
     A_up: float | None
@@ -67,6 +72,7 @@ class Positioning:
     per_target: tuple[TargetFigures, ...]
     rotary: bool
     warnings: tuple[str, ...]
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
@@ -77,7 +83,9 @@ class Positioning:
             for row in self.per_target
         ]
         head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
-        return head | figures | {"per_target": per_target, "warnings": list(self.warnings)}
+        uncertainty = {name: _shown(value, unit) for name, value in self.uncertainty.items()}
+        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR}
+        return head | figures | tail | {"per_target": per_target, "warnings": list(self.warnings)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +105,9 @@ class _Direction:
         return self.mean - 2 * self.s
 
 
+_NOTHING = _Direction(np.zeros(0), np.zeros(0), 0)
+
+
 def read_iso230(path: str | Path) -> PositioningTest:
     """Read a test of one axis in which every run visits every target; raises ReadingError."""
     readings = read_any_positioning(path)
@@ -105,8 +116,11 @@ def read_iso230(path: str | Path) -> PositioningTest:
     return PositioningTest(np.array(targets), up, down, readings.rotary, readings.file)
 
 
-def evaluate(test: PositioningTest) -> Positioning:
-    """Compute the figures of ISO 230-2; raises EvaluationError when a direction has fewer than two runs."""
+def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
+    """Compute the figures of ISO 230-2; raises EvaluationError when a direction has fewer than two runs.
+
+    noise : m or rad, standard uncertainty of the instrument that all runs at a target share
+    """
     up, down = (_direction(test, runs) for runs in (test.up, test.down))
     measured = [side for side in (up, down) if side is not None]
     if not measured:
@@ -118,9 +132,10 @@ def evaluate(test: PositioningTest) -> Positioning:
     B, B_mean, M = _reversal(both)
     per_target = tuple(_at_target(test, up, down, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in measured), both is not None))
-    return Positioning(
+    found = Positioning(
         A, A_up, A_down, E, E_up, E_down, R, R_up, R_down, B, B_mean, M, per_target, test.rotary, warnings
     )  # fmt: skip
+    return replace(found, uncertainty=_uncertainty(up, down, noise))
 
 
 _Both = tuple[_Direction, _Direction] | None
@@ -157,6 +172,50 @@ def _bidirectional_repeatability(up: _Direction, down: _Direction) -> Array:
     """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), (n,)."""
     joined = 2 * up.s + 2 * down.s + np.abs(up.mean - down.mean)
     return np.maximum(joined, np.maximum(4 * up.s, 4 * down.s))
+
+
+def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -> dict[str, float]:
+    """Expanded uncertainty (k = 2) of each figure: how it scatters when the same test is repeated on this machine.
+
+    Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings; what all runs at a target
+    share is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
+    """
+    rng, drawn = np.random.default_rng(0), dict[str, Array]()
+    count = len((up or down or _NOTHING).mean)
+    offset = noise * rng.standard_normal((_DRAWS, count))
+    sides = {name: _redrawn(side, offset, rng) for name, side in (("up", up), ("down", down)) if side is not None}
+    for name, (mean, s) in sides.items():
+        drawn |= {f"A_{name}": _spread(mean + 2 * s, mean - 2 * s), f"E_{name}": _spread(mean, mean)}
+        drawn[f"R_{name}"] = np.max(4 * s, axis=1)
+    if len(sides) == 2:
+        drawn |= _bidirectional(*sides["up"], *sides["down"])
+    return {name: COVERAGE_FACTOR * float(np.std(drawn[name])) for name in _FIGURES if name in drawn}
+
+
+def _bidirectional(up: Array, s_up: Array, down: Array, s_down: Array) -> dict[str, Array]:
+    """The figures of both directions for many draws of means and standard deviations, each (draws, n)."""
+    reversal, joined = up - down, 2 * s_up + 2 * s_down + np.abs(up - down)
+    high, low = np.maximum(up + 2 * s_up, down + 2 * s_down), np.minimum(up - 2 * s_up, down - 2 * s_down)
+    return {
+        "A": _spread(high, low),
+        "E": _spread(np.maximum(up, down), np.minimum(up, down)),
+        "R": np.max(np.maximum(joined, 4 * np.maximum(s_up, s_down)), axis=1),
+        "B": np.max(np.abs(reversal), axis=1),
+        "B_mean": np.mean(reversal, axis=1),
+        "M": _spread((up + down) / 2, (up + down) / 2),
+    }
+
+
+def _spread(high: Array, low: Array) -> Array:
+    spread: Array = np.max(high, axis=1) - np.min(low, axis=1)
+    return spread
+
+
+def _redrawn(side: _Direction, offset: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return means and standard deviations of the test repeated, (draws, n) each."""
+    mean: Array = side.mean + offset + side.s / np.sqrt(side.runs) * rng.standard_normal(offset.shape)
+    s: Array = side.s * np.sqrt(rng.chisquare(side.runs - 1, offset.shape) / (side.runs - 1))
+    return mean, s
 
 
 def _range(high: Array, low: Array | None = None) -> float:

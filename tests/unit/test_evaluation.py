@@ -249,3 +249,16 @@ def test_bad_input_says_file_line_fault_and_remedy(fault: str, tmp_path: Path) -
 def test_a_file_that_cannot_be_opened(name: str, tmp_path: Path) -> None:
     with pytest.raises(ReadingError):
         read_iso230(tmp_path / name)
+
+
+def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() -> None:
+    """Tests of five runs drawn from one machine: the scatter of each figure against the mean of what each promised."""
+    rng, targets = np.random.default_rng(1), np.linspace(0, 1, 9)
+    curve, found = 5e-6 * np.sin(3 * targets), []
+    for _ in range(200):
+        up, down = (curve[:, None] + shift + 1e-6 * rng.standard_normal((9, 5)) for shift in (2e-6, -2e-6))
+        found.append(evaluate(PositioningTest(targets, up, down)))
+    for name in ("A", "E", "B_mean", "M", "R_up"):
+        scatter = 2 * float(np.std([getattr(each, name) for each in found]))
+        promised = float(np.mean([each.uncertainty[name] for each in found]))
+        assert 0.75 * scatter < promised < 2.0 * scatter  # largest of several: on the safe side

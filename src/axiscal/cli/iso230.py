@@ -32,21 +32,28 @@ def iso230(
 ) -> None:
     """Print the ISO 230-2 figures of one axis.
 
-    Columns: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a rotary axis.
+    Columns: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a rotary axis. A
+    Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when the test is
+    repeated (k = 2).
 
     \b
     Example:
       axiscal iso230 readings.csv
     """
     from axiscal.evaluation import evaluate, read_iso230
+    from axiscal.units import to_unit
 
-    document = evaluate(read_iso230(readings)).as_json()
+    found = evaluate(read_iso230(readings))
+    document = found.as_json()
     if json:
         say_document(document)
         return
     for name, words in _WORDS.items():
         value = document[name]
-        figure = f"{'not measured':>12}" if value is None else f"{value:12.3f} {document['unit']}"
+        figure = f"{'not measured':>12}"
+        if value is not None:
+            spread = to_unit(found.uncertainty[name], "arcsec" if found.rotary else "um")
+            figure = f"{value:12.3f} {document['unit']} ± {spread:.3f}"
         say(f"{name:7}{figure}   {words}")
     warnings = document["warnings"]
     for warning in warnings if isinstance(warnings, list) else []:

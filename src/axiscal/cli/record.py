@@ -95,8 +95,10 @@ def _keep(
     from axiscal.units import parse_quantity
 
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question()
-    dimension = INSTRUMENTS[campaign.description.setup(place.setup).instrument].reads
-    value, *others = (parse_quantity(part.strip(), dimension) for part in text.split(","))
+    instrument = INSTRUMENTS[campaign.description.setup(place.setup).instrument]
+    dimension = instrument.reads
+    parts = [part.strip() for part in text.split(",")] if instrument.values > 1 else [text]
+    value, *others = (parse_quantity(part, dimension) for part in parts)
     spread = None if std is None else parse_quantity(std, dimension)
     return campaign.record(value, spread, at=place, accepted=accept, others=tuple(others))
 

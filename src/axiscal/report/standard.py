@@ -25,6 +25,7 @@ def iso230_block(axis: str, found: Positioning) -> Iso230:
         mean_down=_column(found.per_target, "mean_down", unit),
         std_down=_column(found.per_target, "s_down", unit),
         figures={name: to_unit(value, unit) for name, value in figures.items() if value is not None},
+        uncertainties={name: to_unit(value, unit) for name, value in found.uncertainty.items()},
     )
 
 
