@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ _CANDIDATES = 2000
 _AT_ONCE = 150
 _NEAR = 0.01
 _SMALL = 120
-"""Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long. Never
-by the clock, so that the same campaign asks for the same readings on any machine."""
+"""Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
 
 def planned_places(
@@ -48,12 +47,25 @@ def planned_places(
     limits = limits_left(case.description.target, len(visits), seconds)
     if not len(problem.lattice):
         return ()
-    patience = math.inf if problem.observation.size <= _SMALL else 0.0
+    patience = _patience(problem.observation)
     try:
         plan = make_plan(problem, limits, patience=patience, bounded=False)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
     return tuple(place for place in placed(case, plan) if not _in_gap(case, place, gaps))
+
+
+def whole_plan(case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None]) -> Plan:
+    """Return a plan from the beginning, with its bound.  Raises PlanError."""
+    problem = posed(case, case.observation, case.prior, candidates=candidates)
+    return make_plan(problem, limits, patience=_patience(problem.observation), progress=progress)
+
+
+def _patience(observation: Observation) -> float:
+    """Return how long readings may be climbed off the lattice: without end, or not at all. Never by the clock, so that
+    the same campaign asks for the same readings on any machine.
+    """
+    return math.inf if observation.size <= _SMALL else 0.0
 
 
 def placed(case: Problem, plan: Plan) -> tuple[Place, ...]:

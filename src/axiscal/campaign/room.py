@@ -8,6 +8,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.gcode.options import Options
 from axiscal.machine.axis import Axis
 from axiscal.measurement.setup import Setup
+from axiscal.units import from_unit, to_unit
 
 Pose = tuple[float, ...]
 Approach = tuple[int, ...]
@@ -22,14 +23,21 @@ def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) 
     lacks; where it does not, the place stays and the side is left open.
     """
     reverses = {function.axis for function in errors.functions if function.kind == "reversal"}
-    at, come = list(pose), list(approach)
+    at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
     for k, axis in enumerate(errors.machine.axes):
-        inward = _inward(axis, pose[k], approach[k], setup.raster[k])
+        inward = _inward(axis, at[k], approach[k], setup.raster[k])
         if inward is not None and k in reverses:
             at[k] = inward
         elif inward is not None:
             come[k] = 0
     return tuple(at), tuple(come)
+
+
+def _readable(axis: Axis, position: float) -> float:
+    """Return a position that a person can dial in: to the micrometre, or a ten-thousandth of a degree."""
+    unit, digits = ("deg", 4) if axis.rotary else ("mm", 3)
+    rounded = from_unit(round(to_unit(position, unit), digits), unit)
+    return min(max(rounded, axis.travel[0]), axis.travel[1])
 
 
 def _inward(axis: Axis, position: float, side: int, raster: float) -> float | None:

@@ -17,6 +17,7 @@ from axiscal.cli import (
     iso230,
     machine,
     next_reading,
+    plan,
     predict,
     record,
     report,
@@ -43,6 +44,7 @@ app = typer.Typer(
 )
 app.command("demo")(demo.demo)
 app.add_typer(machine.app, name="machine")
+app.command("plan")(plan.plan)
 app.command("start")(start.start)
 app.command("next")(next_reading.next_reading)
 app.command("record")(record.record)

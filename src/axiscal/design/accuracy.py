@@ -80,6 +80,10 @@ class Yardstick:
         figures = variance, worst, max(seen, 0.0) + self.moments.rest, worst_seen
         return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
+    def rms_of(self, total: float) -> float:
+        """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
+        return float(np.sqrt(max(total - self._shift, 0.0) + self.moments.rest))
+
     def worst_rows(self, belief: Belief) -> Array:
         """Return H (3, size) at the pose where the TCP is known least."""
         pose, approach = (x[self.variances(belief.factor).argmax()][None] for x in self._poses)
