@@ -24,6 +24,8 @@ _CLOSE = 2e-3
 _BARRIER = 0.2
 _ADDED = 40
 _GONE = 1e-7
+_FIRST = 200
+_LARGEST = 320
 _MARGIN = 1e-12
 
 
@@ -51,7 +53,11 @@ def lower_bound(pool: Pool, state: State, points: list[Point], costs: Array, lim
     for _ in range(_ROUNDS):
         value, gap, slopes = relaxation.solved()
         best, reached = max(best, value - gap), min(reached, value)
-        if reached <= max(by_rank, best * (1 + _CLOSE)) or not relaxation.grow(slopes):
+        if (
+            reached <= max(by_rank, best * (1 + _CLOSE))
+            or not relaxation.grow(slopes)
+            or len(relaxation.support) > _LARGEST
+        ):
             break
     return Bound(by_rank, True) if by_rank >= best else Bound(best * (1 - _MARGIN), False)
 
@@ -73,8 +79,9 @@ class _Relaxation:
         self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
         self.extra = _rows(state, points)
         self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
-        self.support = np.arange(len(pool), len(pool) + len(points))
-        self.weights: Array = np.full(len(points), limit / max(costs[self.support].sum(), 1e-300))
+        chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
+        self.support = len(pool) + chosen
+        self.weights: Array = np.full(len(chosen), limit / max(costs[self.support].sum(), 1e-300))
         if not len(points):
             self.support, self.weights = self._first()
 

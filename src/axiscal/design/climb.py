@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.lattice import knot_lattice, raster_positions
-from axiscal.design.lines import Lines
+from axiscal.design.lines import Crooked, Lines, lines_along
 from axiscal.design.scorer import Scorer
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import node_count
@@ -155,8 +155,8 @@ class Climb:
         self.approaches[better, axis] *= -1
         self.gains = np.where(better, gains, self.gains)
 
-    def _lines(self, axis: int) -> Lines:
-        return Lines(self.scorer, self.setup, axis, self.poses, self.approaches)
+    def _lines(self, axis: int) -> Lines | Crooked:
+        return lines_along(self.scorer, self.setup, axis, self.poses, self.approaches)
 
     def _positions(self, axis: int) -> Array:
         observation = self.scorer.observation
@@ -206,7 +206,7 @@ class Climb:
 class _Bundle:
     """The intervals of the lines through several poses along several axes, one after another."""
 
-    def __init__(self, lines: list[Lines], breaks: list[Array], poses: int) -> None:
+    def __init__(self, lines: list[Lines | Crooked], breaks: list[Array], poses: int) -> None:
         self._lines, self._counts, self._poses = lines, [len(b) - 1 for b in breaks], poses
         self._starts = np.cumsum([0, *(poses * c for c in self._counts)])
         self.left = np.concatenate([np.tile(b[:-1], poses) for b in breaks])

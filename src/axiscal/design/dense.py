@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.design.lattice import knot_lattice, raster_positions
-from axiscal.design.lines import Lines
+from axiscal.design.lines import lines_along
 from axiscal.design.scorer import Scorer
 from axiscal.design.stacked import Starts, peaks
 from axiscal.numerics import Array
@@ -51,6 +51,6 @@ def _along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Arra
     gains = np.empty((len(poses), len(positions)))
     for start in range(0, len(poses), _LINES):
         part = slice(start, start + _LINES)
-        above, below = Lines(scorer, setup, axis, poses[part], approaches[part]).on(positions)
+        above, below = lines_along(scorer, setup, axis, poses[part], approaches[part]).on(positions)
         gains[part] = above / below
     return gains

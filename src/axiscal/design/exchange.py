@@ -28,14 +28,32 @@ _BETTER = 1e-9
 _WORTH = 1e-6
 _CANDIDATES = 4
 _SMALL = 60
+_WORK = 4e9
+"""Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
+
+
+Spent = Callable[[], bool]
 
 
 def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS) -> None:
-    """Exchange readings for candidates until a whole sweep finds nothing better."""
+    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work."""
+    work = 0.0
     for _ in range(sweeps):
-        order = np.argsort(scores.losses(), kind="stable")
-        if not sum(_exchanged(scores, int(slot), allowed) for slot in order):
+        count = 0
+        for slot in np.argsort(scores.losses(), kind="stable"):
+            if work > _WORK:
+                return
+            changed = _exchanged(scores, int(slot), allowed)
+            count += changed
+            work += 4.0 * len(scores.pool) + changed * _work_of_change(scores)
+        if not count:
             return
+
+
+def _work_of_change(scores: Scores) -> float:
+    """Return the operations that one exchange takes, roughly."""
+    products = len(scores.pool) * (6.0 * len(scores.members) + 2.0 * scores.pool.size)
+    return products + 20.0 * scores.state.factor.size
 
 
 def _exchanged(scores: Scores, slot: int, allowed: Allowed) -> bool:
@@ -49,7 +67,7 @@ def _exchanged(scores: Scores, slot: int, allowed: Allowed) -> bool:
     return True
 
 
-def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Callable[[], bool]) -> None:
+def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Spent) -> None:
     """Climb every reading off the lattice until a round makes J less than a millionth smaller, or time is spent."""
     for _ in range(rounds):
         before = scores.state.value

@@ -7,6 +7,7 @@ levers. So the products with [F, C Vᵀ] are made once per line, and a position 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 
 _SAME = 1e-14
+_FOLLOWS = 1e-9
 
 
 class _Own(NamedTuple):
@@ -36,18 +38,17 @@ class Lines:
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
         observation = scorer.observation
-        self._scorer, self._nodes = scorer, _nodes(observation, axis)
-        self._rotary = observation.errors.machine.axes[axis].rotary
-        lines, levers = len(poses), len(self._nodes)
+        self._scorer, self._axis, nodes = scorer, axis, _nodes(observation, axis)
+        lines, levers = len(poses), len(nodes)
         at = np.repeat(poses, levers, axis=0)
-        at[:, axis] = np.tile(self._nodes, lines)
+        at[:, axis] = np.tile(nodes, lines)
         towards = np.repeat(approaches, levers, axis=0)
         rows = observation.rows(setup, at, towards).rows
         self._own = [
             _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers)))
             for basis, columns in _own_columns(observation, axis)
         ]
-        self._rests = Rests(observation, setup, axis, at, levers, scorer.both)
+        self._rests = Rests(observation, setup, axis, at, towards, levers, scorer.both)
         self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
 
     def _fixed(self, rows: Array, axis: int) -> Array:
@@ -59,7 +60,7 @@ class Lines:
 
     def on(self, positions: Array) -> tuple[Array, Array]:
         """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
-        levers = self._levers(positions)
+        levers = _levers(self._scorer.observation, self._axis, positions)
         seen = levers @ self._far
         for own in self._own:
             seen += _spread(levers, own, positions) @ own.vectors.reshape(len(seen), -1, seen.shape[2])
@@ -70,7 +71,7 @@ class Lines:
     def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
         shape = positions.shape
-        levers = self._levers(positions.ravel()).reshape(*shape, -1)
+        levers = _levers(self._scorer.observation, self._axis, positions.ravel()).reshape(*shape, -1)
         seen = levers @ self._far[line]
         for own in self._own:
             spread = _spread(levers.reshape(positions.size, -1), own, positions.ravel()).reshape(*shape, -1)
@@ -80,13 +81,58 @@ class Lines:
         self._rests.add(seen, positions, line, levers)
         return self._scorer.split(seen, self._rests.variances(positions, line, levers))
 
-    def _levers(self, positions: Array) -> Array:
-        """Return λ(t), (p, levers): 1 at its own node, 0 at the others."""
-        if self._rotary:
-            turned: Array = (1 + 2 * np.cos(positions[:, None] - self._nodes)) / 3
-            return turned
-        share = (positions - self._nodes[0]) / (self._nodes[1] - self._nodes[0])
-        return np.stack([1 - share, share], axis=1)
+
+class Crooked:
+    """The same where the lever is no such function of the axis, as for an instrument that looks towards a station."""
+
+    def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
+        self._scorer, self._setup, self._axis = scorer, setup, axis
+        self._poses, self._approaches = poses, approaches
+
+    def on(self, positions: Array) -> tuple[Array, Array]:
+        """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
+        every = np.arange(len(self._poses))
+        return self.forms(np.broadcast_to(positions, (len(every), len(positions))), every)
+
+    def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
+        owner = np.repeat(line, positions.shape[1])
+        poses = self._poses[owner]
+        poses[:, self._axis] = positions.ravel()
+        seen = self._scorer.observation.rows(self._setup, poses, self._approaches[owner])
+        above, below = self._scorer.split(seen.rows @ self._scorer.both, seen.variances)
+        return above.reshape(positions.shape), below.reshape(positions.shape)
+
+
+def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> Lines | Crooked:
+    """Return the lines through poses (lines, q) along an axis."""
+    kind = Lines if _straight(scorer.observation, setup, axis) else Crooked
+    return kind(scorer, setup, axis, poses, approaches)
+
+
+@lru_cache(maxsize=64)
+def _straight(observation: Observation, setup: int, axis: int) -> bool:
+    """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
+    nodes = _nodes(observation, axis)
+    low, high = observation.errors.machine.axes[axis].travel
+    probes = low + (high - low) * np.array([0.31, 0.83])
+    poses = np.tile(np.array(observation.setups[setup].park), (len(nodes) + 2, 1))
+    poses[:, axis] = np.concatenate([nodes, probes])
+    approaches = np.ones_like(poses)
+    own = observation.rows(setup, poses, approaches).rows[:, observation.unknowns_of(setup)]
+    seen = np.hstack([observation.effects(setup, poses, approaches).T, own])
+    followed = _levers(observation, axis, probes) @ seen[: len(nodes)]
+    return bool(np.all(np.abs(followed - seen[len(nodes) :]) <= _FOLLOWS * np.abs(seen).max(axis=0)))
+
+
+def _levers(observation: Observation, axis: int, positions: Array) -> Array:
+    """Return λ(t), (p, levers): 1 at its own node, 0 at the others."""
+    nodes = _nodes(observation, axis)
+    if observation.errors.machine.axes[axis].rotary:
+        turned: Array = (1 + 2 * np.cos(positions[:, None] - nodes)) / 3
+        return turned
+    share = (positions - nodes[0]) / (nodes[1] - nodes[0])
+    return np.stack([1 - share, share], axis=1)
 
 
 def _nodes(observation: Observation, axis: int) -> Array:

@@ -35,7 +35,6 @@ PATIENCE = 20.0
 """Seconds that climbing off the lattice may take unless said otherwise."""
 _ROUNDS = 6
 _SHRINKS = 60
-_ADDITIONS = 50
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,7 +103,7 @@ def make_plan(
     bounded : whether the lower bound is wanted; progress : told what is being done
     """
     _refuse(problem, limits)
-    until = time.monotonic() + patience
+    spent = _Patience(patience)
     times = clock(problem)
     progress("which set-ups")
     setups = chosen_setups(problem, limits, times)
@@ -112,11 +111,21 @@ def make_plan(
     progress("readings chosen together")
     trial = _together(problem, limits, times, pool, setups, begin)
     progress("off the lattice")
-    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, lambda: time.monotonic() > until)
+    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, spent)
     trial = _fitted(problem, limits, times, trial)
     progress("the bound")
     bound = _bound(problem, limits, times, pool, trial) if bounded else None
     return _plan(problem, limits, trial, bound, len(pool))
+
+
+class _Patience:
+    """Says when time is up."""
+
+    def __init__(self, seconds: float) -> None:
+        self._until = time.monotonic() + seconds
+
+    def __call__(self) -> bool:
+        return time.monotonic() > self._until
 
 
 def _refuse(problem: Problem, limits: Limits) -> None:
@@ -147,15 +156,8 @@ def _together(
             scores.enter(point)
         trials.append(replace(greedy, scores=scores))
     for trial in trials:
-        exchange(trial.scores, affordable(times, setups, _slack(limits, greedy)))
+        exchange(trial.scores, affordable(times, setups, 0.0 if limits.timed else np.inf))
     return min(trials, key=lambda trial: trial.scores.state.value)
-
-
-def _slack(limits: Limits, trial: Trial) -> float:
-    """Return the seconds that one exchange may cost."""
-    if limits.budget is not None:
-        return 0.0
-    return 0.0 if limits.accurate else np.inf
 
 
 def _fitted(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Trial:
@@ -164,12 +166,19 @@ def _fitted(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Tri
         trial = _shrunk(problem, limits, times, trial)
     if limits.budget is None:
         return trial
-    scores = trial.scores
-    while len(scores.members) > 1 and _seconds(problem, scores.points) > limits.budget:
-        slot = int((scores.losses() / times.reading[[p.setup for p in scores.points]]).argmin())
-        scores.leave(slot)
-        scores.close(slot)
-    return trial if trial.met else _extended(problem, limits, times, trial)
+    if not trial.met:
+        trial = _extended(problem, limits, times, trial)
+    while len(trial.scores.members) > 1 and (over := _seconds(problem, trial.scores.points) - limits.budget) > 0:
+        for _ in range(min(1 + int(over / times.reading.max()), len(trial.scores.members) - 1)):
+            _drop(trial.scores, times)
+    return trial
+
+
+def _drop(scores: Scores, times: Clock) -> None:
+    """Take out the reading that is worth least per second."""
+    slot = int((scores.losses() / times.reading[[p.setup for p in scores.points]]).argmin())
+    scores.leave(slot)
+    scores.close(slot)
 
 
 def _shrunk(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Trial:
@@ -181,9 +190,7 @@ def _shrunk(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Tri
         if len(trial.scores.members) < 2:
             return trial
         fewer = trial.scores.fork()
-        slot = int((fewer.losses() / times.reading[[p.setup for p in fewer.points]]).argmin())
-        fewer.leave(slot)
-        fewer.close(slot)
+        _drop(fewer, times)
         exchange(fewer, affordable(times, trial.setups, 0.0), 3)
         if not limits.met(Meter.of(problem.yardstick, fewer.state.factor).accuracy):
             return trial
@@ -192,18 +199,15 @@ def _shrunk(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Tri
 
 
 def _extended(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Trial:
-    """Fill what the true way leaves of the budget."""
+    """Fill what the true way leaves of the budget; what is too much goes again."""
     cost = times.reading[trial.scores.pool.lattice.setups]
-    for _ in range(_ADDITIONS):
-        left = (limits.budget or 0.0) - _seconds(problem, trial.scores.points)
+    left = (limits.budget or 0.0) - _seconds(problem, trial.scores.points)
+    while len(trial.scores.members) < (limits.readings or np.inf):
         rate = np.where(cost <= left, trial.scores.gains / cost, -np.inf)
-        if len(trial.scores.members) >= (limits.readings or np.inf) or not np.isfinite(rate.max()):
-            return trial
-        longer = trial.scores.fork()
-        longer.enter(int(rate.argmax()))
-        if _seconds(problem, longer.points) > (limits.budget or 0.0):
-            return trial
-        trial = replace(trial, scores=longer)
+        if not np.isfinite(rate.max()):
+            break
+        left -= float(cost[int(rate.argmax())])
+        trial.scores.enter(int(rate.argmax()))
     return trial
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.lattice import Lattice
-from axiscal.design.rests import cells_of, columns_of_cells, levers_of
+from axiscal.design.rests import columns_of_cells
 from axiscal.design.scorer import Scorer
 from axiscal.design.state import Point, State
 from axiscal.measurement.observation import Observation
@@ -96,13 +96,15 @@ class Pool:
         return replace(state, observation=self._bare, factor=factor).scorer()
 
     def row(self, observation: Observation, index: int) -> Array:
-        """Return the row of a candidate whose cells all have columns, (n,)."""
+        """Return the row of a candidate whose cells have columns as far as it feels them, (n,)."""
         block = next(b for b in self._blocks if b.where.start <= index < b.where.stop)
         inside = index - block.where.start
         result = np.zeros(observation.size)
         result[: self.size] = self._rows(block)[inside]
         for column, i in enumerate(self._with):
-            result[columns_of_cells(observation, i)[block.cells[inside, column]]] = block.reach[inside, column]
+            cell = columns_of_cells(observation, i)[block.cells[inside, column]]
+            if cell >= 0:
+                result[cell] = block.reach[inside, column]
         return result
 
     def _slices(self) -> Iterator[tuple[int, slice]]:
@@ -115,8 +117,8 @@ class Pool:
         poses, functions = self.lattice.poses[where], self._bare.errors.functions
         reach, cells = np.zeros((len(poses), 0)), np.zeros((len(poses), 0), dtype=np.intp)
         if self._with:
-            reach = levers_of(self._bare, setup, poses)[self._with].T
-            cells = np.stack([cells_of(functions[i], poses[:, functions[i].axis]) for i in self._with], axis=1)
+            reach = self._bare.effects(setup, poses, self.lattice.approaches[where])[self._with].T
+            cells = np.stack([functions[i].cells(poses[:, functions[i].axis]) for i in self._with], axis=1)
         block = _Block(setup, where, None, reach, cells)
         return replace(block, rows=self._rows(block)) if self._kept else block
 
@@ -132,9 +134,3 @@ class Pool:
             return None
         table: Array = np.where((columns >= 0)[:, None], vectors[columns], 0.0)
         return table
-
-
-def pool_point(state: State, pool: Pool, index: int) -> tuple[State, Array, float]:
-    """Return the state with columns for a candidate's cells, the candidate's row and its variance."""
-    opened = state.opened([pool.point(index)])
-    return opened, pool.row(opened.observation, index), float(pool.noise[index])

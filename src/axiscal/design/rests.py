@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorFunction
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
@@ -14,10 +13,12 @@ from axiscal.numerics import Array
 class Rests:
     """What the rests add to the forms of several lines along one axis.
 
-    at : (lines · levers, q), each line's pose at the nodes of λ; both : [F, C Vᵀ]
+    at, towards : (lines · levers, q), each line's pose at the nodes of λ and its approach; both : [F, C Vᵀ]
     """
 
-    def __init__(self, observation: Observation, setup: int, axis: int, at: Array, levers: int, both: Array) -> None:
+    def __init__(
+        self, observation: Observation, setup: int, axis: int, at: Array, towards: Array, levers: int, both: Array
+    ) -> None:
         functions = observation.errors.functions
         self._noise = observation.setups[setup].noise ** 2
         self._with = [i for i, f in enumerate(functions) if f.rest > 0]
@@ -27,9 +28,9 @@ class Rests:
         self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
         self._functions = [functions[i] for i in self._with]
         self._columns = [columns_of_cells(observation, i) for i in self._with]
-        self._levers = levers_of(observation, setup, at)[self._with].reshape(len(self._with), -1, levers)
+        self._levers = observation.effects(setup, at, towards)[self._with].reshape(len(self._with), -1, levers)
         parked = at[::levers]
-        cells = [cells_of(f, parked[:, f.axis]) for f in self._functions]
+        cells = [f.cells(parked[:, f.axis]) for f in self._functions]
         self._open = np.array([columns[cell] < 0 for columns, cell in zip(self._columns, cells, strict=True)])
 
     def add(self, seen: Array, positions: Array, line: NDArray[np.intp], levers: Array) -> None:
@@ -42,7 +43,7 @@ class Rests:
         for f, columns, own in zip(self._functions, self._columns, self._levers, strict=True):
             if f.axis == self._axis and columns.max() >= 0:
                 reach = np.einsum(_reach(levers), levers, own[line])
-                seen += reach[..., None] * self._both[columns[cells_of(f, positions)]]
+                seen += reach[..., None] * self._both[columns[_cells(f, positions)]]
 
     def variances(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
         """Return the noise and the rests of cells not visited, (b, k)."""
@@ -52,17 +53,14 @@ class Rests:
             return result
         for f, columns, own, still_open in zip(self._functions, self._columns, self._levers, self._open, strict=True):
             reach = np.einsum(_reach(levers), levers, own[line]) * f.rest
-            fresh = columns[cells_of(f, positions)] < 0 if f.axis == self._axis else still_open[line, None]
+            fresh = columns[_cells(f, positions)] < 0 if f.axis == self._axis else still_open[line, None]
             result += np.where(fresh, reach**2, 0.0)
         return result
 
 
-def cells_of(function: ErrorFunction, positions: Array) -> NDArray[np.intp]:
+def _cells(function: ErrorFunction, positions: Array) -> NDArray[np.intp]:
     """Return the number of the cell at positions of a function's axis, of any shape."""
-    start, stop = function.basis.knots[0], function.basis.knots[-1]
-    last = round((stop - start) / function.cell) - 1
-    cells: NDArray[np.intp] = np.clip(np.floor((positions - start) / function.cell), 0, last).astype(np.intp)
-    return cells
+    return function.cells(positions.ravel()).reshape(positions.shape).astype(np.intp)
 
 
 def _reach(levers: Array) -> str:
@@ -79,11 +77,3 @@ def columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
         if owner == index:
             columns[cell] = column
     return columns
-
-
-def levers_of(observation: Observation, setup: int, poses: Array) -> Array:
-    """Return what a unit of each function adds to a reading of a set-up, (functions, m).  poses : (m, q)."""
-    mounted, errors = observation.setups[setup], observation.errors
-    length = INSTRUMENTS[mounted.instrument].reads == "length"
-    levers: Array = (errors.levers(poses) if length else errors.angular_levers(poses)) @ np.array(mounted.direction)
-    return levers

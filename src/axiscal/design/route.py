@@ -16,7 +16,10 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
 _STARTS = 8
-_ROUNDS = 200
+_ROUNDS = 400
+_WORK = 20_000_000
+_MANY = 160
+"""Ways through more places than this are improved by turning parts of them alone."""
 _GAIN = 1e-9
 _LONGEST_SEGMENT = 3
 
@@ -37,6 +40,7 @@ def route(seconds: Array, first: Array | None = None) -> Order:
     starts = np.argsort(begin, kind="stable")[: _STARTS if first is None else 2]
     if first is None:
         starts = np.unique(np.linspace(0, count - 1, min(_STARTS, count)).astype(np.intp))
+    starts = starts[: max(1, _MANY // count)]
     orders = [_improved(_nearest(table, int(start)), table) for start in starts]
     best = min(orders, key=lambda order: route_seconds(order, table))
     return np.array(best[1:], dtype=np.intp)
@@ -68,8 +72,10 @@ def _nearest(table: Array, start: int) -> list[int]:
 
 
 def _improved(order: list[int], table: Array) -> list[int]:
-    for _ in range(_ROUNDS):
-        better = _moved_segment(order, table) or _reversed_part(order, table)
+    for _ in range(min(_ROUNDS, _WORK // len(order) ** 2)):
+        better = _reversed_part(order, table)
+        if better is None and len(order) <= _MANY:
+            better = _moved_segment(order, table)
         if better is None:
             return order
         order = better

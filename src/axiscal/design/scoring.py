@@ -39,15 +39,25 @@ class Scores:
         self.pool, self.state = pool, state
         self.members: list[Member] = []
         self.above, self.below = pool.forms(state.scorer())
-        self._cross = np.zeros((len(pool), 0))
-        self._reach = np.zeros((len(pool), 0))
+        self._cross: Array | None = None
+        self._reach: Array | None = None
+
+    def follow(self) -> None:
+        """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
+        if self._cross is None:
+            rows = np.array([self._padded(member) for member in self.members]).reshape(len(self.members), -1)
+            half = rows @ self.state.factor if len(rows) else np.zeros((0, self.state.factor.shape[1]))
+            weighted = self.state.weight @ self.state.factor[: self.state.weight.shape[1]]
+            self._cross = self._products(self.state.factor @ half.T)
+            self._reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
 
     def fork(self) -> Scores:
         """Return a copy that goes its own way."""
         other = copy.copy(self)
         other.members = list(self.members)
         other.above, other.below = self.above.copy(), self.below.copy()
-        other._cross, other._reach = self._cross.copy(), self._reach.copy()
+        other._cross = None if self._cross is None else self._cross.copy()
+        other._reach = None if self._reach is None else self._reach.copy()
         return other
 
     @property
@@ -62,22 +72,24 @@ class Scores:
         """The readings of the plan."""
         return [member.point for member in self.members]
 
-    def enter(self, what: int | Point, slot: int | None = None) -> float:
+    def enter(self, what: int | Point, slot: int | None = None, bundle: int = 1) -> float:
         """Take a candidate, or another reading, into the plan, and return by how much J falls.
 
         slot : position in the plan of a reading that has left; the end if none is given
+        bundle : how often it is read
         """
         row, variance, point = self._looked_at(what)
+        variance /= bundle
         change = self.state.change(row, variance)
         self._place(slot, Member(point, row, variance))
         slot = len(self.members) - 1 if slot is None else slot
-        products = self._products(np.column_stack([change.h, change.z]))
-        count = len(self.pool)
-        cross, reach = products.T
-        self._cross[:, slot], self._reach[:, slot] = cross, reach
-        self._cross[count + slot], self._reach[count + slot] = cross[count:], reach[count:]
-        self.above[count + slot], self.below[count + slot] = change.omega, variance + cross[count + slot]
-        self._changed(slot, change.eta, change.omega)
+        cross, reach = self._products(np.column_stack([change.h, change.z])).T
+        here = len(self.pool) + slot
+        self.above[here], self.below[here] = change.omega, variance + cross[here]
+        if self._cross is not None and self._reach is not None:
+            self._cross[:, slot], self._reach[:, slot] = cross, reach
+            self._cross[here], self._reach[here] = cross[len(self.pool) :], reach[len(self.pool) :]
+        self._changed(cross.copy(), reach.copy(), change.eta, change.omega)
         self.state, self.last = self.state.after(row, variance, change), change
         return change.gain
 
@@ -85,7 +97,8 @@ class Scores:
         """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
         member, here = self.members[slot], len(self.pool) + slot
         change = self.state.change(self._padded(member), member.variance, leaving=True)
-        self._changed(slot, change.eta, float(self.above[here]))
+        cross, reach = self._columns(slot)
+        self._changed(cross, reach, change.eta, float(self.above[here]))
         self.state, self.last = self.state.after(member.row, member.variance, change), change
         return -change.gain
 
@@ -94,14 +107,15 @@ class Scores:
         here = len(self.pool) + slot
         del self.members[slot]
         self.above, self.below = np.delete(self.above, here), np.delete(self.below, here)
-        self._cross = np.delete(np.delete(self._cross, slot, axis=1), here, axis=0)
-        self._reach = np.delete(np.delete(self._reach, slot, axis=1), here, axis=0)
+        if self._cross is not None and self._reach is not None:
+            self._cross = np.delete(np.delete(self._cross, slot, axis=1), here, axis=0)
+            self._reach = np.delete(np.delete(self._reach, slot, axis=1), here, axis=0)
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
         here, count = len(self.pool) + slot, len(self.pool)
         eta, omega = self._eta_leaving(slot), self.above[here]
-        cross, reach = self._cross[:, slot], self._reach[:, slot]
+        cross, reach = self._columns(slot)
         above = self.above - 2 * eta * cross * reach + eta**2 * omega * cross**2
         below = self.below - eta * cross**2
         gains: Array = above / below
@@ -117,6 +131,12 @@ class Scores:
         spread = float(self.below[len(self.pool) + slot]) - noise
         return -1.0 / max(noise - spread, 1e-9 * noise)
 
+    def _columns(self, slot: int) -> tuple[Array, Array]:
+        self.follow()
+        if self._cross is None or self._reach is None:
+            raise AssertionError("the columns are kept from here on")
+        return self._cross[:, slot].copy(), self._reach[:, slot].copy()
+
     def _looked_at(self, what: int | Point) -> tuple[Array, float, Point]:
         point = what if isinstance(what, Point) else self.pool.point(what)
         self.state = self.state.opened([point])
@@ -130,8 +150,9 @@ class Scores:
             return
         self.members.append(member)
         self.above, self.below = np.append(self.above, 0.0), np.append(self.below, 1.0)
-        self._cross = np.pad(self._cross, ((0, 1), (0, 1)))
-        self._reach = np.pad(self._reach, ((0, 1), (0, 1)))
+        if self._cross is not None and self._reach is not None:
+            self._cross = np.pad(self._cross, ((0, 1), (0, 1)))
+            self._reach = np.pad(self._reach, ((0, 1), (0, 1)))
 
     def _products(self, vectors: Array) -> Array:
         mine = np.array([self._padded(member) for member in self.members]) @ vectors
@@ -141,12 +162,11 @@ class Scores:
         """The row with zeros for cells that were opened later: no earlier reading lies in them."""
         return np.pad(member.row, (0, self.state.observation.size - len(member.row)))
 
-    def _changed(self, slot: int, eta: float, omega: float) -> None:
-        """Bring everything up to date after C ← C − η h hᵀ with h = C g of the reading in a slot."""
-        count = len(self.pool)
-        cross, reach = self._cross[:, slot].copy(), self._reach[:, slot].copy()
+    def _changed(self, cross: Array, reach: Array, eta: float, omega: float) -> None:
+        """Bring everything up to date after C ← C − η h hᵀ.  cross : rows times h = C g; reach : times z = C W h."""
         self.above += -2 * eta * cross * reach + eta**2 * omega * cross**2
         self.below -= eta * cross**2
-        here, there = cross[count:], reach[count:]
-        self._reach -= np.outer(eta * cross, there - eta * omega * here) + np.outer(eta * reach, here)
-        self._cross -= np.outer(eta * cross, here)
+        if self._cross is not None and self._reach is not None:
+            here, there = cross[len(self.pool) :], reach[len(self.pool) :]
+            self._reach -= np.outer(eta * cross, there - eta * omega * here) + np.outer(eta * reach, here)
+            self._cross -= np.outer(eta * cross, here)

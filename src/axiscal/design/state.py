@@ -71,7 +71,7 @@ class State:
         """Return the state with columns for the cells that the points lie in."""
         after = self.observation
         for point in points:
-            after = after.visited(point.pose)
+            after = after.visited(point.pose, point.setup)
         extra = np.sqrt(self.observation.rest_variances(after))
         if not len(extra):
             return self
