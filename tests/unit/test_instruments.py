@@ -13,7 +13,7 @@ from axiscal.campaign.description import CampaignDescription, campaign_from_text
 from axiscal.campaign.placing import placed_readings
 from axiscal.campaign.problem import Problem
 from axiscal.cli.app import run
-from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
@@ -111,3 +111,35 @@ def test_three_values_are_recorded_and_kept(tmp_path: Path, capsys: pytest.Captu
     assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))
+
+
+def _thermal(text: str) -> CampaignDescription:
+    return _description(f'instrument = "interferometer"\ndirection = "x"\nmoves = ["X"]\n{text}')
+
+
+def test_lengths_are_brought_to_twenty_degrees_with_their_uncertainty() -> None:
+    """3 K at 11.7 um/m/K over 300 mm from the middle are 10.53 um; 0.5 K and 1 um/m/K leave 2 um of it open there."""
+    text = 'temperature = "23 degC"\nexpansion = "11.7 um/m/K"\ntemperature_std = "0.5 K"\nexpansion_std = "1 um/m/K"'
+    warm, cold = Problem(_thermal(text)).observation, Problem(_thermal("")).observation
+    reading = Reading("0", (0.6, 0.0, 0.0), (1, 0, 0), 20e-6)
+    assert warm.reading(reading).values - cold.reading(reading).values == pytest.approx(-10.53e-6)
+    (growth,) = [u for u in warm.setups[0].unknowns if u.name == "growth"]
+    assert growth.std == pytest.approx(np.hypot(11.7e-6 * 0.5, 3 * 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('temperature = "23 degC"', "temperature and expansion go together"),
+        ('temperature = "23 K/s"\nexpansion = "11.7 um/m/K"', "23 K/s"),
+        ('temperature = "23 degC"\nexpansion = "11.7 um"', "11.7 um"),
+    ],
+)
+def test_a_temperature_that_makes_no_sense_is_refused(text: str, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        _thermal(text)
+
+
+def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None:
+    with pytest.raises(DescriptionError, match="a length along the one linear axis that moves"):
+        _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')

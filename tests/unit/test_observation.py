@@ -28,7 +28,8 @@ def mounted(machine: Machine, instrument: str, direction: tuple[float, float, fl
     """Return a set-up that may move every axis and has every unknown that it can have."""
     linear = any(not axis.rotary for axis in machine.axes)
     kinds = INSTRUMENTS[instrument].model.unknown_reads
-    unknowns = tuple(Unknown(kind, 1e-4) for kind in kinds if linear or kind != "slope")
+    usual = [kind for kind in kinds if kind != "growth" and (linear or kind != "slope")]
+    unknowns = tuple(Unknown(kind, 1e-4) for kind in usual)
     count = len(machine.axes)
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     times, raster = (0.0, 0.0, 0.0), (0.0,) * count

@@ -17,6 +17,9 @@ from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
 LONGEST_NAME = 80
+_REFERENCE = 293.15
+"""20 degC (ISO 1), K."""
+_ALONG = 0.99
 _DIAGONAL = 1 / math.sqrt(3)
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 
@@ -59,6 +62,7 @@ class _Reader:
             moves = self._moves()
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
+        growth, spread = self._growth(usual, direction, moves)
         setup = Setup(
             name=name,
             instrument=usual.name,
@@ -66,17 +70,43 @@ class _Reader:
             moves=moves,
             park=self._park(moves),
             noise=noise,
-            unknowns=self._unknowns(usual, moves),
+            unknowns=(*self._unknowns(usual, moves), *spread),
             setup_time=self._time("setup_time", usual.setup_time),
             settle=self._time("settle", usual.settle),
             reading_time=self._time("reading_time", usual.reading_time),
             raster=self._raster(moves),
             approach=table.approach,
             station=station,
+            growth=growth,
         )
         with self._at("instrument"):
             usual.model.check(setup)
         return setup
+
+    def _growth(
+        self, usual: Instrument, direction: Vector, moves: tuple[int, ...]
+    ) -> tuple[float, tuple[Unknown, ...]]:
+        """Return by which strain the material is longer than at 20 °C, and the unknown that its uncertainty is."""
+        table = self._table
+        if table.temperature is None and table.expansion is None:
+            return 0.0, ()
+        with self._at("temperature" if table.temperature is not None else "expansion"):
+            if table.temperature is None or table.expansion is None:
+                raise DescriptionError("temperature and expansion go together", "Give both, or neither of them")
+            self._refuse_growth(usual, direction, moves)
+            warmer = parse_quantity(table.temperature, "temperature") - _REFERENCE
+            coefficient = parse_quantity(table.expansion, "expansion")
+            degrees = parse_quantity(table.temperature_std or "0 K", "temperature_difference")
+            doubt = parse_quantity(table.expansion_std or "0 um/m/K", "expansion")
+        std = math.hypot(coefficient * degrees, warmer * doubt)
+        return coefficient * warmer, (Unknown("growth", std),) if std > 0 else ()
+
+    def _refuse_growth(self, usual: Instrument, direction: Vector, moves: tuple[int, ...]) -> None:
+        linear = [self._machine.axes[index] for index in moves if not self._machine.axes[index].rotary]
+        along = len(linear) == 1 and abs(sum(a * b for a, b in zip(linear[0].direction, direction, strict=True)))
+        if "growth" not in usual.model.unknown_reads or not along or along < _ALONG:
+            what = "a temperature corrects a length along the one linear axis that moves, and this set-up reads none"
+            raise DescriptionError(what, "Take temperature and expansion out, or name the axis in moves")
 
     def _station(self) -> Vector | None:
         given = self._table.station

@@ -34,6 +34,7 @@ class Setup:
     raster : (n_axes,) m or rad, positions are multiples of it; 0 is continuous
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
     station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
+    growth : thermal expansion of the measured material at its temperature against 20 °C, a strain
     found : how far from there its station has been found so far, m; None is nowhere else
     """
 
@@ -51,3 +52,4 @@ class Setup:
     approach: Approach
     station: Vector | None = None
     found: Vector | None = None
+    growth: float = 0.0
