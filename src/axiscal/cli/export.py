@@ -52,6 +52,7 @@ def export(
     from axiscal.cli.opening import open_campaign
     from axiscal.cli.printing import say, say_document
     from axiscal.compensation import registry
+    from axiscal.report.delivery import write_files
 
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
@@ -65,7 +66,7 @@ def export(
         problem = calibration.problem
         estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
         offered = registry.export(estimate, to, options)
-    _write(offered, out)
+    write_files(offered, out)
     if json:
         say_document(_document(offered, out))
     else:
@@ -114,14 +115,6 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as fault:
         line = data.count(b"\n", 0, fault.start) + 1
         raise TableError("the template is not plain text", "save it from the control as text", path, line) from None
-
-
-def _write(offered: Export, out: Path) -> None:
-    from axiscal.report.delivery import write_whole
-
-    out.mkdir(parents=True, exist_ok=True)
-    for name, text in {**offered.files, "README.txt": offered.readme}.items():
-        write_whole(out / name, text)
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:

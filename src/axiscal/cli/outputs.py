@@ -31,5 +31,8 @@ def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extra
         f"RMS {summary.rms_um:.3g} um, worst {summary.worst_um:.3g} um.\n"
         f"Report: {out / 'report.html'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
     )
+    for offer in summary.tables:
+        if not offer.axis:
+            say(f"No table for {offer.controller}: {offer.left_out}")
     for warning in summary.warnings:
         say(f"Mind: {warning.text}")

@@ -43,17 +43,20 @@ def axis_tables(
     spacing: float | None = None,
     most: int = _MOST_POINTS,
     multiples: Multiples = (None, None),
+    *,
+    anchored: bool = True,
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis along which the belief knows a deviation of its own position.
 
     belief : over the machine's coefficients first; box : the volume over which tables shall be best
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
+    anchored : zero where the axis is at zero, as controls ask for that count from a reference point
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
     estimate = Estimate(model, belief, box)
     axes = [(k, model.machine.axes[k].rotary) for k in range(len(model.machine.axes)) if _has_errors(model, k)]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
-    tables = (own_table(estimate, k, positions) for k, positions in grids)
+    tables = (own_table(estimate, k, positions, anchored=anchored) for k, positions in grids)
     return tuple(table for table in tables if _says_something(table))
 
 
@@ -73,13 +76,14 @@ def cross_tables(
     return tuple(table for table in tables if _says_something(table))
 
 
-def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTable:
+def own_table(estimate: Estimate, axis: int, positions: Array, *, anchored: bool = True) -> CompensationTable:
     """Return the table of an axis over its own position.  positions : (n,) m or rad, increasing."""
-    if not estimate.machine.axes[axis].rotary:
-        return _tables(estimate, [axis], axis, positions)[0]
     hats = _hats(estimate, axis, positions)
-    rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
-    return _fitted(estimate, axis, axis, hats, rows)
+    if estimate.machine.axes[axis].rotary:
+        rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
+    else:
+        rows = _along(estimate, [axis], axis, hats)[0]
+    return _fitted(estimate, axis, axis, hats, rows, anchored)
 
 
 def points(
@@ -128,10 +132,14 @@ def _has_errors(model: ErrorModel, axis: int) -> bool:
 
 def _tables(estimate: Estimate, moved: Sequence[int], over: int, positions: Array) -> list[CompensationTable]:
     hats = _hats(estimate, over, positions)
-    rows = np.stack(
-        [mean_along(estimate.model, estimate.box, moved, over, hats.nodes, sign) for sign in (1, -1)], axis=1
-    )
-    return [_fitted(estimate, axis, over, hats, own) for axis, own in zip(moved, rows, strict=True)]
+    rows = _along(estimate, moved, over, hats)
+    return [_fitted(estimate, axis, over, hats, own, True) for axis, own in zip(moved, rows, strict=True)]
+
+
+def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> Array:
+    """Return the mean deviation along each moved axis, forward and reverse, as rows (moved, 2, nodes, size)."""
+    sides = [mean_along(estimate.model, estimate.box, moved, over, hats.nodes, sign) for sign in (1, -1)]
+    return np.stack(sides, axis=1)
 
 
 def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
@@ -140,10 +148,10 @@ def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
     return Hats.on(positions, np.concatenate(knots) if knots else positions, estimate.box[over], closed)
 
 
-def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
+def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, anchored: bool) -> CompensationTable:
     """Return the table nearest to curves given as rows (2, nodes, size), forward and reverse."""
     free = hats.best() @ curves
-    anchor = _anchor(estimate, axis, over, hats, curves, free)
+    anchor = _anchor(estimate, axis, over, hats, curves, free) if anchored else np.zeros(free.shape[-1])
     rows, curves = free - anchor, curves - anchor
     forward, reverse = (_closed(hats, side @ estimate.mean) for side in rows)
     departure = max(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,10 +11,11 @@ import numpy as np
 
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
-from axiscal.compensation.controllers import linuxcnc, plain_csv
+from axiscal.compensation import registry
 from axiscal.compensation.effect import Deviation, Effect, effect
-from axiscal.compensation.sampling import axis_tables
-from axiscal.compensation.table import CompensationTable, TableFile
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.offer import Export
+from axiscal.compensation.options import Options
 from axiscal.design.lattice import even_points
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
@@ -23,15 +23,17 @@ from axiscal.report.assembly import Extras, summarise
 from axiscal.report.summary import Summary, TableOffer, result_json
 from axiscal.units import to_unit
 
-CONTROLLERS = {"linuxcnc": linuxcnc.offer, "csv": plain_csv.offer}
-"""Makers of table files by the name that `export --to` takes."""
+CONTROLLERS = ("linuxcnc", "csv")
+"""What every finished campaign gets; `axiscal export` makes the others."""
 _POSES = 2000
 
 
 def deliver(campaign: Campaign, calibration: Calibration, out: Path, extras: Extras) -> Summary:
-    """Write tables, result and report of a campaign, and return what they say.  Raises OSError, TableError."""
-    tables = axis_tables(calibration.problem.errors, calibration.belief, _box(calibration))
-    offers = [offer for name in CONTROLLERS for offer in write_tables(calibration, tables, name, out / "tables")]
+    """Write tables, result and report of a campaign, and return what they say.  Raises OSError.
+
+    A table that a control cannot hold is not written; the report says why.
+    """
+    offers = [offer for name in CONTROLLERS for offer in _tables(calibration, name, out / "tables")]
     summary = summarise(campaign, calibration, replace(extras, tables=offers))
     document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
     write_whole(out / "result.json", document + "\n")
@@ -46,45 +48,26 @@ def write_report(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary))
 
 
-def write_tables(
-    calibration: Calibration, tables: Sequence[CompensationTable], controller: str, folder: Path
-) -> list[TableOffer]:
-    """Write the tables for one controller with a note on how to load them, and return what they hold and leave.
-
-    Raises TableError where a controller cannot hold a table, OSError.
-    """
-    if controller not in CONTROLLERS:
-        known = ", ".join(CONTROLLERS)
-        raise TableError(f'"{controller[:40]}" is not a controller that tables can be made for', f"Known are {known}")
-    target = folder / controller
-    target.mkdir(parents=True, exist_ok=True)
-    files = [CONTROLLERS[controller](table) for table in tables]
-    left = left_out(effect_of(calibration, tables))
-    for file in files:
-        write_whole(target / file.name, file.text)
-    if files:
-        write_whole(target / "README.txt", _notes(files, left))
-    return [
-        TableOffer(f"tables/{controller}/{file.name}", controller, table.axis, left)
-        for file, table in zip(files, tables, strict=True)
-    ]
+def _tables(calibration: Calibration, controller: str, folder: Path) -> list[TableOffer]:
+    """Write the files for one control and return what they hold and leave, or why there are none."""
+    problem = calibration.problem
+    estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        offered = registry.export(estimate, controller, Options())
+    except TableError as refusal:
+        return [TableOffer("none written", controller, "", str(refusal))]
+    write_files(offered, folder / controller)
+    left = left_out(offered.effect)
+    axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
+    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left) for name, axis in axes.items()]
 
 
-def _notes(files: Sequence[TableFile], left: str) -> str:
-    parts = ("\n".join([file.name, *(f"  {note}" for note in file.notes)]) for file in files)
-    return "\n\n".join([left, *parts]) + "\n"
-
-
-def effect_of(calibration: Calibration, tables: Sequence[CompensationTable]) -> Effect:
-    """Return what the tables leave of the deviation as it is estimated."""
-    errors = calibration.problem.errors
-    mean = calibration.belief.mean[: errors.size]
-
-    def estimated(poses: Array, approaches: Array) -> Array:
-        deviation: Array = errors.rows(poses, approaches) @ mean
-        return deviation
-
-    return effect(errors.machine, estimated, tables, volume_poses(calibration), _box(calibration))
+def write_files(offered: Export, folder: Path) -> None:
+    """Write the files of an export with their README.txt; raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in {**offered.files, "README.txt": offered.readme}.items():
+        write_whole(folder / name, text)
 
 
 def reached(calibration: Calibration, truth: Deviation) -> float:
@@ -100,12 +83,9 @@ def reached(calibration: Calibration, truth: Deviation) -> float:
 
 
 def left_out(found: Effect) -> str:
-    """Say what tables of single axes leave of the estimated deviation."""
+    """Say what the files leave of the estimated deviation."""
     before, after = (f"{to_unit(value, 'um'):.3g} um" for value in found)
-    return (
-        f"Tables of single axes take the estimated TCP deviation over the volume from {before} RMS to {after}; "
-        "what is left are straightness, squareness and angular errors that one axis cannot correct."
-    )
+    return f"All files together take the estimated TCP deviation over the volume from {before} RMS to {after}."
 
 
 def volume_poses(calibration: Calibration) -> Array:
