@@ -167,20 +167,18 @@ def _rows(state: State, points: list[Point]) -> Array:
 def _optimal(rows: Array, state: State, weights: Array, costs: Array, limit: float) -> Array:
     """Return the weights that minimise J over costs·x = limit, x ≥ 0, by a primal-dual interior point method.
 
-    rows : (s, n) divided by the noise. With K = G C₀ Gᵀ and B = G C₀WC₀ Gᵀ everything is done in s dimensions:
-    R = (I + K X)⁻¹, d = diag(R B Rᵀ), ∂²J = 2 (R K) ∘ (R B Rᵀ).
+    rows : (s, n) divided by the noise. ∂²J = 2 (G S Gᵀ) ∘ (G S W S Gᵀ), positive semidefinite as a product of such.
     """
-    along = rows @ state.factor
-    reach = along @ (state.weight @ state.factor[: state.weight.shape[1]]).T
-    kernel, target = along @ along.T, reach @ reach.T
     scale = limit / costs
-    kernel, target = kernel * np.sqrt(np.outer(scale, scale)), target * np.sqrt(np.outer(scale, scale))
+    along = (rows * np.sqrt(scale)[:, None]) @ state.factor
+    weighted = state.weight @ state.factor[: state.weight.shape[1]]
     x = np.maximum(weights / scale, 1e-6 / len(weights))
     x /= x.sum()
-    slopes = _curvatures(kernel, target, x)[0]
-    level, dual = float(slopes @ x), np.maximum(slopes @ x - slopes, 0.05 * abs(float(slopes @ x)))
+    slopes = _curvatures(along, weighted, x)[0]
+    level = float(slopes @ x)
+    dual = np.maximum(level - slopes, 0.05 * level)
     for _ in range(_NEWTON):
-        slopes, bend = _curvatures(kernel, target, x)
+        slopes, bend = _curvatures(along, weighted, x)
         barrier = _BARRIER * float(x @ dual) / len(x)
         residual = slopes - level + dual
         move, shift = _newton(bend + np.diag(dual / x), residual - dual + barrier / x)
@@ -188,23 +186,21 @@ def _optimal(rows: Array, state: State, weights: Array, costs: Array, limit: flo
         share = min(1.0, 0.95 * _room(x, move), 0.95 * _room(dual, dual_move))
         x, dual, level = x + share * move, dual + share * dual_move, level + share * shift
         x /= x.sum()
-        if x @ dual < 1e-7 * abs(level) and np.abs(residual).max() < 1e-6 * abs(level):
+        if x @ dual < 1e-6 * abs(level) and np.abs(residual).max() < 1e-5 * abs(level):
             break
     result: Array = x * scale
     return result
 
 
-def _curvatures(kernel: Array, target: Array, x: Array) -> tuple[Array, Array]:
-    """Return d = −∂J/∂x (s,) and ∂²J (s, s)."""
-    root = np.sqrt(x)
-    system = np.eye(len(x)) + root[:, None] * kernel * root
-    both = np.linalg.solve(system, root[:, None] * np.hstack([kernel, target]))
-    size = len(x)
-    left = kernel - (kernel * root) @ both[:, :size]
-    half = target - (kernel * root) @ both[:, size:]
-    final = half - np.linalg.solve(system, root[:, None] * half.T).T @ (root[:, None] * kernel)
-    bend: Array = 2 * left * final
-    return np.diagonal(final).copy(), (bend + bend.T) / 2
+def _curvatures(along: Array, weighted: Array, x: Array) -> tuple[Array, Array]:
+    """Return d = −∂J/∂x (s,) and ∂²J (s, s).  along : G F (s, r); weighted : V F (w, r)."""
+    scaled = along * np.sqrt(x)[:, None]
+    both = informed(np.vstack([along, weighted]), scaled)
+    seen, reach = both[: len(x)], both[len(x) :]
+    towards = seen @ reach.T
+    target = towards @ towards.T
+    bend: Array = 2 * (seen @ seen.T) * target
+    return np.diagonal(target).copy(), bend
 
 
 def _newton(system: Array, right: Array) -> tuple[Array, float]:
