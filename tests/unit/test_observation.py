@@ -125,6 +125,7 @@ def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> 
     model, rng = ErrorModel(machine), np.random.default_rng(seed)
     setup = mounted(machine, instrument, _direction(seed))
     poses, approaches = random_poses(machine, 15, rng)
+    approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
     poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]
     observation = Observation(model, (setup,))
     levers = (model.levers if instrument == "probe" else model.angular_levers)(poses) @ np.array(setup.direction)
@@ -137,6 +138,19 @@ def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> 
     expected = (prior - gain @ rows @ prior) / scale[:, None] / scale
     assert np.abs(found / scale[:, None] / scale - expected).max() < 1e-9
     assert np.abs((belief.mean[: len(prior)] - gain @ values) / scale).max() < 1e-9
+
+
+def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
+    """With +½ and −½ of the reversal equally likely, the variance is a quarter of the reversal's."""
+    model = ErrorModel(load_machine("one-axis"))
+    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    observation, at = Observation(model, (setup,)), np.array([[0.5]])
+    told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
+    reversal = model.names["EXX_reversal"]
+    drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
+    sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
+    assert untold - told == pytest.approx(np.var(drawn * sides), rel=0.02)
+    assert untold - told == pytest.approx((reversal.covariance[0, 0] + reversal.rest**2) / 4)
 
 
 def test_repeating_at_one_position_does_not_average_the_rest_away() -> None:
@@ -156,9 +170,9 @@ def test_a_reading_in_a_visited_cell_is_promised_less_noise_and_less_news() -> N
     before = Observation(model, (setup,))
     after = before.visited(np.array([0.5]))
     at = np.array([[0.5], [0.504], [0.51], [0.499]])
-    assert before.rows(0, at, np.zeros((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
-    assert after.rows(0, at, np.zeros((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
-    assert after.rows(0, at, np.zeros((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert before.rows(0, at, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
+    assert after.rows(0, at, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
+    assert after.rows(0, at, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
     assert after.visited(np.array([0.504])).cells == after.cells
     assert before.rest_variances(after).tolist() == [0.3e-6**2]
     assert after.rest_variances(after.visited(np.array([0.504]))).tolist() == []

@@ -91,7 +91,7 @@ class Observation:
         at = np.array(mounted.direction) if direction is None else direction
         for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
             result[:, column] = model.own(mounted, unknown.name, at, place)
-        variances = np.full(len(poses), mounted.noise**2)
+        variances = mounted.noise**2 + self._untold_sides(mounted, levers, poses, approaches)
         effects = self.errors.effects(levers, approaches) if self._with_rest else levers
         for index in self._with_rest:
             self._add_rest(index, effects[index], poses, result, variances)
@@ -105,8 +105,23 @@ class Observation:
         parts = [self.rows(setup, poses, approaches, direction) for direction in directions_of(mounted)]
         rows, variances = np.concatenate([p.rows for p in parts]), np.concatenate([p.variances for p in parts])
         if reading.std is not None:
-            variances = np.full(len(rows), reading.std**2)
+            variances = variances + (reading.std**2 - mounted.noise**2)
         return Seen(rows, variances, np.array(reading.values) - self.beyond(setup, poses)[0])
+
+    def _untold_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
+        """Return what it adds to the variance that nobody said from which side a moving axis came, (m,) m² or rad².
+
+        A reversal then enters with +½ or −½ of its value, as likely one as the other.
+        """
+        added = np.zeros(len(poses))
+        if np.all(approaches[:, list(mounted.moves)] != 0):
+            return added
+        for index, function in enumerate(self.errors.functions):
+            if function.kind == "reversal" and function.axis in mounted.moves:
+                rows = function.basis.rows(poses[:, function.axis])
+                spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
+                added += np.where(approaches[:, function.axis] == 0, (levers[index] / 2) ** 2 * spread, 0.0)
+        return added
 
     def beyond(self, setup: int, poses: Array) -> Array:
         """Return what readings show beyond rows times unknowns, where an instrument is not linear, (m,)."""
