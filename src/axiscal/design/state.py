@@ -17,6 +17,7 @@ from axiscal.design.scorer import Scorer
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
+_MODERATE = 1e13
 _SPARE = 48
 """So many columns may a factor have beyond its rows before it is made square again."""
 
@@ -122,7 +123,13 @@ class State:
 
 
 def informed(factor: Array, scaled: Array) -> Array:
-    """Return F L⁻ᵀ with I + BᵀB = L Lᵀ: the factor after readings.  scaled : B = R^-½ G F, (m, r)."""
-    information: Array = np.eye(scaled.shape[1]) + scaled.T @ scaled
-    after: Array = np.asarray(np.linalg.solve(np.linalg.cholesky(information), factor.T).T, dtype=np.float64)
-    return after
+    """Return F T with T Tᵀ = (I + BᵀB)⁻¹: the factor after readings.  scaled : B = R^-½ G F, (m, r).
+
+    By Cholesky; by singular values where readings are so much better than the prior that forming BᵀB would lose it.
+    """
+    if np.sum(scaled**2) < _MODERATE:
+        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
+        return np.asarray(np.linalg.solve(np.linalg.cholesky(information), factor.T).T, dtype=np.float64)
+    _, values, right = np.linalg.svd(scaled, full_matrices=False)
+    shrink = 1.0 - 1.0 / np.hypot(1.0, values)
+    return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
