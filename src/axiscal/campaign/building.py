@@ -9,6 +9,6 @@ from axiscal.campaign.engine import Engine
 def build(description: CampaignDescription) -> Engine:
     """Return the engine of a campaign; what it needs is loaded when it is first asked."""
     from axiscal.campaign.calibration import Calibration
-    from axiscal.campaign.problem import Problem
+    from axiscal.campaign.inheritance import problem_of
 
-    return Calibration(Problem(description))
+    return Calibration(problem_of(description))

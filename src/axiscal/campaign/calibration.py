@@ -119,7 +119,7 @@ class Calibration:
 
     def _learn(self, readings: Sequence[Reading]) -> None:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
-        self._doubts, problem = doubts(self.stated.observation, readings), self.stated
+        self._doubts, problem = doubts(self.stated.observation, readings, self.stated.inherited), self.stated
         if self.stated.variable and len(readings) >= FEWEST:
             trusted = [r for i, r in enumerate(readings) if i not in {doubt.reading for doubt in self._doubts}]
             self._fit = fit(self.stated.observation, trusted, self.stated.variable)

@@ -77,7 +77,8 @@ class Campaign:
     def create(cls, path: Path, description: CampaignDescription, build: Build = build) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         machine = description.machine
-        created = Created(machine.text, description.text, description.machine_source, description.source, versions())
+        sources = description.machine_source, description.source
+        created = Created(machine.text, description.text, *sources, versions(), description.prior_text)
         return cls(Record.create(path, created), description, build)
 
     @classmethod
@@ -333,4 +334,4 @@ def _description(record: Record) -> CampaignDescription:
     if created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    return campaign_from_texts(*texts)
+    return campaign_from_texts(*texts, prior_text=created.prior_text)

@@ -20,6 +20,8 @@ class CampaignDescription:
     setups : in the order of the file; text, source : the campaign.toml it came from, and where that was read
     machine_source : the file or the built-in name of the machine, whose text is `machine.text`
     scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
+    prior_text : the campaign whose result is the prior (see `heritage`), empty for none
+    kept : share of each error that is as that campaign found it
     """
 
     machine: Machine
@@ -29,6 +31,8 @@ class CampaignDescription:
     source: str
     machine_source: str
     scales_estimated: bool = False
+    prior_text: str = ""
+    kept: float = 1.0
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -48,15 +52,32 @@ def read_campaign(path: str | Path, *, target_needed: bool = True) -> CampaignDe
     document = Document.read(path)
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
-    return _described(document, load_machine(source), source, target_needed)
+    return _described(document, load_machine(source), source, target_needed, _prior_text(document))
+
+
+def _prior_text(document: Document) -> str:
+    """Return the campaign that `prior` names, "" where there is none."""
+    name = document.data.get("prior")
+    if not isinstance(name, str) or not name.strip():
+        return ""
+    from axiscal.campaign.heritage import heritage_text
+
+    return heritage_text(document.path.parent / name)
 
 
 def campaign_from_texts(
-    text: str, source: str, machine_text: str, machine_source: str, *, target_needed: bool = False
+    text: str,
+    source: str,
+    machine_text: str,
+    machine_source: str,
+    *,
+    target_needed: bool = False,
+    prior_text: str = "",
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does."""
     document = Document.parse(text, source)
-    return _described(document, machine_from_text(machine_text, machine_source), machine_source, target_needed)
+    machine = machine_from_text(machine_text, machine_source)
+    return _described(document, machine, machine_source, target_needed, prior_text)
 
 
 def _machine_name(document: Document) -> str:
@@ -68,7 +89,9 @@ def _machine_name(document: Document) -> str:
     raise DescriptionError(what, remedy, document.path, document.line("machine") or 1)
 
 
-def _described(document: Document, machine: Machine, machine_source: str, target_needed: bool) -> CampaignDescription:
+def _described(
+    document: Document, machine: Machine, machine_source: str, target_needed: bool, prior_text: str
+) -> CampaignDescription:
     from axiscal.campaign.schema import CampaignTable
     from axiscal.campaign.setups import read_setups
     from axiscal.campaign.target import read_target
@@ -82,7 +105,13 @@ def _described(document: Document, machine: Machine, machine_source: str, target
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
     learnt = table.scales == "estimate"
-    return CampaignDescription(machine, target, setups, document.text, str(document.path), machine_source, learnt)
+    if learnt and table.prior is not None:
+        fault = DescriptionError("the prior of an earlier campaign is not learnt anew", 'Take scales = "estimate" out')
+        raise document.fault(fault, "scales")
+    source = str(document.path)
+    return CampaignDescription(
+        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept
+    )
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

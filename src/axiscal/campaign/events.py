@@ -18,6 +18,7 @@ class Created:
     machine_text, campaign_text : the two descriptions, word for word
     machine_source, campaign_source : where they were read
     versions : of axiscal and of what it computes with
+    prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
     """
 
     machine_text: str
@@ -25,6 +26,7 @@ class Created:
     machine_source: str
     campaign_source: str
     versions: Mapping[str, str]
+    prior_text: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,7 +63,8 @@ def _position(fields: Mapping[str, Any]) -> tuple[tuple[float, ...], tuple[int, 
 def _created(fields: Mapping[str, Any]) -> Created:
     versions = {_text(name): _text(value) for name, value in fields["versions"].items()}
     machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
-    return Created(machine, campaign, _text(fields["machine_source"]), _text(fields["campaign_source"]), versions)
+    sources = _text(fields["machine_source"]), _text(fields["campaign_source"])
+    return Created(machine, campaign, *sources, versions, _text(fields.get("prior_text", "")))
 
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,22 +26,35 @@ _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
 
 
+class Inherited(NamedTuple):
+    """What an earlier campaign leaves as the prior of the errors: mean (size,), covariance (size, size)."""
+
+    mean: Array
+    covariance: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume."""
+    """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
+
+    inherited : the prior of the errors where an earlier campaign left one
+    """
 
     description: CampaignDescription
+    inherited: Inherited | None = None
 
     @cached_property
     def variable(self) -> tuple[Scale, ...]:
-        """The scales that the description asks to be learnt."""
+        """The scales that the description asks to be learnt; none where the prior was inherited."""
+        if self.inherited is not None:
+            return ()
         machine, setups = self.description.machine, self.description.setups
         return all_scales(machine, setups) if self.description.scales_estimated else wanted_rests(machine)
 
     def rescaled(self, scales: Scales) -> Problem:
         """Return the problem with priors and noise as learnt."""
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
-        return Problem(replace(self.description, machine=machine, setups=setups))
+        return Problem(replace(self.description, machine=machine, setups=setups), self.inherited)
 
     def located(self, mean: Array) -> Problem | None:
         """Return the problem about the places where the stations of distances are found to be; None if these stay."""
@@ -48,7 +62,8 @@ class Problem:
         if found == [setup.found for setup in self.description.setups]:
             return None
         pairs = zip(self.description.setups, found, strict=True)
-        return Problem(replace(self.description, setups=tuple(replace(s, found=f) for s, f in pairs)))
+        setups = tuple(replace(setup, found=place) for setup, place in pairs)
+        return Problem(replace(self.description, setups=setups), self.inherited)
 
     def _found(self, index: int, mean: Array) -> Vector | None:
         setup = self.description.setups[index]
@@ -74,7 +89,11 @@ class Problem:
     def prior(self) -> Belief:
         """The belief before the first reading."""
         covariance = self.observation.prior_covariance()
-        return Belief(np.zeros(len(covariance)), covariance)
+        mean = np.zeros(len(covariance))
+        if self.inherited is not None:
+            mean[: self.errors.size] = self.inherited.mean
+            covariance[: self.errors.size, : self.errors.size] = self.inherited.covariance
+        return Belief(mean, covariance)
 
     @cached_property
     def lattice(self) -> Lattice:

@@ -41,16 +41,24 @@ class Doubt(NamedTuple):
         return self.weight <= NOTHING
 
 
-def doubts(observation: Observation, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
-    """Return the readings that stand out, the worst first; readings that somebody vouches for are believed."""
+def doubts(
+    observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
+) -> tuple[Doubt, ...]:
+    """Return the readings that stand out, the worst first; readings that somebody vouches for are believed.
+
+    prior : mean and covariance of the errors, where it is not the stated one
+    """
     if len(readings) < FEWEST:
         return ()
     evidence = Evidence(observation, readings)
-    covariance, noise = evidence.covariance(), evidence.noise()
+    noise, values = evidence.noise(), evidence.values
+    covariance = evidence.covariance() if prior is None else evidence.covariance_under(prior[1])
+    if prior is not None:
+        values = values - evidence.rows[:, : len(prior[0])] @ prior[0]
     free = np.array([not reading.accepted for reading in readings])
     weights, found = np.ones(len(readings)), list[Doubt]()
     while len(found) < _MOST_PART * len(readings):
-        distance = _left_out(covariance, noise, weights[evidence.reading], evidence.values)
+        distance = _left_out(covariance, noise, weights[evidence.reading], values)
         surprise = np.zeros(len(readings))
         np.maximum.at(surprise, evidence.reading, np.abs(distance))
         surprise[~free | (weights < 1.0)] = 0.0

@@ -63,7 +63,7 @@ class Evidence:
     def __init__(self, observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...] = ()) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
         seen = _Seen(observation, readings)
-        self.reading, self.values = seen.reading, seen.values
+        self.reading, self.values, self.rows = seen.reading, seen.values, seen.rows
         self._parts, self._fixed = seen.parts(), seen.unknowns()
         self._noise, self._own_noise = seen.noise()
         self._owners = [readings[int(i)].setup for i in seen.reading]
@@ -82,6 +82,15 @@ class Evidence:
     def covariance(self) -> Array:
         """Return K (m, m) as stated."""
         return self._covariance(np.zeros(len(self.scales)))
+
+    def covariance_under(self, prior: Array) -> Array:
+        """Return K with another prior covariance (size, size) of the errors, (m, m)."""
+        size, plain = len(prior), self._fixed + np.diag(self._noise)
+        for part in self._parts:
+            rest = self._entries[part.function.name].first_rest
+            np.add.at(plain, (part.first, part.second), rest**2 * part.products)
+        result: Array = plain + self.rows[:, :size] @ prior @ self.rows[:, :size].T
+        return result
 
     def noise(self) -> Array:
         """Return the noise variances as stated, (m,)."""
@@ -150,7 +159,7 @@ class _Seen:
         self.reading = np.repeat(np.arange(len(readings)), counts)
         self._first = np.cumsum(counts) - counts
         size = len(self.reading)
-        self.values, self._rows = np.zeros(size), np.zeros((size, observation.size))
+        self.values, self.rows = np.zeros(size), np.zeros((size, observation.size))
         self._effects = np.zeros((len(observation.errors.functions), size))
         for index in range(len(observation.setups)):
             self._fill(index)
@@ -165,7 +174,7 @@ class _Seen:
         approaches = np.array([self._readings[i].approach for i in mine], dtype=float)
         for number, direction in enumerate(directions_of(setup)):
             at = self._first[mine] + number
-            self._rows[at] = self._observation.rows(index, poses, approaches, direction).rows
+            self.rows[at] = self._observation.rows(index, poses, approaches, direction).rows
             self._effects[:, at] = self._observation.effects(index, poses, approaches, direction)
             self.values[at] = [self._readings[i].values[number] for i in mine]
             self.values[at] -= self._observation.beyond(index, poses)
@@ -179,7 +188,7 @@ class _Seen:
                 cells = function.cells(poses[:, function.axis])
                 felt = effect[:, None] * effect[None, :]
                 first, second = np.nonzero((cells[:, None] == cells[None, :]) & (felt != 0))
-                rows, apart = self._rows[:, function.columns], distances(function.basis)
+                rows, apart = self.rows[:, function.columns], distances(function.basis)
                 result.append(_Part(function, rows, apart, first, second, felt[first, second]))
         return result
 
@@ -187,7 +196,7 @@ class _Seen:
         """Return F D Fᵀ (m, m)."""
         start = self._observation.errors.size
         variances = np.array([unknown.std**2 for setup in self._observation.setups for unknown in setup.unknowns])
-        rows = self._rows[:, start : start + len(variances)]
+        rows = self.rows[:, start : start + len(variances)]
         product: Array = (rows * variances) @ rows.T
         return product
 

@@ -19,9 +19,9 @@ from axiscal.numerics import Array
 FEWEST = 8
 """Fewer readings say nothing about scales."""
 _MOST = 250
-_CONVINCING = 9.0
-"""Twice the log of how much more probable one error's own scales make the readings: three to learn, 3 % by chance."""
-_ROUGHER, _OFF = 1.5, 2.0
+_CONVINCING = 5.0
+"""Twice the log of how much more probable one error's own scales make the readings; three to learn, weak priors."""
+_ROUGHER, _OFF = 1.5, 1.8
 _NOISE_OFF = 1.5
 
 

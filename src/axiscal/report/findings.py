@@ -7,9 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.changes import changes
 from axiscal.campaign.problem import Problem
 from axiscal.error_model.iso230 import words
 from axiscal.inference.aliasing import Alias, aliases
+from axiscal.inference.drift import drift
 from axiscal.inference.judgement import Misfit, misfits
 from axiscal.measurement.reading import Reading
 from axiscal.report.summary import Finding, ResidualCheck
@@ -47,6 +49,8 @@ def findings(calibration: Calibration) -> list[Finding]:
         *_scales(calibration),
         *_aliasing(calibration),
         *_misfit(calibration),
+        *_drift(calibration),
+        *_changes(calibration),
     ]
 
 
@@ -75,6 +79,8 @@ def _outliers(calibration: Calibration) -> Iterator[Finding]:
 
 def _scales(calibration: Calibration) -> Iterator[Finding]:
     """Say which stated figures do not fit: those that were learnt, and those that should be."""
+    if calibration.stated.inherited is not None:
+        return
     learnt = {(scale.kind, scale.owner) for scale in calibration.fit.scales.of} if calibration.fit else set()
     for misfit in misfits(calibration.stated.observation, _trusted(calibration)):
         if misfit.kind == "rough":
@@ -148,3 +154,29 @@ def _misfit(calibration: Calibration) -> Iterator[Finding]:
         'scales = "estimate" in the campaign learn them.'
     )
     yield Finding("prior-misfit", None, text)
+
+
+def _drift(calibration: Calibration) -> Iterator[Finding]:
+    """Say where readings repeated in one place move steadily."""
+    for setup in calibration.problem.description.setups:
+        rate, std = drift(calibration.readings, setup)
+        if std > 0 and abs(rate) > _OUTLIER * std:
+            unit = calibration.problem.reading_unit(setup)
+            text = (
+                f'Readings that were repeated in "{setup.name}" move by {to_unit(rate, unit):.2g} {unit} a reading, '
+                f"{abs(rate) / std:.1f} standard deviations: something drifts. The estimate takes it for noise; let "
+                "machine and instrument settle, or split the set-up in two."
+            )
+            yield Finding("drift", None, text)
+
+
+def _changes(calibration: Calibration) -> Iterator[Finding]:
+    """Say which curves have changed since the campaign whose result is the prior."""
+    for change in changes(calibration):
+        unit, place = ("urad" if change.angular else "um"), "deg" if change.rotary else "mm"
+        text = (
+            f"{change.name} ({words(change.name)}) has changed since the last campaign: by up to "
+            f"{abs(to_unit(change.size, unit)):.2g} {unit} at {to_unit(change.position, place):.4g} {place} "
+            f"(by chance once in {1 / max(change.chance, 1e-12):.0e})."
+        )
+        yield Finding("drift", change.name, text)

@@ -1,0 +1,24 @@
+"""A finished campaign as text that another record carries, so that no record needs another file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from axiscal.campaign.events import Recorded
+from axiscal.campaign.payload import encode
+from axiscal.campaign.store import Record
+from axiscal.exceptions import RecordError
+
+
+def heritage_text(path: Path) -> str:
+    """Return a campaign record as text that another record can carry; raises RecordError."""
+    with Record.open(path, write=False) as record:
+        state = record.state()
+    created = state.created
+    if created is None or not state.readings:
+        raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
+    events = [Recorded(r.setup, r.pose, r.approach, r.value, r.std, r.accepted, r.others) for r in state.readings]
+    readings = [json.loads(encode(event)[1]) for event in events]
+    document = {"created": json.loads(encode(created)[1]), "readings": readings}
+    return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
