@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from axiscal.campaign.description import CampaignDescription
-from axiscal.campaign.target import travel_text
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import Axis, Machine
 from axiscal.machine.names import parse_error_name
@@ -130,13 +129,13 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
     if axis.name not in position:
         if moves:
             what = f'{axis.name} moves in the set-up "{setup.name}", and its position is not given'
-            raise ReadingError(what, f"Say where it stood, between {travel_text(axis)}")
+            raise ReadingError(what, f"Say where it stood, between {axis.travel_text}")
         return setup.park[index]
-    value, unit = position[axis.name], "deg" if axis.rotary else "mm"
+    value, unit = position[axis.name], axis.unit
     slack = 1e-9 * axis.length
     if not axis.travel[0] - slack <= value <= axis.travel[1] + slack:
         what = f"{axis.name} = {format_quantity(value, unit, 9)} is outside the travel"
-        raise ReadingError(what, f"{axis.name} goes from {travel_text(axis)}")
+        raise ReadingError(what, f"{axis.name} goes from {axis.travel_text}")
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
         park = format_quantity(setup.park[index], unit, 9)
         what = f'{axis.name} = {format_quantity(value, unit, 9)}, but the set-up "{setup.name}" parks it at {park}'

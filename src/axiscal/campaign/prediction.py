@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.target import travel_text
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.poses import RawPose
@@ -64,8 +63,7 @@ def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], li
         low, high = axis.travel
         at = raw.position.get(axis.name, (low + high) / 2)
         if not low - _SLACK <= at <= high + _SLACK:
-            unit = "deg" if axis.rotary else "mm"
-            what = f"{axis.name} = {to_unit(at, unit):g} {unit} is outside the travel"
-            raise ReadingError(what, f"{axis.name} goes from {travel_text(axis)}", file, raw.line)
+            what = f"{axis.name} = {to_unit(at, axis.unit):g} {axis.unit} is outside the travel"
+            raise ReadingError(what, f"{axis.name} goes from {axis.travel_text}", file, raw.line)
         pose.append(at)
     return pose, [float(raw.approach.get(name, 0)) for name in names]

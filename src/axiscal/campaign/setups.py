@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from axiscal.campaign.schema import SetupTable
-from axiscal.campaign.target import coordinate, travel_text
+from axiscal.campaign.target import coordinate
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
@@ -262,11 +262,11 @@ def _positive(text: str, reads: str) -> float:
 
 
 def _step(text: str, axis: Axis) -> float:
-    value = parse_quantity(text, "angle" if axis.rotary else "length")
+    value = parse_quantity(text, axis.dimension)
     low, high = axis.travel
     if value <= 0:
         raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
     if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:
         what = f"no multiple of {shown(text)} lies in the travel of {axis.name}"
-        raise DescriptionError(what, f"Give a smaller step; the axis goes from {travel_text(axis)}")
+        raise DescriptionError(what, f"Give a smaller step; the axis goes from {axis.travel_text}")
     return value

@@ -53,18 +53,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
 
 def coordinate(text: str, axis: Axis) -> float:
     """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
-    value = parse_quantity(text, "angle" if axis.rotary else "length")
+    value = parse_quantity(text, axis.dimension)
     low, high = axis.travel
     slack = 1e-9 * axis.length
     if not low - slack <= value <= high + slack:
-        raise DescriptionError(f'"{text}" is outside the travel of {axis.name}', f"It goes from {travel_text(axis)}")
+        raise DescriptionError(f'"{text}" is outside the travel of {axis.name}', f"It goes from {axis.travel_text}")
     return min(max(value, low), high)
-
-
-def travel_text(axis: Axis) -> str:
-    """Return the travel in words: "0 mm to 600 mm"."""
-    low, high = (format_quantity(end, "deg" if axis.rotary else "mm") for end in axis.travel)
-    return f"{low} to {high}"
 
 
 def _refuse_not_positive(table: TargetTable, document: Document) -> None:
@@ -87,7 +81,7 @@ def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[t
 
 def _bounds(texts: list[str], axis: Axis) -> tuple[float, float]:
     if len(texts) != 2:
-        raise DescriptionError(f"{shown(texts)} has not two ends", f"The axis goes from {travel_text(axis)}")
+        raise DescriptionError(f"{shown(texts)} has not two ends", f"The axis goes from {axis.travel_text}")
     low, high = (coordinate(text, axis) for text in texts)
     if not low < high:
         raise DescriptionError(f"{shown(texts)} does not increase", "Give the lower end first")

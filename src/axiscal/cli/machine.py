@@ -58,7 +58,6 @@ def check(
     Example:
       axiscal machine check machine.toml
     """
-    from axiscal.campaign.target import travel_text
     from axiscal.error_model.gauge import machine_check
     from axiscal.machine import load_machine
 
@@ -80,7 +79,7 @@ def check(
     say(f"{machine.name}: {machine.chain}, {len(machine.errors)} errors described.")
     for axis in machine.axes:
         side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
-        say(f"  {axis.name:3} {travel_text(axis)}, {side}")
+        say(f"  {axis.name:3} {axis.travel_text}, {side}")
     say("What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.")
     for sentence in hidden:
         say(f"- {sentence}")

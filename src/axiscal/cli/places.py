@@ -42,7 +42,7 @@ def _position(text: str, machine: Machine) -> dict[str, float]:
         if found is None or found[1] in position:
             raise ReadingError(f'"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"')
         axis = machine.axis(found[1])
-        position[found[1]] = parse_quantity(found[2], "angle" if axis.rotary else "length")
+        position[found[1]] = parse_quantity(found[2], axis.dimension)
         at = found.end()
     return position
 

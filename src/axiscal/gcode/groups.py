@@ -83,7 +83,7 @@ def _place(axis: Axis) -> tuple[int, str]:
 
 def _written(axis: Axis, value: float) -> float:
     """Return a speed or acceleration in mm or deg instead of m or rad."""
-    return to_unit(value, "deg" if axis.rotary else "mm")
+    return to_unit(value, axis.unit)
 
 
 def _along(limits: Sequence[float], ways: Sequence[float]) -> float:

@@ -60,7 +60,7 @@ def _moving_sides(reading: Listed) -> str:
 
 
 def _axis_columns(axes: Sequence[Axis]) -> list[str]:
-    return [f"{axis.name}_{'deg' if axis.rotary else 'mm'}" for axis in axes]
+    return [f"{axis.name}_{axis.unit}" for axis in axes]
 
 
 def _csv(rows: Iterable[Sequence[str]]) -> str:

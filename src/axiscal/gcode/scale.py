@@ -37,22 +37,17 @@ class Scale:
     def of(cls, axis: Axis, decimals: int) -> Scale:
         """Return the scale of an axis; raises ProgramError when no number that can be written lies in its travel."""
         step = Decimal(1).scaleb(-decimals)
-        low, high = (exact(to_unit(end, cls.unit_of(axis))) for end in axis.travel)
+        low, high = (exact(to_unit(end, axis.unit)) for end in axis.travel)
         first, last = low.quantize(step, ROUND_CEILING) + 0, high.quantize(step, ROUND_FLOOR) + 0
         if first > last:
             what = f"no number with {decimals} decimals lies in the travel of {axis.name}, {low} to {high}"
             raise ProgramError(what, "Choose a controller with more decimals")
         return cls(axis, step, low, high, first, last)
 
-    @staticmethod
-    def unit_of(axis: Axis) -> str:
-        """Return the unit that programs write an axis in."""
-        return "deg" if axis.rotary else "mm"
-
     @property
     def unit(self) -> str:
         """mm or deg."""
-        return self.unit_of(self.axis)
+        return self.axis.unit
 
     @property
     def turn(self) -> Decimal | None:

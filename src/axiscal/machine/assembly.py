@@ -88,7 +88,7 @@ def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
 def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:
     """Return the travel; it must increase, be one that exists, and be at most one turn of a rotary axis."""
     keys: Keys = ("axes", axis.name, "travel")
-    dimension: Dimension = "angle" if axis.rotary else "length"
+    dimension: Dimension = axis.dimension
     unit, most = ("deg", 10 * math.tau) if axis.rotary else ("m", LONGEST_TRAVEL)
     low = within(document, (*keys, 0), table.travel[0], dimension, -most, most)
     high = within(document, (*keys, 1), table.travel[1], dimension, -most, most)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.units import format_quantity
 
 LINEAR_LETTERS = "XYZUVWPQR"
 ROTARY_LETTERS = "ABC"
@@ -89,6 +91,22 @@ class Axis:
     def length(self) -> float:
         """Length of the travel, m or rad."""
         return self.travel[1] - self.travel[0]
+
+    @property
+    def dimension(self) -> Literal["length", "angle"]:
+        """What its coordinates are."""
+        return "angle" if self.rotary else "length"
+
+    @property
+    def unit(self) -> str:
+        """The unit in which its coordinates are written and shown: "mm" or "deg"."""
+        return "deg" if self.rotary else "mm"
+
+    @property
+    def travel_text(self) -> str:
+        """The travel in words: "0 mm to 600 mm"."""
+        low, high = (format_quantity(end, self.unit) for end in self.travel)
+        return f"{low} to {high}"
 
     @property
     def cyclic(self) -> bool:

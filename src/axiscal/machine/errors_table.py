@@ -53,7 +53,7 @@ def _checked_name(key: str, table: ErrorTable, axes: dict[str, Axis]) -> tuple[E
 def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, axis: Axis) -> ErrorEntry:
     """Return the entry with its quantities in SI units."""
     value: Dimension = "angle" if name.angular else "length"
-    position: Dimension = "angle" if axis.rotary else "length"
+    position: Dimension = axis.dimension
     spacing, length, period = (
         None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
         for of, text in (("spacing", table.spacing), ("length", table.length), ("period", table.period))

@@ -14,6 +14,7 @@ from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.drift import drift
 from axiscal.inference.judgement import Misfit, misfits
 from axiscal.measurement.reading import Reading
+from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
 
@@ -97,9 +98,9 @@ def _trusted(calibration: Calibration) -> list[Reading]:
 def _rough(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
     function = calibration.problem.errors.names[misfit.owner]
     axis = calibration.problem.errors.machine.axes[function.axis]
-    detail = f"{to_unit(misfit.detail, unit):.3g} {unit}" if (unit := "deg" if axis.rotary else "mm") else ""
-    value = "urad" if function.angular else "um"
-    size = f"about {to_unit(misfit.rest, value):.2g} {value} of it"
+    detail = f"{to_unit(misfit.detail, axis.unit):.3g} {axis.unit}"
+    unit = value_unit(function)
+    size = f"about {to_unit(misfit.rest, unit):.2g} {unit} of it"
     text = f"The {axis.name} curve {misfit.owner} ({words(misfit.owner)}) has detail finer than {detail} that "
     text += f"this model does not follow, {size}. "
     text += "Its band counts this as learnt from the readings; " if learnt else "Its band does not count this: "
@@ -120,7 +121,7 @@ def _named(misfit: Misfit, calibration: Calibration) -> tuple[str, str]:
         setup = calibration.problem.description.setup(misfit.owner)
         return calibration.problem.reading_unit(setup), f'the noise of "{misfit.owner}"'
     function = calibration.problem.errors.names[misfit.owner]
-    return "urad" if function.angular else "um", f"the std of {misfit.owner} ({words(misfit.owner)})"
+    return value_unit(function), f"the std of {misfit.owner} ({words(misfit.owner)})"
 
 
 def _aliasing(calibration: Calibration) -> Iterator[Finding]:
@@ -129,7 +130,7 @@ def _aliasing(calibration: Calibration) -> Iterator[Finding]:
 
 
 def _alias_text(alias: Alias) -> str:
-    unit = "deg" if alias.axis.rotary else "mm"
+    unit = alias.axis.unit
     name = alias.axis.name
     spaced = f"The positions read on {name} are equally spaced"
     if alias.spacing is not None:

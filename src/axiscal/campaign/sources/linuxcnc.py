@@ -130,7 +130,7 @@ def _letter(axis: Axis) -> str:
 def _scale(axis: Axis) -> float:
     from axiscal.units import to_unit
 
-    return to_unit(1.0, "deg" if axis.rotary else "mm")
+    return to_unit(1.0, axis.unit)
 
 
 def _joint(axis: Axis, files: Mapping[str, str]) -> Joint:

@@ -20,6 +20,7 @@ from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
@@ -85,7 +86,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     held = lookup_control(machine, [one for text in files.values() for one in read(text, machine, sign)])
     wanted = table_control(machine, tables)
     step = 10.0**-layout.decimals
-    resolution = {axis.name: 3 * float(from_unit(step, "deg" if axis.rotary else "mm")) for axis in machine.axes}
+    resolution = {axis.name: 3 * float(from_unit(step, axis.unit)) for axis in machine.axes}
     return Draft(files, held, wanted, resolution, tuple(tables), _HOLDS, _LEFT, _notes(layout, machine), tried=False)
 
 
@@ -119,15 +120,15 @@ def read(text: str, machine: Machine, sign: float) -> list[Lookup]:
     over = machine.axis(first.split()[1].split("_")[0])
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
-    at = _inside(columns["AXISPOS"], over.rotary)
+    at = _inside(columns["AXISPOS"], over)
     lookups = []
     for axis in machine.axes:
         if axis.name not in columns:
             continue
-        added = -sign * _inside(columns[axis.name], axis.rotary)
+        added = -sign * _inside(columns[axis.name], axis)
         lookups.append(Lookup(axis.name, over.name, at, added))
         if axis.name == over.name:
-            back = -sign * _inside(columns["BACKLASH"], axis.rotary)
+            back = -sign * _inside(columns["BACKLASH"], axis)
             lookups.append(Lookup(axis.name, over.name, at, back, -1))
     return lookups
 
@@ -145,8 +146,8 @@ def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: 
     return layout.text(f"{axis}_AXIS", columns)
 
 
-def _inside(values: Array, rotary: bool) -> Array:
-    return np.asarray(from_unit(values, "deg" if rotary else "mm"), dtype=float)
+def _inside(values: Array, axis: Axis) -> Array:
+    return np.asarray(from_unit(values, axis.unit), dtype=float)
 
 
 def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:

@@ -88,7 +88,7 @@ def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
     for axis in machine.axes:
         own = {n: c for n, c in found.items() if n not in constants and parse_error_name(n).axis == axis.name}
         if own:
-            at = to_unit(next(iter(own.values())).positions, "deg" if axis.rotary else "mm")
+            at = to_unit(next(iter(own.values())).positions, axis.unit)
             columns = [_shown(name, curve.values) for name, curve in own.items()]
             rows = zip(at, *columns, strict=True)
             lines = (_row([f"{p:.6f}", *(f"{value:.9e}" for value in values)]) for p, *values in rows)
@@ -117,8 +117,7 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Curve]
     table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
     at = np.zeros(1)
     if arguments:
-        rotary = machine.axis(arguments[0]).rotary
-        at = from_unit(np.asarray(table[:, header.index(arguments[0])]), "deg" if rotary else "mm")
+        at = from_unit(np.asarray(table[:, header.index(arguments[0])]), machine.axis(arguments[0]).unit)
     for column, name in enumerate(header):
         if name in arguments:
             continue
@@ -135,8 +134,7 @@ def write_etalon(found: Mapping[str, Curve], machine: Machine) -> str:
         if len(values) == 1:
             parts.append(f"[{name}]\nVALUE = {values[0]:.9e}\n")
             continue
-        rotary = machine.axis(parse_error_name(name).axis).rotary
-        at = to_unit(curve.positions, "deg" if rotary else "mm")
+        at = to_unit(curve.positions, machine.axis(parse_error_name(name).axis).unit)
         rows = "".join(f"{p:.6f} {value:.9e}\n" for p, value in zip(at, values, strict=True))
         parts.append(f"[{name}]\nGridpoints = {{\n{rows}}}\n")
     return "".join(parts)
@@ -155,8 +153,8 @@ def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
             found[name] = Curve(np.zeros(1), _inside(name, np.array([float(value)])))
             continue
         at, values = np.array([float(word) for word in grid.split()]).reshape(-1, 2).T
-        rotary = machine.axis(parse_error_name(name).axis).rotary
-        found[name] = Curve(from_unit(at, "deg" if rotary else "mm"), _inside(name, values))
+        unit = machine.axis(parse_error_name(name).axis).unit
+        found[name] = Curve(from_unit(at, unit), _inside(name, values))
     return found
 
 

@@ -58,7 +58,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     files = write(own, over, names, -1.0 if options.flip else 1.0)
     held = lookup_control(machine, read(files.values(), names, machine, options.flip))
     wanted = table_control(machine, (*own, *over))
-    resolution = {axis.name: float(from_unit(4e-6, "deg" if axis.rotary else "mm")) for axis in machine.axes}
+    resolution = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
     return Draft(files, held, wanted, resolution, (*own, *over), _HOLDS, _LEFT, _NOTES, tried=False)
 
 
@@ -157,7 +157,7 @@ def _understood(
     entries = [float(values.get(f"#{i}", "0")) for i in range(round(count))]
     if abs(count - round(count)) > 1e-6 or f"#{round(count)}" in values:
         raise TableError(f"the table of {moved} has {count:g} points between its ends", "this is a defect of axiscal")
-    units = ["deg" if machine.axis(name).rotary else "mm" for name in (over, moved)]
+    units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
     sign = 1.0 if flip and not enc else -1.0
     added: Array = sign * from_unit(np.array(entries), units[1])
