@@ -19,7 +19,19 @@ from typing import Self
 from axiscal.campaign.building import build
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.engine import Build, Engine, Known, Visit
-from axiscal.campaign.events import Asked, Created, Event, Finished, Planned, Recorded, Skipped, State, Step, Undone
+from axiscal.campaign.events import (
+    Asked,
+    Created,
+    Event,
+    Finished,
+    Place,
+    Planned,
+    Recorded,
+    Skipped,
+    State,
+    Step,
+    Undone,
+)
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.store import Record
@@ -123,19 +135,23 @@ class Campaign:
         because = None if beyond else self.reached()
         if because is not None:
             return Stop(because)
-        visits = self._visits()
-        if not self.state.plan:
-            places = tuple(self.engine.plan(self.state.skipped, visits))
-            if not places:
-                return Stop("nothing is left to measure")
-            self._append(Planned(places))
-        place = self.state.plan[0]
+        if not self.prepared():
+            return Stop("nothing is left to measure")
+        visits, place = self._visits(), self.state.plan[0]
         if not beyond and self._over_budget(self.engine.elapsed([*visits, Visit(place.setup, place.position)])):
             return Stop(_BUDGET)
         number = len(self.state.readings) + len(self.state.skipped) + 1
         asked = Asked(number, place.setup, place.position, place.approach)
         self._append(asked)
         return asked
+
+    def prepared(self) -> tuple[Place, ...]:
+        """Return the readings to come; they are planned, and the plan is kept, if there are none yet."""
+        if not self.state.plan:
+            places = tuple(self.engine.plan(self.state.skipped, self._visits()))
+            if places:
+                self._append(Planned(places))
+        return self.state.plan
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""

@@ -42,8 +42,13 @@ def start(
         out.mkdir(parents=True, exist_ok=True)
     with create_campaign(path, description) as opened:
         tell_out_of_reach(opened)
+        planned = opened.prepared()
     if json:
         say_document({"schema": "axiscal-start/1", "record": str(path)})
     else:
         setups = count_text(len(description.setups), "set-up")
-        say(f"{path} is ready: {description.machine.name}, {setups}.\nAsk for the first reading: axiscal next {path}")
+        readings = count_text(len(planned), "reading")
+        say(
+            f"{path} is ready: {description.machine.name}, {setups}, {readings} planned.\n"
+            f"Ask for the first reading: axiscal next {path}"
+        )
