@@ -41,9 +41,10 @@ def _curve(
     axis = calibration.problem.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
-    unit, position_unit = value_unit(function), "deg" if axis.rotary else "mm"
+    unit, position_unit = value_unit(function), axis.unit
     whole, seen = _spread(calibration, function, rows)
-    prior = np.sqrt(np.einsum("ij,jk,ik->i", rows, function.covariance, rows) + function.rest**2)
+    before = calibration.problem.prior.factor[function.columns]
+    prior = np.sqrt(np.sum((rows @ before) ** 2, axis=1) + function.rest**2)
     shown = to_unit(positions, position_unit).tolist()
     return Curve(
         name=function.name,
@@ -57,6 +58,7 @@ def _curve(
         position_unit=position_unit,
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
+        from_readings=float(np.clip(1.0 - np.sum(whole**2) / np.sum(prior**2), 0.0, 1.0)),
         points=[part.point(calibration, function) for part in parts if part.bears_on(function)],
     )
 
@@ -142,9 +144,9 @@ class _Part:
         basis = function.basis.rows(np.array([position]))[0]
         lever = float(self.row[function.columns] @ basis / (basis @ basis))
         value = float(basis @ calibration.belief.mean[function.columns]) + self.left / lever
-        unit, rotary = value_unit(function), calibration.problem.errors.machine.axes[function.axis].rotary
+        unit, axis = value_unit(function), calibration.problem.errors.machine.axes[function.axis]
         return CurvePoint(
-            position=to_unit(position, "deg" if rotary else "mm"),
+            position=to_unit(position, axis.unit),
             value=to_unit(value, unit),
             std=to_unit(self.std / abs(lever), unit),
             setup=self.reading.setup,

@@ -77,6 +77,7 @@ class Curve:
     std_seen : what the readings leave over, without the part that no allowed reading can see
     prior_std : before any reading
     truth : positions and values, where the truth is known
+    from_readings : share of the prior variance that the readings have taken away, 0 to 1; the rest is the prior
     """
 
     name: str
@@ -91,6 +92,7 @@ class Curve:
     value_unit: str
     truth: tuple[Sequence[float], Sequence[float]] | None = None
     points: Sequence[CurvePoint] = ()
+    from_readings: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,6 +292,7 @@ def _curve(curve: Curve) -> dict[str, Any]:
         "value_unit": curve.value_unit,
         "std_seen": numbers(curve.std_seen, f"std_seen of {curve.name}", size),
         "prior_std": numbers(curve.prior_std, f"prior_std of {curve.name}", size),
+        "from_readings": number(curve.from_readings, f"from_readings of {curve.name}"),
     }
 
 

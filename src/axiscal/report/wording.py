@@ -82,6 +82,8 @@ def curve_note(curve: Curve) -> str:
     note = f"±{quantity(now, curve.value_unit)}, before ±{quantity(before, curve.value_unit)}"
     if now > 0.95 * before:
         note += "; hardly touched by the readings"
+    elif curve.from_readings > 0:
+        note += f"; {curve.from_readings:.0%} of what is known comes from the readings, the rest from the prior"
     if unseen > 0.5 * now > 0:
         note += f"; ±{quantity(unseen, curve.value_unit)} of it cannot be seen"
     return note
