@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from axiscal.design.lattice import knot_lattice, raster_positions
 from axiscal.design.lines import lines_along
 from axiscal.design.scorer import Scorer
 from axiscal.design.stacked import Starts, peaks
+from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _POINTS = 60_000
@@ -16,7 +19,28 @@ _LINES = 256
 
 
 def dense_starts(scorer: Scorer, setup: int) -> Starts:
-    """Return the points of a tensor lattice, as fine as _POINTS allow, that no neighbour beats."""
+    """Return the points of a tensor lattice, as fine as _POINTS allow, that no neighbour beats, from every side."""
+    found = [_from_side(scorer, setup, approach) for approach in sides(scorer.observation, setup)]
+    return Starts(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def sides(observation: Observation, setup: int) -> list[Array]:
+    """Return the approaches (q,) that differ in what a reading sees."""
+    mounted = observation.setups[setup]
+    usual = np.zeros(len(mounted.park))
+    usual[list(mounted.moves)] = -1.0 if mounted.approach == "-" else 1.0
+    reverses = {f.axis for f in observation.errors.functions if f.kind == "reversal"} & set(mounted.moves)
+    if mounted.approach != "both" or not reverses:
+        return [usual]
+    flipped = []
+    for signs in itertools.product([1.0, -1.0], repeat=len(reverses)):
+        approach = usual.copy()
+        approach[sorted(reverses)] = signs
+        flipped.append(approach)
+    return flipped
+
+
+def _from_side(scorer: Scorer, setup: int, approach: Array) -> tuple[Array, Array, Array]:
     mounted = scorer.observation.setups[setup]
     positions = _lattice(scorer, setup)
     longest = int(np.argmax([len(p) for p in positions]))
@@ -24,14 +48,13 @@ def dense_starts(scorer: Scorer, setup: int) -> Starts:
     across = np.stack([g.ravel() for g in np.meshgrid(*others, indexing="ij")], axis=1)
     poses = np.tile(np.array(mounted.park), (len(across), 1))
     poses[:, [k for i, k in enumerate(mounted.moves) if i != longest]] = across
-    approaches = np.zeros_like(poses)
-    approaches[:, list(mounted.moves)] = -1.0 if mounted.approach == "-" else 1.0
+    approaches = np.tile(approach, (len(poses), 1))
     gains = _along(scorer, setup, mounted.moves[longest], poses, approaches, positions[longest])
     lattice = np.moveaxis(gains.reshape(*(len(p) for p in others), -1), -1, longest)
     where, best = peaks(lattice)
     found = np.tile(np.array(mounted.park), (len(where), 1))
     found[:, list(mounted.moves)] = np.stack([p[w] for p, w in zip(positions, where.T, strict=True)], axis=1)
-    return Starts(found, np.tile(approaches[0], (len(found), 1)), best)
+    return found, np.tile(approach, (len(found), 1)), best
 
 
 def _lattice(scorer: Scorer, setup: int) -> list[Array]:

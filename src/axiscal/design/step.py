@@ -41,7 +41,7 @@ class _Effort:
     hopeful: float
 
 
-_STACKED = _Effort(16, 0.92, 1, 0.97)
+_STACKED = _Effort(24, 0.92, 8, 1 - 1e-5)
 _FEW_AXES = _Effort(240, 0.5, 40, 0.75)
 _MANY_AXES = _Effort(32, 0.92, 6, 0.97)
 
