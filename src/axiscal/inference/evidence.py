@@ -161,6 +161,8 @@ class _Seen:
         size = len(self.reading)
         self.values, self.rows = np.zeros(size), np.zeros((size, observation.size))
         self._effects = np.zeros((len(observation.errors.functions), size))
+        self._rests = np.array([function.rest for function in observation.errors.functions])[:, None]
+        self._loose = np.zeros(size)  # what else widens a reading, such as a side that nobody told
         for index in range(len(observation.setups)):
             self._fill(index)
 
@@ -174,8 +176,10 @@ class _Seen:
         approaches = np.array([self._readings[i].approach for i in mine], dtype=float)
         for number, direction in enumerate(directions_of(setup)):
             at = self._first[mine] + number
-            self.rows[at] = self._observation.rows(index, poses, approaches, direction).rows
-            self._effects[:, at] = self._observation.effects(index, poses, approaches, direction)
+            seen = self._observation.rows(index, poses, approaches, direction)
+            effects = self._observation.effects(index, poses, approaches, direction)
+            self.rows[at], self._effects[:, at] = seen.rows, effects
+            self._loose[at] = seen.variances - setup.noise**2 - np.sum((self._rests * effects) ** 2, axis=0)
             self.values[at] = [self._readings[i].values[number] for i in mine]
             self.values[at] -= self._observation.beyond(index, poses)
 
@@ -193,11 +197,11 @@ class _Seen:
         return result
 
     def unknowns(self) -> Array:
-        """Return F D Fᵀ (m, m)."""
+        """Return F D Fᵀ, and on its diagonal what else widens a reading, (m, m)."""
         start = self._observation.errors.size
         variances = np.array([unknown.std**2 for setup in self._observation.setups for unknown in setup.unknowns])
         rows = self.rows[:, start : start + len(variances)]
-        product: Array = (rows * variances) @ rows.T
+        product: Array = (rows * variances) @ rows.T + np.diag(np.maximum(self._loose, 0.0))
         return product
 
     def noise(self) -> tuple[Array, NDArray[np.bool_]]:
