@@ -1,4 +1,4 @@
-"""The next measurement on random machines, against a dense lattice. `python -m tests.certify` runs the whole campaign."""
+"""The next measurement on random machines, against a dense lattice; `python -m tests.certify` does it at length."""
 
 from __future__ import annotations
 
