@@ -25,6 +25,9 @@ def plan(
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
+    compare: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
@@ -36,6 +39,7 @@ def plan(
       axiscal plan campaign.toml --readings 40
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
+      axiscal plan campaign.toml --readings 40 --compare what-if.html
     """
     from axiscal.campaign.description import read_campaign
     from axiscal.campaign.plan_document import plan_document
@@ -44,7 +48,11 @@ def plan(
     from axiscal.cli.printing import say, say_document, tell
 
     case = Problem(read_campaign(campaign, target_needed=False))
-    made = whole_plan(case, _limits(case, readings, target, budget), candidates, lambda step: tell(f"{step} ..."))
+    limits = _limits(case, readings, target, budget)
+    if compare is not None:
+        _compared(case, limits, candidates, compare, json)
+        return
+    made = whole_plan(case, limits, candidates, lambda step: tell(f"{step} ..."))
     files = [] if gcode is None else _programs(case, made, gcode, out)
     if json:
         say_document(plan_document(case, made))
@@ -73,6 +81,24 @@ def _limits(case: Problem, readings: int | None, target: str | None, budget: str
     return Limits(readings, rms, None, seconds)
 
 
+def _compared(case: Problem, limits: Limits, candidates: int, page: Path, as_json: bool) -> None:
+    from axiscal.campaign.what_if import alternatives
+    from axiscal.cli.printing import say, say_document, tell
+    from axiscal.report.delivery import write_whole
+    from axiscal.report.what_if import render, table_row
+
+    found = alternatives(case, limits, candidates, lambda name: tell(f"{name} ..."))
+    write_whole(page, render(f"Ways to measure: {case.description.machine.name}", found))
+    rows = [table_row(each) for each in found]
+    if as_json:
+        say_document({"schema": "axiscal-what-if/1", "ways": rows, "page": str(page)})
+        return
+    say(f"{'readings':>8} {'minutes':>8} {'RMS um':>8} {'worst um':>9}  way")
+    for row in rows:
+        say(f"{row['readings']:8} {row['minutes']:>8} {row['rms']:>8} {row['worst']:>9}  {row['name']}")
+    say(f"The picture is in {page}.")
+
+
 def _programs(case: Problem, made: Plan, controller: str, out: Path) -> list[Path]:
     from axiscal.campaign.planning import placed
     from axiscal.gcode import write_programs
@@ -85,7 +111,8 @@ def _table(case: Problem, made: Plan) -> str:
     from axiscal.campaign.feasibility import out_of_reach
     from axiscal.campaign.plan_document import bound_sentence
     from axiscal.campaign.planning import placed
-    from axiscal.cli.wording import approach_text, micrometres, place_text
+    from axiscal.cli.wording import micrometres, place_text
+    from axiscal.measurement.wording import approach_text
     from axiscal.units import to_unit
 
     axes = case.description.machine.axes

@@ -1,0 +1,113 @@
+"""What if: the same machine with each set-up alone, with all of them, and measured the traditional way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.engine import Visit
+from axiscal.campaign.planning import whole_plan
+from axiscal.campaign.problem import Problem
+from axiscal.design.plan import Plan
+from axiscal.design.problem import Limits
+from axiscal.exceptions import PlanError
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+
+PLANNED = "planned, all set-ups"
+TRADITIONAL = "traditional: one axis at a time, evenly spaced"
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """One way to measure: seconds, RMS and worst after each reading, the first without any; m."""
+
+    name: str
+    seconds: tuple[float, ...]
+    rms: tuple[float, ...]
+    worst: tuple[float, ...]
+
+    @property
+    def readings(self) -> int:
+        """How many readings it takes."""
+        return len(self.rms) - 1
+
+
+def alternatives(
+    case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None]
+) -> tuple[Alternative, ...]:
+    """Return the planned way first, then each set-up alone, then the traditional way with as many readings.
+
+    Every way is judged over the same volume, with what all set-ups together could see as the yardstick.
+    """
+    progress(PLANNED)
+    best = whole_plan(case, limits, candidates, lambda _: None)
+    found = [_of_plan(PLANNED, best)]
+    if len(case.description.setups) > 1:
+        for index, setup in enumerate(case.description.setups):
+            progress(setup.name)
+            alone = _alone(case, index, limits, candidates)
+            found += [] if alone is None else [_of_plan(f"only {setup.name}", alone)]
+    progress(TRADITIONAL)
+    return (*found, _traditional(case, len(best.readings)))
+
+
+def _alone(case: Problem, index: int, limits: Limits, candidates: int) -> Plan | None:
+    """Return the plan with one set-up; None where it can do nothing within the limits."""
+    only = replace(case.description, setups=(case.description.setups[index],))
+    try:
+        return whole_plan(Problem(only), limits, candidates, lambda _: None)
+    except PlanError:
+        return None
+
+
+def _of_plan(name: str, plan: Plan) -> Alternative:
+    after = plan.readings
+    return Alternative(
+        name,
+        (0.0, *(r.seconds for r in after)),
+        (plan.before.rms, *(r.accuracy.rms for r in after)),
+        (plan.before.worst, *(r.accuracy.worst for r in after)),
+    )
+
+
+def _traditional(case: Problem, count: int) -> Alternative:
+    """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
+    readings = traditional_readings(case, count)
+    calibration, visits = Calibration(case), list[Visit]()
+    known, seconds = [calibration.accuracy()], [0.0]
+    for reading in readings:
+        calibration.absorb(reading)
+        visits.append(Visit(reading.setup, reading.pose))
+        known.append(calibration.accuracy())
+        seconds.append(calibration.elapsed(visits))
+    rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)
+    return Alternative(TRADITIONAL, tuple(seconds), rms, worst)
+
+
+def traditional_readings(case: Problem, count: int) -> list[Reading]:
+    """Return readings evenly spaced along one axis after another, the others parked; their values are nought."""
+    lines = [(setup, k) for setup in case.description.setups for k in setup.moves]
+    shares = [count // len(lines) + (i < count % len(lines)) for i in range(len(lines))]
+    return [
+        reading
+        for (setup, axis), share in zip(lines, shares, strict=True)
+        for reading in _line(case, setup, axis, share)
+    ]
+
+
+def _line(case: Problem, setup: Setup, axis: int, count: int) -> list[Reading]:
+    moved = case.description.machine.axes[axis]
+    middle = [sum(a.travel) / 2 if k in setup.moves else setup.park[k] for k, a in enumerate(case.errors.machine.axes)]
+    step = moved.length / max(count, 1)
+    side = -1 if setup.approach == "-" else 1
+    readings = []
+    for i in range(count):
+        pose = list(middle)
+        pose[axis] = moved.travel[0] + (i + 0.5) * step
+        approach = tuple((side if k in setup.moves else 0) for k in range(len(pose)))
+        others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
+        readings.append(Reading(setup.name, tuple(pose), approach, 0.0, others=others))
+    return readings
