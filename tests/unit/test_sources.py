@@ -280,6 +280,12 @@ def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
     assert source.read(REQUEST) == Answer(-1e-6)
 
 
+@pytest.mark.parametrize("said", ["X+ C-", "X+;C-", "C-", ""])
+def test_a_row_may_name_the_sides_of_several_axes(table: Callable[[str], Source], said: str) -> None:
+    source = table(f"approach,value_um\n{said},1\n")
+    assert source.read(replace(REQUEST, approach=(1, -1))) == Answer(1e-6)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -287,6 +293,7 @@ def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
         ("X_mm,value_um\n121,1\n", r"line 2.*X_mm = 121.*X = 120 mm"),
         ("C_deg,value_um\n30.1,1\n", r"C_deg = 30\.1.*C = 30 deg"),
         ("approach,value_um\nX-,1\n", r"approach X-.*X\+"),
+        ("approach,value_um\nX+ C+,1\n", r"approach X\+ C\+.*X\+"),
         ("W_mm,value_um\n1,1\n", "no axis 'W'"),
         ("value_urad\n1\n", "reads a length"),
         ("value_um,std_urad\n1,1\n", "reads a length"),

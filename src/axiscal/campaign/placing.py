@@ -14,6 +14,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.wording import reading_unit
 from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
@@ -58,7 +59,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     reads = INSTRUMENTS[setup.instrument].reads
     if row.dimension != reads:
         what = f'the {setup.instrument} of the set-up "{setup.name}" reads a {reads}, not a {row.dimension}'
-        raise ReadingError(what, f"Give the value as {'value_um' if reads == 'length' else 'value_urad'}")
+        raise ReadingError(what, f"Give the value as value_{reading_unit(setup)}")
     _refuse_other_count(row, setup)
     position, approach = row.position, row.approach
     if "" in position:

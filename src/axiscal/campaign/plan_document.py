@@ -7,8 +7,8 @@ from typing import Any
 
 from axiscal.campaign.planning import placed
 from axiscal.campaign.problem import Problem
-from axiscal.campaign.sources.source import SIGNS, shown_coordinate
 from axiscal.design.plan import Plan
+from axiscal.measurement.wording import shown_approach, shown_pose
 from axiscal.units import to_unit
 
 
@@ -40,14 +40,12 @@ def _points(case: Problem, plan: Plan) -> list[dict[str, Any]]:
     axes = case.description.machine.axes
     points = []
     for place, reading in zip(placed(case, plan), plan.readings, strict=True):
-        position = {axis.name: shown_coordinate(v, axis) for axis, v in zip(axes, place.position, strict=True)}
-        approach = {axis.name: SIGNS[s] for axis, s in zip(axes, place.approach, strict=True) if s}
         points.append(
             {
                 "setup": place.setup,
-                "position": position,
+                "position": shown_pose(axes, place.position),
                 "direction": list(case.description.setup(place.setup).direction),
-                "approach": approach,
+                "approach": shown_approach(axes, place.approach),
                 "rms_um": to_unit(reading.accuracy.rms, "um"),
                 "worst_um": to_unit(reading.accuracy.worst, "um"),
                 "minutes": to_unit(reading.seconds, "min"),

@@ -118,10 +118,6 @@ class Problem:
         reads = INSTRUMENTS[setup.instrument].model.unknown_reads[unknown.name]
         return "um" if reads == "length" else "urad"
 
-    def reading_unit(self, setup: Setup) -> str:
-        """Return the unit in which readings of a set-up are shown."""
-        return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
-
     def index(self, setup: str) -> int:
         """Return the index of a set-up by name; raises DescriptionError."""
         return self.description.setups.index(self.description.setup(setup))

@@ -104,7 +104,8 @@ def _keep(
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
-    from axiscal.cli.wording import place_text, reading_unit
+    from axiscal.cli.wording import place_text
+    from axiscal.measurement.wording import reading_unit
     from axiscal.units import format_quantity
 
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
@@ -114,14 +115,14 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
-    from axiscal.cli.wording import position_document, reading_unit
+    from axiscal.measurement.wording import reading_unit, shown_pose
     from axiscal.units import to_unit
 
     unit = reading_unit(campaign.description.setup(reading.setup))
     return {
         "readings": len(campaign.state.readings),
         "setup": reading.setup,
-        "position": position_document(campaign.description.machine.axes, reading.pose),
+        "position": shown_pose(campaign.description.machine.axes, reading.pose),
         "value": to_unit(reading.value, unit),
         "unit": unit,
     }

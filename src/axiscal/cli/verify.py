@@ -133,8 +133,9 @@ def _read(campaign: Campaign, found: Path, left: Path) -> Pair:
 
 
 def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Control) -> list[dict[str, object]]:
-    from axiscal.cli.wording import place_text, position_document
+    from axiscal.cli.wording import place_text
     from axiscal.compensation.verification import expected, without_zeros
+    from axiscal.measurement.wording import approach_text, shown_pose
     from axiscal.units import to_unit
 
     setups, axes = campaign.description.setups, estimate.machine.axes
@@ -144,8 +145,8 @@ def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Contr
         {
             "setup": setups[s].name,
             "place": place_text(axes, tuple(pose), setups[s].moves),
-            "position": position_document(axes, tuple(pose)),
-            "approach": _approach(campaign, approach),
+            "position": shown_pose(axes, pose),
+            "approach": approach_text(axes, approach),
             "found_um": float(before[i]),
             "left_um": float(after[i]),
         }
@@ -157,27 +158,22 @@ def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Contr
 
 def _csv(campaign: Campaign, chosen: Places) -> str:
     """Return the places as a file to fill in."""
+    from axiscal.measurement.wording import approach_text
     from axiscal.units import to_unit
 
     setups, axes = campaign.description.setups, campaign.description.machine.axes
-    units = ["deg" if axis.rotary else "mm" for axis in axes]
-    lines = [",".join(["setup", *(f"{a.name}_{u}" for a, u in zip(axes, units, strict=True)), "approach", "value_um"])]
+    lines = [",".join(["setup", *(f"{a.name}_{a.unit}" for a in axes), "approach", "value_um"])]
     for s, pose, approach in zip(
         chosen.setups.tolist(), chosen.poses.tolist(), chosen.approaches.tolist(), strict=True
     ):
-        at = (f"{to_unit(value, unit):.6f}" for value, unit in zip(pose, units, strict=True))
-        lines.append(",".join([_quoted(setups[s].name), *at, _approach(campaign, approach), ""]))
+        at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
+        lines.append(",".join([_quoted(setups[s].name), *at, approach_text(axes, approach), ""]))
     return "\n".join(lines) + "\n"
 
 
 def _quoted(name: str) -> str:
     guarded = f"'{name}" if name[:1] in "=+-@" else name
     return '"' + guarded.replace('"', '""') + '"'
-
-
-def _approach(campaign: Campaign, signs: list[float]) -> str:
-    axes = campaign.description.machine.axes
-    return " ".join(f"{axis.name}{'+' if sign > 0 else '-'}" for axis, sign in zip(axes, signs, strict=True) if sign)
 
 
 def _judge(

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from axiscal.campaign.campaign import Campaign, Stop
 from axiscal.campaign.engine import Known
 from axiscal.campaign.events import Asked
-from axiscal.campaign.sources.source import SIGNS, shown_coordinate
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.wording import direction_text, reading_unit, shown_coordinate
 from axiscal.units import to_unit
 
 _COMING = {1: "from below", -1: "from above"}
@@ -25,28 +25,12 @@ def micrometres(length: float) -> str:
 def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] | None = None) -> str:
     """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
     chosen = range(len(axes)) if only is None else only
-    return ", ".join(
-        f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {'deg' if axes[k].rotary else 'mm'}" for k in chosen
-    )
+    return ", ".join(f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {axes[k].unit}" for k in chosen)
 
 
-def position_document(axes: Sequence[Axis], pose: Sequence[float]) -> dict[str, float]:
-    """Return a pose in mm and deg by axis."""
-    return {axis.name: shown_coordinate(value, axis) for axis, value in zip(axes, pose, strict=True)}
-
-
-def direction_text(setup: Setup) -> str:
-    """Return "along x", "about -y" or "along (0.6, 0.8, 0)"."""
-    preposition = "along" if INSTRUMENTS[setup.instrument].reads == "length" else "about"
-    for letter, component in zip("xyz", setup.direction, strict=True):
-        if abs(component) == 1:
-            return f"{preposition} {'-' if component < 0 else ''}{letter}"
-    return f"{preposition} ({', '.join(f'{component:.4g}' for component in setup.direction)})"
-
-
-def reading_unit(setup: Setup) -> str:
-    """Return the unit in which its readings are shown: "um" or "urad"."""
-    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
+def way_text(setup: Setup) -> str:
+    """Return which way a set-up reads: "along x", "about -y" or "along (0.6, 0.8, 0)"."""
+    return f"{'along' if INSTRUMENTS[setup.instrument].reads == 'length' else 'about'} {direction_text(setup)}"
 
 
 def question_text(campaign: Campaign, asked: Asked) -> str:
@@ -55,7 +39,7 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     parked = [k for k in range(len(axes)) if k not in setup.moves]
     come = ", ".join(f"{axes[k].name} {_COMING[s]}" for k, s in enumerate(asked.approach) if s)
     lines = [
-        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {direction_text(setup)}',
+        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {way_text(setup)}',
         f"  go to     {place_text(axes, asked.position, setup.moves)}",
         f"  coming    {come}" if come else "",
         f"  parked    {place_text(axes, asked.position, parked)}" if parked else "",
@@ -78,11 +62,6 @@ def accuracy_text(known: Known, rms: float | None, worst: float | None) -> str:
         f"{name} {micrometres(value)}" + (f" (target {micrometres(target)})" if target is not None else "")
         for name, value, target in parts
     )
-
-
-def approach_text(axes: Sequence[Axis], approach: Sequence[int]) -> str:
-    """Return the directions of approach as "X+ Y-"."""
-    return " ".join(axis.name + SIGNS[sign] for axis, sign in zip(axes, approach, strict=True) if sign)
 
 
 def count_text(count: int, noun: str) -> str:

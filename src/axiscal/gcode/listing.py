@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.wording import approach_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +30,7 @@ class Listed:
     @property
     def sides(self) -> str:
         """The approach as readings files write it: "X+ Y-"."""
-        signs = {1: "+", -1: "-"}
-        return " ".join(axis.name + signs[side] for axis, side in zip(self.axes, self.approach, strict=True) if side)
+        return approach_text(self.axes, self.approach)
 
 
 def listing(readings: Sequence[Listed]) -> str:

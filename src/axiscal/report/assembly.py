@@ -13,9 +13,9 @@ from axiscal.campaign.engine import Visit
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.versions import versions
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.wording import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.summary import HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
@@ -111,11 +111,11 @@ def _row(replay: Calibration, reading: Reading | None, number: int, seconds: flo
     if reading is None:
         return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
     description, last = replay.problem.description, replay.innovations[-1]
-    unit = _unit(description.setup(reading.setup))
+    unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
     return HistoryRow(
         reading=number,
         setup=reading.setup,
-        position=_position(replay.problem, reading),
+        position=shown_pose(axes, reading.pose),
         value_um=to_unit(reading.value, unit),
         innovation=to_unit(float(last.value[0]), unit),
         innovation_std=to_unit(float(last.std[0]), unit),
@@ -124,22 +124,8 @@ def _row(replay: Calibration, reading: Reading | None, number: int, seconds: flo
         minutes=minutes,
         unit=unit,
         tcp_mm=_tool_point(replay.problem, reading),
-        approach=" ".join(
-            axis.name + "+-"[sign < 0]
-            for axis, sign in zip(description.machine.axes, reading.approach, strict=True)
-            if sign
-        ),
+        approach=approach_text(axes, reading.approach),
     )
-
-
-def _unit(setup: Setup) -> str:
-    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
-
-
-def _position(problem: Problem, reading: Reading) -> dict[str, float]:
-    axes = problem.description.machine.axes
-    pairs = zip(axes, reading.pose, strict=True)
-    return {axis.name: to_unit(value, "deg" if axis.rotary else "mm") for axis, value in pairs}
 
 
 def _tool_point(problem: Problem, reading: Reading) -> tuple[float, float, float]:
@@ -151,13 +137,6 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     axes = campaign.description.machine.axes
     taken = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
-    unit = _unit(setup)
+    unit = reading_unit(setup)
     noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
-    return SetupUse(setup.name, setup.instrument, _direction(setup), moves, noise, taken)
-
-
-def _direction(setup: Setup) -> str:
-    for letter, component in zip("xyz", setup.direction, strict=True):
-        if abs(component) == 1:
-            return letter if component > 0 else f"-{letter}"
-    return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
+    return SetupUse(setup.name, setup.instrument, direction_text(setup), moves, noise, taken)

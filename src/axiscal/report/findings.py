@@ -14,6 +14,7 @@ from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.drift import drift
 from axiscal.inference.judgement import Misfit, misfits
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.wording import reading_unit
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
@@ -119,7 +120,7 @@ def _off(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
 def _named(misfit: Misfit, calibration: Calibration) -> tuple[str, str]:
     if misfit.kind == "noise":
         setup = calibration.problem.description.setup(misfit.owner)
-        return calibration.problem.reading_unit(setup), f'the noise of "{misfit.owner}"'
+        return reading_unit(setup), f'the noise of "{misfit.owner}"'
     function = calibration.problem.errors.names[misfit.owner]
     return value_unit(function), f"the std of {misfit.owner} ({words(misfit.owner)})"
 
@@ -162,7 +163,7 @@ def _drift(calibration: Calibration) -> Iterator[Finding]:
     for setup in calibration.problem.description.setups:
         rate, std = drift(calibration.readings, setup)
         if std > 0 and abs(rate) > _OUTLIER * std:
-            unit = calibration.problem.reading_unit(setup)
+            unit = reading_unit(setup)
             text = (
                 f'Readings that were repeated in "{setup.name}" move by {to_unit(rate, unit):.2g} {unit} a reading, '
                 f"{abs(rate) / std:.1f} standard deviations: something drifts. The estimate takes it for noise; let "

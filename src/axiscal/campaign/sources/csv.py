@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from axiscal.campaign.sources.source import SIGNS, Answer, Request
+from axiscal.campaign.sources.source import Answer, Request
 from axiscal.exceptions import SourceError
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.readers.table import Column, Row, Table, read_table
-from axiscal.units import dimension_of, from_unit
+from axiscal.measurement.wording import approach_text, reading_unit
+from axiscal.units import dimension_of, to_unit
 
 _SAME = {False: 1e-6, True: math.radians(1e-5)}
 """How far a row may stand from the position asked for: 1 um, or 1e-5 deg for a rotary axis."""
@@ -80,8 +82,8 @@ class _Columns:
             raise _other(row, f"set-up '{row.text(self.setup)}'", f"'{request.setup.name}'", request)
         for column in self.places:
             self._refuse_other_coordinate(row, column, request)
-        if self.approach and (text := row.text(self.approach)) and text not in (asked := _approaches(request)):
-            raise _other(row, f"approach {text}", " or ".join(asked) or "none", request)
+        if self.approach:
+            _refuse_other_approach(row, row.text(self.approach), request)
 
     def _refuse_other_coordinate(self, row: Row, column: Column, request: Request) -> None:
         names = [axis.name for axis in request.axes]
@@ -92,19 +94,23 @@ class _Columns:
         axis, asked = request.axes[names.index(column.stem)], request.pose[names.index(column.stem)]
         if abs(row.quantity(column) - asked) > _SAME[axis.rotary]:
             unit = column.unit or ""
-            wanted = asked / from_unit(1.0, unit)
-            raise _other(row, f"{column.name} = {row.text(column)}", f"{axis.name} = {wanted:.9g} {unit}", request)
+            raise _other(
+                row, f"{column.name} = {row.text(column)}", f"{axis.name} = {to_unit(asked, unit):.9g} {unit}", request
+            )
 
 
 def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
     reads = INSTRUMENTS[request.setup.instrument].reads
     if dimension_of(column.unit or "") != reads:
         what = f"'{column.name}' is filled, but the {request.setup.instrument} reads a {reads}"
-        raise row.fail(what, f"Give the value as {'value_um' if reads == 'length' else 'value_urad'}")
+        raise row.fail(what, f"Give the value as value_{reading_unit(request.setup)}")
 
 
-def _approaches(request: Request) -> list[str]:
-    return [axis.name + SIGNS[s] for axis, s in zip(request.axes, request.approach, strict=True) if s]
+def _refuse_other_approach(row: Row, text: str, request: Request) -> None:
+    """A row may leave axes out, or all of them."""
+    asked = approach_text(request.axes, request.approach)
+    if not set(re.split(r"[\s;]+", text)) <= {"", *asked.split()}:
+        raise _other(row, f"approach {text}", asked or "none", request)
 
 
 def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:

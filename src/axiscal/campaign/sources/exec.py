@@ -18,6 +18,7 @@ from typing import IO, Any
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.wording import reading_unit
 from axiscal.units import dimension_of, from_unit
 
 TIMEOUT = 600.0
@@ -161,7 +162,7 @@ class ExecSource:
 
     def _unit(self, unit: object, line: str, request: Request) -> str:
         reads = INSTRUMENTS[request.setup.instrument].reads
-        remedy = f'The {request.setup.instrument} reads a {reads}: give a unit such as "{_EXAMPLE[reads]}"'
+        remedy = f'The {request.setup.instrument} reads a {reads}: give a unit such as "{reading_unit(request.setup)}"'
         if not isinstance(unit, str):
             raise self._failure(f"answered {_quoted(line)} without a unit", remedy)
         try:
@@ -180,9 +181,6 @@ class ExecSource:
             remedy = 'Answer {"skip": "reason"} when there is no reading'
             raise self._failure(f"answered {_quoted(line)}, which is not a finite number", remedy)
         return value
-
-
-_EXAMPLE = {"length": "um", "angle": "urad"}
 
 
 def _start(command: str) -> subprocess.Popen[str]:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
 from axiscal.machine import Axis
 from axiscal.measurement.setup import Setup
-from axiscal.units import to_unit
-
-SIGNS = {1: "+", -1: "-"}
+from axiscal.measurement.wording import shown_approach, shown_pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,16 +26,14 @@ class Request:
 
     def message(self) -> dict[str, object]:
         """Return the request as the document that is sent to an `exec:` command: positions in mm and deg."""
-        units = {axis.name: "deg" if axis.rotary else "mm" for axis in self.axes}
-        places = {axis.name: shown_coordinate(value, axis) for axis, value in zip(self.axes, self.pose, strict=True)}
         return {
             "reading": self.reading,
             "setup": self.setup.name,
             "instrument": self.setup.instrument,
             "direction": list(self.setup.direction),
-            "position": places,
-            "approach": {axis.name: SIGNS[s] for axis, s in zip(self.axes, self.approach, strict=True) if s},
-            "units": units,
+            "position": shown_pose(self.axes, self.pose),
+            "approach": shown_approach(self.axes, self.approach),
+            "units": {axis.name: axis.unit for axis in self.axes},
         }
 
 
@@ -69,9 +64,3 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let go of whatever it holds; may be called twice."""
-
-
-def shown_coordinate(value: float, axis: Axis) -> float:
-    """Return a coordinate in mm or deg, without the digits that the conversion left."""
-    converted = to_unit(value, "deg" if axis.rotary else "mm")
-    return round(converted, 9) + 0.0 if math.isfinite(converted) else converted

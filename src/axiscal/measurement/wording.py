@@ -1,0 +1,45 @@
+"""Places, directions and approaches as people and files write them: mm and deg, "-y", "X+ Y-"."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from axiscal.machine.axis import Axis
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.setup import Setup
+from axiscal.units import to_unit
+
+
+def shown_coordinate(value: float, axis: Axis) -> float:
+    """Return a coordinate (m or rad) in mm or deg, without the digits that the conversion left."""
+    converted = to_unit(value, axis.unit)
+    return round(converted, 9) + 0.0 if math.isfinite(converted) else converted
+
+
+def shown_pose(axes: Sequence[Axis], pose: Sequence[float]) -> dict[str, float]:
+    """Return a pose (n_axes,) in mm and deg by axis."""
+    return {axis.name: shown_coordinate(value, axis) for axis, value in zip(axes, pose, strict=True)}
+
+
+def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:
+    """Return "+" or "-" by axis, for the axes whose direction of the last motion counts.  approach : +1, -1, 0."""
+    return {a.name: "+" if sign > 0 else "-" for a, sign in zip(axes, approach, strict=True) if sign}
+
+
+def approach_text(axes: Sequence[Axis], approach: Sequence[float]) -> str:
+    """Return the directions of approach as files of readings have them: "X+ Y-"."""
+    return " ".join(name + sign for name, sign in shown_approach(axes, approach).items())
+
+
+def direction_text(setup: Setup) -> str:
+    """Return the direction that a set-up reads along or about: "x", "-y" or "(0.6, 0.8, 0)"."""
+    for letter, component in zip("xyz", setup.direction, strict=True):
+        if abs(component) == 1:
+            return letter if component > 0 else f"-{letter}"
+    return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
+
+
+def reading_unit(setup: Setup) -> str:
+    """Return the unit in which its readings are shown: "um" or "urad"."""
+    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
