@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,9 +56,13 @@ def planned_places(
     return tuple(place for place in placed(case, plan) if not _in_gap(case, place, gaps))
 
 
-def whole_plan(case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None]) -> Plan:
-    """Return a plan from the beginning, with its bound.  Raises PlanError."""
+def whole_plan(
+    case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None], only: int | None = None
+) -> Plan:
+    """Return a plan from the beginning, with its bound; of one set-up, if `only` names one.  Raises PlanError."""
     problem = posed(case, case.observation, case.prior, candidates=candidates)
+    if only is not None:
+        problem = replace(problem, lattice=problem.lattice.within(problem.lattice.setups == only))
     return make_plan(problem, limits, patience=_patience(problem.observation), progress=progress)
 
 

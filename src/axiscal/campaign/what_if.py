@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.engine import Visit
@@ -56,9 +56,8 @@ def alternatives(
 
 def _alone(case: Problem, index: int, limits: Limits, candidates: int) -> Plan | None:
     """Return the plan with one set-up; None where it can do nothing within the limits."""
-    only = replace(case.description, setups=(case.description.setups[index],))
     try:
-        return whole_plan(Problem(only), limits, candidates, lambda _: None)
+        return whole_plan(case, limits, candidates, lambda _: None, only=index)
     except PlanError:
         return None
 

@@ -1,0 +1,61 @@
+"""What if: every way starts from the same knowledge, and the traditional way is what it says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.description import read_campaign
+from axiscal.campaign.problem import Problem
+from axiscal.campaign.what_if import PLANNED, TRADITIONAL, alternatives, traditional_readings
+from axiscal.design.problem import Limits
+from axiscal.report.what_if import render
+
+CAMPAIGN = """
+machine = "one-axis"
+[target]
+readings = 6
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+[[setups]]
+name = "dial <b>"
+instrument = "indicator"
+direction = "x"
+approach = "-"
+"""
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Problem:
+    path = tmp_path / "campaign.toml"
+    path.write_text(CAMPAIGN)
+    return Problem(read_campaign(path))
+
+
+def test_all_ways_start_alike_and_planning_is_not_worse(case: Problem) -> None:
+    told: list[str] = []
+    found = alternatives(case, Limits(readings=6), 400, told.append)
+    assert [each.name for each in found] == [PLANNED, "only laser", "only dial <b>", TRADITIONAL] == [
+        told[0], f"only {told[1]}", f"only {told[2]}", told[3]
+    ]  # fmt: skip
+    assert len({round(each.rms[0], 12) for each in found}) == 1
+    assert {each.readings for each in found} == {6}
+    assert found[0].rms[-1] <= min(each.rms[-1] for each in found) * 1.001
+    assert all(each.seconds[i] <= each.seconds[i + 1] for each in found for i in range(6))
+
+
+def test_the_traditional_way_is_evenly_spaced_and_shared_between_the_set_ups(case: Problem) -> None:
+    readings = traditional_readings(case, 5)
+    assert [r.setup for r in readings] == ["laser"] * 3 + ["dial <b>"] * 2
+    assert [r.pose[0] for r in readings] == pytest.approx([1 / 6, 3 / 6, 5 / 6, 1 / 4, 3 / 4])
+    assert [r.approach for r in readings] == [(1,)] * 3 + [(-1,)] * 2
+
+
+def test_names_of_set_ups_are_no_markup_on_the_page(case: Problem) -> None:
+    page = render("Ways", alternatives(case, Limits(readings=2), 100, lambda _: None))
+    assert "dial <b>" not in page
+    assert "dial &lt;b&gt;" in page
+    assert 'src="http' not in page
