@@ -1,0 +1,95 @@
+"""`axiscal plan`: the document outsiders rely on, its bound, the programs, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "10 mm"]
+[errors]
+EXX = { std = "1 mm", knots = 7 }
+"""
+CAMPAIGN = """
+machine = "machine.toml"
+[target]
+readings = 7
+criterion = "joint"
+[[setups]]
+name = "dial"
+instrument = "indicator"
+direction = "x"
+noise = "0.1 mm"
+unknowns = {}
+"""
+
+
+@pytest.fixture
+def campaign(tmp_path: Path) -> Path:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    path = tmp_path / "campaign.toml"
+    path.write_text(CAMPAIGN)
+    return path
+
+
+def test_seven_readings_on_seven_knots_are_near_the_best_possible(
+    campaign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """J of seven chosen together is 0.0832 mm² mm; no seven can be below 0.0788 (numbers computed elsewhere)."""
+    assert run(["plan", str(campaign), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "axiscal-plan/1"
+    assert document["J"] <= 0.0833e-9
+    assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
+    assert document["ratio"] == pytest.approx(1.056, abs=2e-3)
+    assert document["bound_holds_for"] == "lattice of 4,000 candidates"
+    points = document["points"]
+    assert [set(point) for point in points] == [
+        {"setup", "position", "direction", "approach", "rms_um", "worst_um", "minutes"}
+    ] * 7
+    assert sorted(point["position"]["X"] for point in points)[::6] == [0.0, 10.0]
+    assert [p["rms_um"] for p in points] == sorted((p["rms_um"] for p in points), reverse=True)
+
+
+def test_the_volume_criterion_says_its_bound_in_micrometres(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))
+    assert run(["plan", str(campaign), "--readings", "8", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert 0 < document["bound_rms_um"] <= document["rms_um"]
+    assert document["ratio"] == pytest.approx((document["rms_um"] / document["bound_rms_um"]) ** 2, rel=1e-6)
+    assert run(["plan", str(campaign), "--readings", "8"]) == 0
+    assert "from the best possible" in capsys.readouterr().out
+
+
+def test_a_plan_becomes_programs(campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", str(campaign), "--readings", "3", "--gcode", "linuxcnc", "--out", str(tmp_path / "g")]) == 0
+    programs = list((tmp_path / "g").glob("*.ngc"))
+    assert len(programs) == 1
+    assert programs[0].read_text().rstrip().endswith("M2")
+    assert "Written: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--budget", "1 s"], "less than"),
+        (["--budget", "-2 h"], "not above zero"),
+        (["--target", "2"], "unit"),
+        (["--target", "0 um"], "not above zero"),
+        (["--readings", "3", "--gcode", "nonesuch"], "nonesuch"),
+    ],
+)
+def test_what_cannot_be_planned_is_said_in_one_paragraph(
+    campaign: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["plan", str(campaign), *arguments]) == 1
+    printed = capsys.readouterr()
+    assert said in printed.err.replace("\n", " ")
+    assert "Traceback" not in printed.err
+    assert printed.out == ""
