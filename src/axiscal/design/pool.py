@@ -17,13 +17,15 @@ from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _BLOCK = 4096
+_NEAR = 256
+_FEW = 4
 MEMORY = 1e9
 """Bytes that the rows of a lattice may take unless said otherwise."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Block:
-    """Candidates of one set-up.  reach : (m, f) what the rest of each function with a rest does; cells : (m, f)."""
+    """Candidates of one set-up.  reach : (f, m) what the rest of each function with a rest does; cells : (f, m)."""
 
     setup: int
     where: slice
@@ -57,26 +59,40 @@ class Pool:
         return Point(int(one.setups[index]), one.poses[index], one.approaches[index])
 
     def products(self, observation: Observation, vectors: Array) -> Array:
-        """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (m, c)."""
-        tables = [self._table(observation, i, vectors) for i in self._with]
-        result = np.empty((len(self), vectors.shape[1]))
+        """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (m, c).
+
+        With few vectors each row is fetched from memory once and used for all of them while it is near.
+        """
+        result = np.empty((vectors.shape[1], len(self)))
+        columns = np.ascontiguousarray(vectors.T)
         for block in self._blocks:
-            np.matmul(self._rows(block), vectors[: self.size], out=result[block.where])
-            for column, table in enumerate(tables):
-                if table is not None:
-                    result[block.where] += block.reach[:, column, None] * table[block.cells[:, column]]
-        return result
+            rows, into = self._rows(block), result[:, block.where]
+            if len(columns) > _FEW:
+                into[:] = columns[:, : self.size] @ rows.T
+            else:
+                _dotted(rows, columns[:, : self.size], into)
+        for block in self._blocks:
+            self._add_rests(block, observation, columns, result[:, block.where])
+        return result.T
+
+    def _add_rests(self, block: _Block, observation: Observation, columns: Array, into: Array) -> None:
+        """Add what visited cells do, in place.  columns : (c, n); into : (c, m)."""
+        for reach, cells, function in zip(block.reach, block.cells, self._with, strict=True):
+            of = columns_of_cells(observation, function)
+            if of.max() < 0:
+                continue
+            table = np.where(of >= 0, columns[:, of], 0.0)
+            for values, sums in zip(table, into, strict=True):
+                sums += reach * values.take(cells)
 
     def squares(self, observation: Observation, vectors: Array) -> Array:
         """Return the squared length of each candidate's row times vectors (n, c), (m,)."""
-        tables = [self._table(observation, i, vectors) for i in self._with]
         result = np.empty(len(self))
+        columns = np.ascontiguousarray(vectors.T)
         for block in self._blocks:
-            seen = self._rows(block) @ vectors[: self.size]
-            for column, table in enumerate(tables):
-                if table is not None:
-                    seen += block.reach[:, column, None] * table[block.cells[:, column]]
-            result[block.where] = np.einsum("ij,ij->i", seen, seen)
+            seen = columns[:, : self.size] @ self._rows(block).T
+            self._add_rests(block, observation, columns, seen)
+            result[block.where] = np.einsum("ij,ij->j", seen, seen)
         return result
 
     def forms(self, scorer: Scorer) -> tuple[Array, Array]:
@@ -101,10 +117,10 @@ class Pool:
         inside = index - block.where.start
         result = np.zeros(observation.size)
         result[: self.size] = self._rows(block)[inside]
-        for column, i in enumerate(self._with):
-            cell = columns_of_cells(observation, i)[block.cells[inside, column]]
+        for function, reach, cells in zip(self._with, block.reach, block.cells, strict=True):
+            cell = columns_of_cells(observation, function)[cells[inside]]
             if cell >= 0:
-                result[cell] = block.reach[inside, column]
+                result[cell] = reach[inside]
         return result
 
     def _slices(self) -> Iterator[tuple[int, slice]]:
@@ -115,10 +131,10 @@ class Pool:
 
     def _block(self, setup: int, where: slice) -> _Block:
         poses, functions = self.lattice.poses[where], self._bare.errors.functions
-        reach, cells = np.zeros((len(poses), 0)), np.zeros((len(poses), 0), dtype=np.intp)
+        reach, cells = np.zeros((0, len(poses))), np.zeros((0, len(poses)), dtype=np.intp)
         if self._with:
-            reach = self._bare.effects(setup, poses, self.lattice.approaches[where])[self._with].T
-            cells = np.stack([functions[i].cells(poses[:, functions[i].axis]) for i in self._with], axis=1)
+            reach = self._bare.effects(setup, poses, self.lattice.approaches[where])[self._with]
+            cells = np.stack([functions[i].cells(poses[:, functions[i].axis]) for i in self._with])
         block = _Block(setup, where, None, reach, cells)
         return replace(block, rows=self._rows(block)) if self._kept else block
 
@@ -127,10 +143,10 @@ class Pool:
             return block.rows
         return self._bare.rows(block.setup, self.lattice.poses[block.where], self.lattice.approaches[block.where]).rows
 
-    def _table(self, observation: Observation, function: int, vectors: Array) -> Array | None:
-        """Return the entries of the vectors for every cell of a function; None where no cell has been visited."""
-        columns = columns_of_cells(observation, function)
-        if columns.max() < 0:
-            return None
-        table: Array = np.where((columns >= 0)[:, None], vectors[columns], 0.0)
-        return table
+
+def _dotted(rows: Array, columns: Array, into: Array) -> None:
+    """Multiply a few rows at a time with every vector.  rows : (m, n); columns : (c, n); into : (c, m)."""
+    for start in range(0, len(rows), _NEAR):
+        part = rows[start : start + _NEAR]
+        for column, sums in zip(columns, into, strict=True):
+            np.dot(part, column, out=sums[start : start + _NEAR])

@@ -1,0 +1,95 @@
+"""How long the next measurement and a whole plan take, and how good they are; seconds of the processor, one thread."""
+
+from __future__ import annotations
+
+import os
+import resource
+import statistics
+import time
+from collections.abc import Callable
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from axiscal.design import criterion
+from axiscal.design.plan import make_plan
+from axiscal.design.pool import Pool
+from axiscal.design.problem import Limits, Problem
+from axiscal.design.scoring import Scores
+from axiscal.design.step import best_step
+from benchmarks.cases import CASES, five_axis, stacked
+
+
+def one_at_a_time(problem: Problem, readings: int) -> tuple[float, float]:
+    """Return the median seconds of a pick, and J after the last."""
+    observation, belief, seconds = problem.observation, problem.belief, []
+    for _ in range(readings):
+        start = time.process_time()
+        step = best_step(observation, belief, problem.weight, problem.lattice)
+        seconds.append(time.process_time() - start)
+        wider = observation.visited(step.pose, step.setup)
+        belief, observation = belief.extended(observation.rest_variances(wider)), wider
+        seen = observation.rows(step.setup, step.pose[None], step.approach[None])
+        belief = belief.update(seen.rows, 0.0, seen.variances)
+    return statistics.median(seconds), criterion.value(belief, problem.weight)
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Return the shortest of five runs, s."""
+    seconds = []
+    for _ in range(5):
+        start = time.process_time()
+        work()
+        seconds.append(time.process_time() - start)
+    return min(seconds)
+
+
+def picks() -> None:
+    """Print the figures of one reading at a time, and of all together."""
+    for case in CASES:
+        for volume in (False, True):
+            problem = stacked(case, 2000, volume)
+            pick, value = one_at_a_time(problem, case.readings)
+            start = time.process_time()
+            plan = make_plan(problem, Limits(readings=case.readings))
+            whole = time.process_time() - start
+            name = f"{case.name}, {'volume' if volume else 'joint'}"
+            print(
+                f"{name:36} pick {1e3 * pick:7.2f} ms, J {value:9.5f}   together {whole:6.2f} s, J {plan.value:9.5f}",
+                end="",
+            )
+            print(f", bound {plan.bound.value if plan.bound else 0.0:9.5f}")
+
+
+def fixed_candidates() -> None:
+    """Print what a pick from a fixed lattice takes, beside the time its memory traffic needs."""
+    for name, problem in (("(c), 2,000", stacked(CASES[2], 2000)), ("five axes, 100,000", five_axis(100_000))):
+        scores = Scores(Pool(problem.observation, problem.lattice), problem.state)
+        pick = timed(lambda s=scores: s.enter(int(s.gains.argmax())))  # type: ignore[misc]
+        source = np.ones(int(scores.pool.bytes / 8))
+        copied = np.empty_like(source)
+        copy = timed(lambda a=copied, b=source: np.copyto(a, b)) / 2  # type: ignore[misc]
+        size = scores.pool.bytes / 1e6
+        print(f"{name} candidates: a pick {1e3 * pick:.2f} ms; fetching {size:.0f} MB once {1e3 * copy:.2f} ms")
+
+
+def five_axes() -> None:
+    """Print the figures of the five-axis machine with all error motions."""
+    problem = five_axis(1500)
+    pick, _ = one_at_a_time(problem, 8)
+    print(f"five axes, {problem.observation.size} unknowns: next {pick:.2f} s")
+    problem = five_axis(20_000)
+    start = time.process_time()
+    plan = make_plan(problem, Limits(readings=60))
+    seconds = time.process_time() - start
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    bound = plan.bound.value if plan.bound else 0.0
+    print(f"five axes, 60 of 20,000 together: {seconds:.1f} s, {memory:.2f} GB at most, ", end="")
+    print(f"root of J {1e6 * plan.value**0.5:.2f} um, bound {1e6 * bound**0.5:.2f} um")
+
+
+if __name__ == "__main__":
+    picks()
+    five_axes()
+    fixed_candidates()

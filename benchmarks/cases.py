@@ -1,0 +1,77 @@
+"""The problems that benchmarks share: stacked splines as in the paper, and the built-in five-axis machine."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.belief import Belief
+from axiscal.design import criterion
+from axiscal.design.accuracy import Yardstick
+from axiscal.design.lattice import spread
+from axiscal.design.problem import Problem
+from axiscal.error_model.gauge import unseen_factor
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.machine import Axis, Machine, load_machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.setup import Setup, Unknown
+
+
+class Stacked(NamedTuple):
+    """Stacked natural splines on [0, 10], C0 = I, scalar readings."""
+
+    name: str
+    axes: int
+    knots: int
+    noise: float
+    readings: int
+
+
+CASES = (
+    Stacked("(a) one spline, 7 knots", 1, 7, 0.1, 10),
+    Stacked("(b) three stacked, 7 knots", 3, 7, 0.01, 20),
+    Stacked("(c) five joints, 20 knots", 5, 20, 0.01, 20),
+)
+
+
+def stacked(case: Stacked, candidates: int, volume: bool = False) -> Problem:
+    """Return one of the cases under the criterion `joint`, or `volume`."""
+    names = "XYZUV"[: case.axes]
+    axes = tuple(Axis.named(name, False, (0.0, 10.0)) for name in names)
+    errors = tuple(ErrorEntry(f"EZ{name}", 1.0, knots=case.knots) for name in names)
+    machine = Machine("stacked", axes, 0.0, errors, "", "")
+    count = case.axes
+    moves, park, raster = tuple(range(count)), (5.0,) * count, (0.0,) * count
+    setup = Setup("s", "indicator", (0.0, 0.0, 1.0), moves, park, case.noise, (), 0.0, 0.0, 1.0, raster, "+")
+    return _problem(machine, (setup,), candidates, not volume)
+
+
+def five_axis(candidates: int) -> Problem:
+    """Return the built-in machine with all error motions, and a probe along each direction that goes everywhere."""
+    machine = load_machine("dmu60")
+    count = len(machine.axes)
+    park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
+    zero = (Unknown("zero", 1e-4),)
+    directions = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    setups = tuple(
+        Setup(name, "probe", way, tuple(range(count)), park, 1e-6, zero, 600.0, 1.0, 2.0, (0.0,) * count, "both")
+        for name, way in directions.items()
+    )
+    return _problem(machine, setups, candidates, False)
+
+
+def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool) -> Problem:
+    model = ErrorModel(machine)
+    observation = Observation(model, setups)
+    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
+    coarse = spread(machine, setups, 1000)
+    parts = [observation.rows(s, *coarse.of(s)) for s in range(len(setups))]
+    rows = np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
+    box = whole_travel(model)
+    unseen = unseen_factor(belief.factor, rows)[: model.size]
+    yardstick = Yardstick(model, box, volume_moments(model, box), unseen)
+    weight = criterion.joint_root(model) if joint else yardstick.root
+    return Problem(observation, belief, weight, yardstick, spread(machine, setups, candidates))
