@@ -82,7 +82,7 @@ def flipped(tables: tuple[CompensationTable, ...]) -> tuple[CompensationTable, .
 @pytest.mark.parametrize("chain", CHAINS)
 def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
     estimate, truth = known(ErrorModel(machine(chain)), 3)
-    tables = axis_tables(estimate.model, estimate.belief, estimate.box) + cross_tables(estimate)
+    tables = axis_tables(estimate) + cross_tables(estimate)
     found = reached(estimate, truth, tables)
     assert found.before > 10e-6
     assert found.after < sum(t.departure for t in tables) + 0.02e-6
@@ -94,7 +94,7 @@ def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chai
 def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
     """On the real kinematics: less of them, more of them, or the other way, leaves more."""
     estimate, truth = known(ErrorModel(load_machine(name)), 5)
-    tables = axis_tables(estimate.model, estimate.belief, estimate.box) + cross_tables(estimate)
+    tables = axis_tables(estimate) + cross_tables(estimate)
     best = reached(estimate, truth, tables)
     assert best.after < 0.95 * best.before
     for share in (0.7, 1.3, -1.0):
@@ -225,7 +225,7 @@ def test_where_nothing_was_read_the_table_says_so() -> None:
 
 def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
     estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
-    for table in axis_tables(estimate.model, estimate.belief, estimate.box) + cross_tables(estimate):
+    for table in axis_tables(estimate) + cross_tables(estimate):
         zero = (table.deviation(np.zeros(1), 1) + table.deviation(np.zeros(1), -1)) / 2
         assert zero == pytest.approx(0, abs=1e-15)
 
@@ -233,4 +233,4 @@ def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
 def test_a_spacing_that_does_not_divide_the_travel_is_refused() -> None:
     estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
     with pytest.raises(TableError, match=r"70 mm does not divide the 600 mm of X. 66\.6667 mm would"):
-        axis_tables(estimate.model, estimate.belief, estimate.box, spacing=0.07)
+        axis_tables(estimate, spacing=0.07)

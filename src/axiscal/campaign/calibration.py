@@ -12,6 +12,7 @@ from axiscal.campaign.engine import Engine, Visit
 from axiscal.campaign.events import Gap, Place
 from axiscal.campaign.planning import planned_places
 from axiscal.campaign.problem import Problem
+from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
 from axiscal.inference.doubt import FEWEST, Doubt, doubts
@@ -161,6 +162,12 @@ class Calibration:
         if settled._accuracy is None:
             settled._accuracy = settled._problem.yardstick.measure(settled._belief)
         return settled._accuracy
+
+    def estimate(self) -> Estimate:
+        """Return what tables are made of: the belief about the machine, over the volume of the target."""
+        settled = self._settled()
+        problem = settled._problem
+        return Estimate(problem.errors, settled._belief, problem.description.target.volume)
 
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way."""

@@ -49,7 +49,8 @@ def export(
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
     """
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.campaign import Campaign
     from axiscal.cli.printing import say, say_document
     from axiscal.compensation import registry
     from axiscal.report.delivery import write_files
@@ -58,14 +59,8 @@ def export(
         say("\n".join(registry.CONTROLLERS))
         return
     options = _options(spacing, number, unit, template, name, mesh, flip, pivots)
-    with open_campaign(record, write=False) as campaign:
-        from axiscal.campaign.calibration import calibration_of
-        from axiscal.compensation.estimate import Estimate
-
-        calibration = calibration_of(campaign.engine)
-        problem = calibration.problem
-        estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
-        offered = registry.export(estimate, to, options)
+    with Campaign.open(record, write=False) as campaign:
+        offered = registry.export(calibration_of(campaign.engine).estimate(), to, options)
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

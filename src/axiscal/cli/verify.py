@@ -54,13 +54,13 @@ def verify(
       axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
     """
     from axiscal.campaign.calibration import calibration_of
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
     if found is not None and (plan is not None or source is not None):
         raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
-    with open_campaign(record, write=False) as campaign:
+    with Campaign.open(record, write=False) as campaign:
         calibration = calibration_of(campaign.engine)
         estimate, tables = _tables(calibration, to)
         if found is not None and left is not None:
@@ -75,11 +75,9 @@ def verify(
 
 def _tables(calibration: Calibration, controller: str) -> tuple[Estimate, Export]:
     from axiscal.compensation import registry
-    from axiscal.compensation.estimate import Estimate
     from axiscal.compensation.options import Options
 
-    problem = calibration.problem
-    estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
+    estimate = calibration.estimate()
     return estimate, registry.export(estimate, controller, Options())
 
 

@@ -31,13 +31,6 @@ class Effect(NamedTuple):
     after: float
 
 
-def effect(
-    machine: Machine, deviation: Deviation, tables: Sequence[CompensationTable], poses: Array, box: Box
-) -> Effect:
-    """Return what the tables leave of a deviation; arguments as for `effect_of_control`."""
-    return effect_of_control(machine, deviation, table_control(machine, tables), poses, box)
-
-
 def effect_of_control(machine: Machine, deviation: Deviation, control: Control, poses: Array, box: Box) -> Effect:
     """Return what a control leaves of a deviation.
 
@@ -46,7 +39,7 @@ def effect_of_control(machine: Machine, deviation: Deviation, control: Control, 
     """
     inside, approaches = tour(poses, box)
     found = deviation(inside, approaches)
-    return Effect(_rms(found), _rms(left_by(machine, deviation, control, inside, approaches)))
+    return Effect(rms(found), rms(left_by(machine, deviation, control, inside, approaches)))
 
 
 def tour(poses: Array, box: Box) -> tuple[Array, Array]:
@@ -78,6 +71,7 @@ def table_control(machine: Machine, tables: Sequence[CompensationTable]) -> Cont
     return control
 
 
-def _rms(deviation: Array) -> float:
+def rms(deviation: Array) -> float:
+    """Return the RMS of TCP deviations (m, 3), their constant part taken off, m: that is the workpiece's zero."""
     centred = deviation - deviation.mean(axis=0)
     return float(np.sqrt(np.mean(np.sum(centred**2, axis=1))))

@@ -16,13 +16,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.belief import Belief
 from axiscal.compensation.conditional import mean_along, turned
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -37,9 +35,7 @@ Multiples = tuple[float | None, float | None]
 
 
 def axis_tables(
-    model: ErrorModel,
-    belief: Belief,
-    box: Box,
+    estimate: Estimate,
     spacing: float | None = None,
     most: int = _MOST_POINTS,
     multiples: Multiples = (None, None),
@@ -48,13 +44,12 @@ def axis_tables(
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis along which the belief knows a deviation of its own position.
 
-    belief : over the machine's coefficients first; box : the volume over which tables shall be best
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
     anchored : zero where the axis is at zero, as controls ask for that count from a reference point
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
-    estimate = Estimate(model, belief, box)
-    axes = [(k, model.machine.axes[k].rotary) for k in range(len(model.machine.axes)) if _has_errors(model, k)]
+    model = estimate.model
+    axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if _has_errors(model, k)]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
     tables = (own_table(estimate, k, positions, anchored=anchored) for k, positions in grids)
     return tuple(table for table in tables if _says_something(table))

@@ -22,14 +22,14 @@ from axiscal.campaign.description import CampaignDescription, campaign_from_text
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.compensation.effect import left_by
+from axiscal.compensation.effect import left_by, rms
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.offer import Export
 from axiscal.compensation.options import Options
 from axiscal.compensation.registry import export
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
-from axiscal.report.delivery import write_whole
+from axiscal.report.delivery import write_files
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
 
@@ -79,35 +79,24 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
         finally:
             source.close()
         calibration, readings = calibration_of(campaign.engine), len(campaign.state.readings)
-    tables = export(_estimate(calibration), "linuxcnc", Options())
-    _write(tables, out / "tables" / name)
+    tables = export(calibration.estimate(), "linuxcnc", Options())
+    write_files(tables, out / "tables" / name)
     return _verified(calibration, tables, truth, readings)
 
 
-def _estimate(calibration: Calibration) -> Estimate:
-    problem = calibration.problem
-    return Estimate(problem.errors, calibration.belief, problem.description.target.volume)
-
-
-def _write(tables: Export, folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in {**tables.files, "README.txt": tables.readme}.items():
-        write_whole(folder / name, text)
-
-
 def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, readings: int) -> Loop:
-    estimate = _estimate(calibration)
+    estimate = calibration.estimate()
     poses, approaches = _positions(estimate)
     seen: list[Array] = []
     told: list[str] = []
     for loaded in (None, Tables(tables.files)):
         with LinuxcncMachine(truth, loaded) as machine:
-            seen.append(_centred(machine.seen.deviation(poses, approaches)))
+            seen.append(machine.seen.deviation(poses, approaches))
             told += machine.errors
-    left = _centred(left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches))
+    left = left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches)
     std = calibration.accuracy().rms
-    expected = float(np.hypot(_rms(left), std))
-    return Loop(readings, _rms(seen[0]), _rms(seen[1]), expected, _rms(seen[1] - left), std, tuple(told))
+    expected = float(np.hypot(rms(left), std))
+    return Loop(readings, rms(seen[0]), rms(seen[1]), expected, rms(seen[1] - left), std, tuple(told))
 
 
 def _positions(estimate: Estimate) -> tuple[Array, Array]:
@@ -118,15 +107,6 @@ def _positions(estimate: Estimate) -> tuple[Array, Array]:
     poses: Array = low + (high - low) * rng.uniform(size=shape)
     approaches: Array = rng.choice([-1.0, 1.0], size=shape)
     return poses, approaches
-
-
-def _centred(deviation: Array) -> Array:
-    centred: Array = deviation - deviation.mean(axis=0)
-    return centred
-
-
-def _rms(deviation: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum(deviation**2, axis=1))))
 
 
 def _unwatched(_: Milestone) -> None:

@@ -12,11 +12,11 @@ import numpy as np
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.compensation import registry
-from axiscal.compensation.effect import Deviation, Effect, effect
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.effect import Deviation, Effect, rms, tour
 from axiscal.compensation.offer import Export
 from axiscal.compensation.options import Options
 from axiscal.design.lattice import even_points
+from axiscal.error_model.volume import Box
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.report.assembly import Extras, summarise
@@ -50,11 +50,9 @@ def write_report(summary: Summary, path: Path) -> None:
 
 def _tables(calibration: Calibration, controller: str, folder: Path) -> list[TableOffer]:
     """Write the files for one control and return what they hold and leave, or why there are none."""
-    problem = calibration.problem
-    estimate = Estimate(problem.errors, calibration.belief, problem.description.target.volume)
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        offered = registry.export(estimate, controller, Options())
+        offered = registry.export(calibration.estimate(), controller, Options())
     except TableError as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(offered, folder / controller)
@@ -72,14 +70,9 @@ def write_files(offered: Export, folder: Path) -> None:
 
 def reached(calibration: Calibration, truth: Deviation) -> float:
     """Return the RMS over the volume of the true deviation less the estimated one, its constant part taken off, m."""
-    errors = calibration.problem.errors
-    mean = calibration.belief.mean[: errors.size]
-
-    def left(poses: Array, approaches: Array) -> Array:
-        missed: Array = truth(poses, approaches) - errors.rows(poses, approaches) @ mean
-        return missed
-
-    return effect(errors.machine, left, (), volume_poses(calibration), _box(calibration)).before
+    estimate = calibration.estimate()
+    poses, approaches = tour(_poses(estimate.box), estimate.box)
+    return rms(truth(poses, approaches) - estimate.deviation(poses, approaches))
 
 
 def left_out(found: Effect) -> str:
@@ -88,15 +81,11 @@ def left_out(found: Effect) -> str:
     return f"All files together take the estimated TCP deviation over the volume from {before} RMS to {after}."
 
 
-def volume_poses(calibration: Calibration) -> Array:
-    """Return poses spread evenly over the target's volume, (m, q)."""
-    low, high = np.array(_box(calibration)).T
+def _poses(box: Box) -> Array:
+    """Return poses spread evenly over a volume, (m, q)."""
+    low, high = np.array(box).T
     poses: Array = low + (high - low) * even_points(_POSES, len(low))
     return poses
-
-
-def _box(calibration: Calibration) -> tuple[tuple[float, float], ...]:
-    return calibration.problem.description.target.volume
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -78,7 +78,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     if options.template is None:
         raise TableError("HEIDENHAIN files are made from one of your control", "give it: --template FILE")
     layout = read_layout(options.template, options.template_name)
-    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, POINTS)
+    own = axis_tables(estimate, options.spacing, POINTS)
     over = tuple(table.averaged() for table in cross_tables(estimate, options.spacing, POINTS))
     tables = [t for t in (*own, *over) if t.axis in layout.heads]
     sign = -1.0 if options.flip else 1.0

@@ -53,7 +53,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
 def backlash(estimate: Estimate) -> dict[str, float]:
     """Return the lost motion of each axis, m: by how much it arrives short when it comes from the other side."""
     found = {}
-    for table in axis_tables(estimate.model, estimate.belief, estimate.box):
+    for table in axis_tables(estimate):
         low, high = estimate.box[estimate.machine.index(table.axis)]
         at = np.linspace(low, high, 1001)
         found[table.axis] = max(0.0, float(np.mean(table.deviation(at, -1) - table.deviation(at, 1))))

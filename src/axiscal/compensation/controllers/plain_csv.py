@@ -80,7 +80,7 @@ def offer(table: CompensationTable) -> TableFile:
 
 def make(estimate: Estimate, options: Options) -> Draft:
     """Return one file for each axis, and for each axis over another; raises TableError."""
-    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, _MOST, anchored=False)
+    own = axis_tables(estimate, options.spacing, _MOST, anchored=False)
     tables = (*own, *cross_tables(estimate, options.spacing, _MOST))
     offers = [offer(table) for table in tables]
     held = table_control(estimate.machine, [parse(file.text, file.name) for file in offers])

@@ -53,7 +53,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     machine = estimate.machine
     names = axis_names(machine, options.numbers)
     grid = (_STEP, float(np.radians(1e-3)))
-    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, POINTS, grid)
+    own = axis_tables(estimate, options.spacing, POINTS, grid)
     over = tuple(t.averaged() for t in cross_tables(estimate, options.spacing, POINTS, _STEP))
     files = write(own, over, names, -1.0 if options.flip else 1.0)
     held = lookup_control(machine, read(files.values(), names, machine, options.flip))

@@ -46,7 +46,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     joints = joint_numbers(machine, options.numbers)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
-    own = axis_tables(estimate.model, estimate.belief, estimate.box, options.spacing, ROWS, anchored=False)
+    own = axis_tables(estimate, options.spacing, ROWS, anchored=False)
     over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
