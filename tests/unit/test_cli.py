@@ -376,7 +376,7 @@ def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.Monke
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("float division by zero")
 
-    monkeypatch.setattr("axiscal.cli.opening.open_campaign", broken)
+    monkeypatch.setattr("axiscal.campaign.campaign.Campaign.open", broken)
     started("next", "m.axiscal").refused("A defect in axiscal: ZeroDivisionError", "AXISCAL_TRACEBACK=1")
     monkeypatch.setenv("AXISCAL_TRACEBACK", "1")
     with pytest.raises(ZeroDivisionError):

@@ -33,9 +33,9 @@ def estimate(
     Example:
       axiscal estimate campaign.toml readings.csv --out results
     """
+    from axiscal.campaign.campaign import Campaign
     from axiscal.campaign.description import read_campaign
     from axiscal.campaign.placing import placed_readings
-    from axiscal.cli.opening import create_campaign
     from axiscal.cli.outputs import RECORD, write_outputs
     from axiscal.measurement.readers.files import read_any
 
@@ -44,7 +44,7 @@ def estimate(
     placed = placed_readings(raw, description, readings)
     extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else None
     out.mkdir(parents=True, exist_ok=True)
-    with create_campaign(out / RECORD, description) as opened:
+    with Campaign.create(out / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
         write_outputs(opened, out, as_json=json, extras=extras)

@@ -15,10 +15,10 @@ def finish(record: RecordFile, out: Out, json: Json = False) -> None:
     Example:
       axiscal finish mill.axiscal --out results
     """
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign
     from axiscal.cli.outputs import RECORD, write_outputs
 
-    with open_campaign(record) as campaign:
+    with Campaign.open(record) as campaign:
         out.mkdir(parents=True, exist_ok=True)
         campaign.finish()
         copy = out / RECORD

@@ -23,11 +23,10 @@ def next_reading(
     Example:
       axiscal next mill.axiscal
     """
-    from axiscal.campaign.campaign import Stop
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign, Stop
     from axiscal.cli.wording import question_document, question_text
 
-    with open_campaign(record) as campaign:
+    with Campaign.open(record) as campaign:
         asked = campaign.next(beyond=beyond)
         if json:
             say_document(question_document(campaign, asked))

@@ -27,13 +27,13 @@ def predict(
       axiscal predict mill.axiscal poses.csv --json
     """
     from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.campaign import Campaign
     from axiscal.campaign.prediction import predict_poses
-    from axiscal.cli.opening import open_campaign
     from axiscal.cli.printing import say, say_document
     from axiscal.measurement.readers.poses import read_poses
 
     wanted = read_poses(poses)
-    with open_campaign(record, write=False) as campaign:
+    with Campaign.open(record, write=False) as campaign:
         found = predict_poses(calibration_of(campaign.engine), wanted, poses)
     if json:
         rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]

@@ -1,4 +1,4 @@
-"""Live progress on stderr: one line that changes on a terminal, one line per reading elsewhere."""
+"""What stderr is told of a campaign: prospects, and progress as one line that changes, or one line per reading."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from axiscal.cli.wording import accuracy_text
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Milestone
+    from axiscal.campaign.campaign import Campaign, Milestone
     from axiscal.campaign.target import Target
 
 
@@ -36,3 +36,13 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
     minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
     return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"
+
+
+def tell_out_of_reach(campaign: Campaign) -> None:
+    """Say if the target cannot be reached with the set-ups."""
+    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.feasibility import out_of_reach
+
+    said = out_of_reach(calibration_of(campaign.engine).problem)
+    if said is not None:
+        tell(f"Mind: {said}")

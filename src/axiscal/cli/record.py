@@ -40,7 +40,7 @@ def record(
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
       axiscal record mill.axiscal --skip "the beam is blocked here"
     """
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign
 
     text = " ".join(value or [])
     if (skip is None) == (not text):
@@ -50,7 +50,7 @@ def record(
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
     document: dict[str, object]
-    with open_campaign(record) as campaign:
+    with Campaign.open(record) as campaign:
         if skip is not None:
             asked = campaign.skip(skip)
             message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}

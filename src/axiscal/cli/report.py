@@ -23,13 +23,13 @@ def report(
       axiscal report mill.axiscal --out mill.html
     """
     from axiscal.campaign.calibration import calibration_of
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign
     from axiscal.cli.printing import say
     from axiscal.report.assembly import Extras, summarise
     from axiscal.report.delivery import write_report
 
     target = record.with_suffix(".html") if out is None else out
-    with open_campaign(record, write=False) as campaign:
+    with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, calibration_of(campaign.engine), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target)

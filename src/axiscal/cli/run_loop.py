@@ -37,8 +37,8 @@ def run(
       axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
     """
     from axiscal.campaign.description import read_campaign
-    from axiscal.cli.opening import tell_out_of_reach
     from axiscal.cli.outputs import RECORD, write_outputs
+    from axiscal.cli.progress import tell_out_of_reach
     from axiscal.units import parse_quantity
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
@@ -54,16 +54,16 @@ def run(
 
 
 def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campaign:
-    from axiscal.cli.opening import create_campaign, open_campaign
+    from axiscal.campaign.campaign import Campaign
     from axiscal.exceptions import RecordError
 
     if not path.exists():
-        return create_campaign(path, description)
+        return Campaign.create(path, description)
     if not resume:
         raise RecordError(
             "This folder holds a campaign already", "Go on with it by --resume, or name another --out", path
         )
-    opened = open_campaign(path)
+    opened = Campaign.open(path)
     kept = opened.description
     if (kept.text, kept.machine.text) != (description.text, description.machine.text):
         opened.close()

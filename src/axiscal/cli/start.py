@@ -30,8 +30,9 @@ def start(
     Example:
       axiscal start campaign.toml mill.axiscal
     """
+    from axiscal.campaign.campaign import Campaign
     from axiscal.campaign.description import read_campaign
-    from axiscal.cli.opening import create_campaign, tell_out_of_reach
+    from axiscal.cli.progress import tell_out_of_reach
     from axiscal.cli.wording import count_text
 
     if record is not None and out is not None:
@@ -40,7 +41,7 @@ def start(
     path = record or (out or Path()) / f"{campaign.stem}.axiscal"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    with create_campaign(path, description) as opened:
+    with Campaign.create(path, description) as opened:
         tell_out_of_reach(opened)
         planned = opened.prepared()
     if json:

@@ -18,9 +18,9 @@ def status(record: RecordFile, json: Json = False) -> None:
     Example:
       axiscal status mill.axiscal
     """
-    from axiscal.cli.opening import open_campaign
+    from axiscal.campaign.campaign import Campaign
 
-    with open_campaign(record, write=False) as campaign:
+    with Campaign.open(record, write=False) as campaign:
         if json:
             say_document(_document(campaign))
         else:

@@ -15,11 +15,11 @@ def undo(record: RecordFile, json: Json = False) -> None:
     Example:
       axiscal undo mill.axiscal
     """
+    from axiscal.campaign.campaign import Campaign
     from axiscal.campaign.events import Finished, Recorded
-    from axiscal.cli.opening import open_campaign
     from axiscal.cli.wording import count_text
 
-    with open_campaign(record) as campaign:
+    with Campaign.open(record) as campaign:
         event = campaign.undo().event
         left = len(campaign.state.readings)
     what = "the reading" if isinstance(event, Recorded) else "the end" if isinstance(event, Finished) else "the skip"
