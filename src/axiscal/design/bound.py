@@ -48,7 +48,7 @@ def lower_bound(pool: Pool, state: State, points: list[Point], costs: Array, lim
     The rests of cells not visited yet are taken as known: that can only lower the bound.
     """
     by_rank = rank_bound(state, int(limit / costs.min() + 1e-9))
-    relaxation = _Relaxation(pool, state, points, costs, limit)
+    relaxation = Relaxation(pool, state, points, costs, limit)
     best, reached = 0.0, np.inf
     for _ in range(_ROUNDS):
         value, gap, slopes = relaxation.solved()
@@ -72,7 +72,7 @@ def rank_bound(state: State, readings: int) -> float:
     return float(max(np.sum(values[readings:]), 0.0)) * (1 - _MARGIN)
 
 
-class _Relaxation:
+class Relaxation:
     """Weights x on a support of candidates; indices beyond the pool are the given points."""
 
     def __init__(self, pool: Pool, state: State, points: list[Point], costs: Array, limit: float) -> None:
@@ -80,6 +80,7 @@ class _Relaxation:
         self.extra = _rows(state, points)
         self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
         chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
+        self.factor = state.factor
         self.support = len(pool) + chosen
         self.weights: Array = np.full(len(chosen), limit / max(costs[self.support].sum(), 1e-300))
         if not len(points):
@@ -90,15 +91,20 @@ class _Relaxation:
         best = int((slopes / self.costs).argmax())
         return np.array([best]), np.array([self.limit / self.costs[best]])
 
+    def begin_everywhere(self) -> None:
+        """Begin with the same weight on every candidate of the pool."""
+        self.support = np.arange(len(self.pool))
+        self.weights = np.full(len(self.pool), self.limit / float(self.costs[: len(self.pool)].sum()))
+
     def solved(self) -> tuple[float, float, Array]:
         """Bring the weights to the optimum on the support; return J, its distance to the bound, and all slopes d."""
         rows = self._support_rows() / np.sqrt(self.noise[self.support])[:, None]
         costs = self.costs[self.support]
         self.weights = _optimal(rows, self.state, self.weights, costs, self.limit)
         scaled = (rows * np.sqrt(self.weights)[:, None]) @ self.state.factor
-        factor = informed(self.state.factor, scaled)
-        slopes = self._slopes(factor)
-        reach = self.state.weight @ factor[: self.state.weight.shape[1]]
+        self.factor = informed(self.state.factor, scaled)
+        slopes = self._slopes(self.factor)
+        reach = self.state.weight @ self.factor[: self.state.weight.shape[1]]
         gap = self.limit * float((slopes / self.costs).max()) - float(slopes[self.support] @ self.weights)
         return float(np.sum(reach**2)), gap, slopes
 
