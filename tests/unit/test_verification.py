@@ -175,6 +175,22 @@ def test_zeros_of_set_ups_do_not_matter(state: tuple[Estimate, tuple[Reading, ..
     assert one.agrees == pytest.approx(other.agrees, rel=1e-3)
 
 
+def test_growth_that_is_known_is_not_taken_for_a_deviation(
+    state: tuple[Estimate, tuple[Reading, ...], Control],
+) -> None:
+    estimate, used, control = state
+    truth, setups = simulator().drawn(SEED), description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 8)
+    left = readings(truth, places, control, 2)
+    warm = tuple(replace(setup, growth=2e-5) for setup in setups)
+    axes = estimate.machine.axes
+    middles = {s.name: (k := s.moves[0], sum(axes[k].travel) / 2) for s in setups[:2]}
+    grown = tuple(replace(r, value=r.value + 2e-5 * (r.pose[k] - m)) for r in left for k, m in [middles[r.setup]])
+    one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
+    assert max(abs(g.value - r.value) for g, r in zip(grown, left, strict=True)) > 1e-6
+    assert other.left == pytest.approx(one.left, abs=1e-12)
+
+
 def test_agreement_is_as_frequent_as_it_says(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
     """On machines drawn from the belief itself p is uniform: below 0.1 one time in ten."""
     estimate, used, control = state

@@ -17,14 +17,17 @@ from numpy.typing import NDArray
 from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.exceptions import ReadingError
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.model import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
-INSTRUMENTS = frozenset({"interferometer", "indicator", "probe", "straightedge"})
-"""Those that read a displacement along one direction: the ones a check is made with."""
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, Displacement)))
+"""Instruments that read a displacement along one direction: the ones a check is made with."""
 _FRESH, _APART = 0.05, 0.15
 _PER_SETUP = 4
 _UNLIKELY = 0.01
@@ -131,9 +134,9 @@ def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: 
 
 def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
     """Return the candidates of set-ups that read a displacement; raises ReadingError when there are none."""
-    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in INSTRUMENTS]
+    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in _CHECKING]
     if not kept:
-        known = ", ".join(sorted(INSTRUMENTS))
+        known = ", ".join(_CHECKING)
         raise ReadingError("no set-up of this campaign reads a displacement", f"A check is made with: {known}")
     return candidates.of(kept)
 
@@ -161,7 +164,7 @@ def judge(
     )
     free = _free_of_setups(estimate, setups, places)
     noise = np.array([r.std or setups[s].noise for r, s in zip(left, indices, strict=True)])
-    before, after = (free @ np.array([r.value for r in readings]) for readings in (found, left))
+    before, after = (free @ _deviations(estimate, setups, places, readings) for readings in (found, left))
     std = np.sqrt(np.diag(free @ np.diag(noise**2) @ free.T))
     mean, factor = expected(estimate, setups, places, control)
     agrees = _likelihood(after - free @ mean, free @ (factor @ factor.T + np.diag(noise**2)) @ free.T)
@@ -174,6 +177,16 @@ def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
     if np.all(sizes + GUARD * std <= tolerance):
         return "pass"
     return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"
+
+
+def _deviations(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> Array:
+    """Return what was read (m,), less what is known of the instruments, such as their growth by temperature, m."""
+    values = np.array([reading.value for reading in readings])
+    for index in np.unique(places.setups):
+        mine, setup = places.setups == index, setups[index]
+        place = Place(estimate.machine, places.poses[mine], setup.moves)
+        values[mine] -= INSTRUMENTS[setup.instrument].model.beyond(setup, place)
+    return values
 
 
 def _free_of_setups(estimate: Estimate, setups: Sequence[Setup], places: Places) -> Array:
@@ -191,14 +204,9 @@ def _free_of_setups(estimate: Estimate, setups: Sequence[Setup], places: Places)
 
 def _own_rows(estimate: Estimate, setup: Setup, poses: Array) -> Array:
     """Return how the unknowns of a set-up show in its readings, (m, unknowns)."""
-    axes = estimate.machine.axes
-    columns = []
-    for unknown in setup.unknowns:
-        if unknown.name == "zero":
-            columns.append(np.ones(len(poses)))
-            continue
-        along = next(k for k in setup.moves if not axes[k].rotary)
-        columns.append(poses[:, along] - sum(axes[along].travel) / 2)
+    model, place = INSTRUMENTS[setup.instrument].model, Place(estimate.machine, poses, setup.moves)
+    direction = np.array(setup.direction)
+    columns = [model.own(setup, unknown.name, direction, place) for unknown in setup.unknowns]
     return np.array(columns).reshape(len(columns), len(poses)).T
 
 
@@ -214,8 +222,8 @@ def _likelihood(values: Array, covariance: Array) -> float:
 
 def _refuse_others(used: Sequence[Setup]) -> None:
     for setup in used:
-        if setup.instrument not in INSTRUMENTS:
-            known = ", ".join(sorted(INSTRUMENTS))
+        if setup.instrument not in _CHECKING:
+            known = ", ".join(_CHECKING)
             raise ReadingError(
                 f'"{setup.name}" reads no displacement ({setup.instrument})', f"Check with one of {known}"
             )
