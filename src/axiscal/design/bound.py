@@ -77,7 +77,7 @@ class Relaxation:
 
     def __init__(self, pool: Pool, state: State, points: list[Point], costs: Array, limit: float) -> None:
         self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
-        self.extra = _rows(state, points)
+        self.extra = state.rows(points)[0]
         self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
         chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
         self.factor = state.factor
@@ -142,7 +142,7 @@ class Relaxation:
 
     def _support_rows(self) -> Array:
         inside = self.support[self.support < len(self.pool)]
-        mine = _rows(self.state, [self.pool.point(int(i)) for i in inside])
+        mine = self.state.rows([self.pool.point(int(i)) for i in inside])[0]
         result = np.empty((len(self.support), self.state.observation.size))
         result[self.support < len(self.pool)] = mine
         beyond = self.support >= len(self.pool)
@@ -157,17 +157,6 @@ class Relaxation:
         beyond = np.sum((self.extra @ reach) ** 2, axis=1)
         slopes: Array = np.concatenate([inside, beyond]) / self.noise
         return slopes
-
-
-def _rows(state: State, points: list[Point]) -> Array:
-    """Return the rows of points over the unknowns of a state, (m, n); new cells have no columns."""
-    result = np.zeros((len(points), state.observation.size))
-    setups = np.array([p.setup for p in points], dtype=np.intp)
-    for setup in np.unique(setups):
-        mine = np.flatnonzero(setups == setup)
-        poses, approaches = (np.array([points[i][k] for i in mine]) for k in (1, 2))
-        result[mine] = state.observation.rows(int(setup), poses, approaches).rows
-    return result
 
 
 def _optimal(rows: Array, state: State, weights: Array, costs: Array, limit: float) -> Array:

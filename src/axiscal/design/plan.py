@@ -99,14 +99,15 @@ def make_plan(
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
-    patience : seconds for climbing off the lattice; begin : readings of an earlier plan to start from, beside the rest
+    patience : seconds for climbing off the lattice
+    begin : the readings left of an earlier plan, whose set-ups are kept and from which exchange starts as well
     bounded : whether the lower bound is wanted; progress : told what is being done
     """
     _refuse(problem, limits)
     spent = _Patience(patience)
     times = clock(problem)
     progress("which set-ups")
-    setups = chosen_setups(problem, limits, times)
+    setups = tuple(sorted({p.setup for p in begin})) if begin else chosen_setups(problem, limits, times)
     pool = Pool(problem.observation, problem.lattice.within(np.isin(problem.lattice.setups, setups)), problem.memory)
     progress("readings chosen together")
     trial = _together(problem, limits, times, pool, setups, begin)
@@ -149,8 +150,10 @@ def _together(
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, sum(p.setup == s for p in greedy.scores.points)) for s in setups]
     beginnings = [make(problem, counts) for make in (evenly_spaced, space_filling)]
+    if begin and len(begin) == len(greedy.scores.members):
+        beginnings = [begin]
     trials = [greedy]
-    for points in [*beginnings, *([begin] if begin and len(begin) == len(greedy.scores.members) else [])]:
+    for points in beginnings:
         scores = base.fork()
         for point in points:
             scores.enter(point)

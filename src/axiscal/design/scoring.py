@@ -155,12 +155,15 @@ class Scores:
             self._reach = np.pad(self._reach, ((0, 1), (0, 1)))
 
     def _products(self, vectors: Array) -> Array:
-        mine = np.array([self._padded(member) for member in self.members]) @ vectors
-        return np.concatenate([self.pool.products(self.state.observation, vectors), mine])
+        mine = [member.row @ vectors[: len(member.row)] for member in self.members]
+        table = np.array(mine).reshape(len(mine), vectors.shape[1])
+        return np.concatenate([self.pool.products(self.state.observation, vectors), table])
 
     def _padded(self, member: Member) -> Array:
         """The row with zeros for cells that were opened later: no earlier reading lies in them."""
-        return np.pad(member.row, (0, self.state.observation.size - len(member.row)))
+        row = np.zeros(self.state.observation.size)
+        row[: len(member.row)] = member.row
+        return row
 
     def _changed(self, cross: Array, reach: Array, eta: float, omega: float) -> None:
         """Bring everything up to date after C ← C − η h hᵀ.  cross : rows times h = C g; reach : times z = C W h."""

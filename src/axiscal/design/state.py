@@ -87,6 +87,16 @@ class State:
         seen = self.observation.rows(point.setup, point.pose[None], point.approach[None])
         return seen.rows[0], float(seen.variances[0])
 
+    def rows(self, points: list[Point]) -> tuple[Array, Array]:
+        """Return rows (m, n) and variances (m,) of readings; cells without columns count as noise."""
+        rows, variances = np.zeros((len(points), self.observation.size)), np.zeros(len(points))
+        setups = np.array([point.setup for point in points], dtype=np.intp)
+        for setup in np.unique(setups):
+            mine = np.flatnonzero(setups == setup)
+            poses, approaches = (np.array([points[i][k] for i in mine]) for k in (1, 2))
+            rows[mine], variances[mine] = self.observation.rows(int(setup), poses, approaches)
+        return rows, variances
+
     def change(self, row: Array, variance: float, leaving: bool = False) -> Change:
         """Return what a reading with this row does when it enters, or leaves."""
         h: Array = self.factor @ (row @ self.factor)
@@ -112,8 +122,8 @@ class State:
         state = self.opened(points)
         if not points:
             return state
-        seen = [state.row(point) for point in points]
-        scaled = np.array([row / np.sqrt(variance) for row, variance in seen]) @ state.factor
+        rows, variances = state.rows(points)
+        scaled = (rows / np.sqrt(variances)[:, None]) @ state.factor
         return replace(state, factor=informed(state.factor, scaled))
 
     def scorer(self) -> Scorer:
