@@ -166,8 +166,8 @@ def _silent(estimate: Estimate, free: Array, anchored: Array) -> NDArray[np.bool
     The deviation is as uncertain as before, and so is its difference to the point where the table is zero, up to what
     is known at that point: both, since readings that leave the constant open may still know the curve.
     """
-    prior = _prior_factor(estimate.model)
-    before, after = ([_std(rows, factor) for rows in (free, anchored)] for factor in (prior, estimate.factor))
+    factors = estimate.model.prior_root(), estimate.factor
+    before, after = ([_std(rows, factor) for rows in (free, anchored)] for factor in factors)
     nothing: NDArray[np.bool_] = after[0] >= _SILENT * before[0]
     return nothing & (after[1] >= _DIFFERENCE * before[1]) & (before[1] > _OPEN * np.max(before[1]))
 
@@ -191,15 +191,6 @@ def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array,
         return np.zeros(rows.shape[-1])
     mean: Array = hats.weights @ curves.mean(axis=0) / hats.weights.sum()
     return mean
-
-
-def _prior_factor(model: ErrorModel) -> Array:
-    """Return F (size, size) with F Fᵀ the prior covariance, block by block."""
-    factor = np.zeros((model.size, model.size))
-    for function in model.functions:
-        values, vectors = np.linalg.eigh(function.covariance)
-        factor[function.columns, function.columns] = vectors * np.sqrt(np.maximum(values, 0.0))
-    return factor
 
 
 def _std(rows: Array, factor: Array) -> Array:

@@ -57,7 +57,7 @@ def machine_check(machine: Machine) -> tuple[str, ...]:
     low, high = np.array([axis.travel for axis in machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
     rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
-    unseen = unseen_factor(_prior_root(model), rows / _NOISE)
+    unseen = unseen_factor(model.prior_root(), rows / _NOISE)
     return tuple(one.text for one in hidden(model, unseen))
 
 
@@ -136,10 +136,3 @@ def _projection(function: ErrorFunction, degree: int) -> Array:
     legendre = np.polynomial.legendre.Legendre.basis(degree, domain=ends)(points)
     row: Array = (weights * legendre) @ function.basis.rows(points) / (weights @ legendre**2)
     return row
-
-
-def _prior_root(model: ErrorModel) -> Array:
-    """Return F with the prior covariance F Fᵀ."""
-    values, vectors = np.linalg.eigh(model.prior_covariance())
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
-    return root

@@ -82,6 +82,14 @@ class ErrorModel:
             result[function.columns, function.columns] = function.covariance
         return result
 
+    def prior_root(self) -> Array:
+        """Return F with the prior covariance of A = F Fᵀ, function by function, (size, size)."""
+        result = np.zeros((self.size, self.size))
+        for function in self.functions:
+            values, vectors = np.linalg.eigh(function.covariance)
+            result[function.columns, function.columns] = vectors * np.sqrt(np.maximum(values, 0.0))
+        return result
+
     @cached_property
     def names(self) -> dict[str, ErrorFunction]:
         """The functions by name."""
