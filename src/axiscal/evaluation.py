@@ -16,11 +16,12 @@ from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.measurement.readers.files import read_any_positioning
 from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows
 from axiscal.numerics import Array
-from axiscal.units import to_unit
+from axiscal.units import format_quantity, to_unit
 
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
-_FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
+FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
+"""The figures of an axis, as `Positioning` names them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +78,7 @@ class Positioning:
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
         unit, target_unit = ("arcsec", "deg") if self.rotary else ("um", "mm")
-        figures = {name: _shown(getattr(self, name), unit) for name in _FIGURES}
+        figures = {name: _shown(getattr(self, name), unit) for name in FIGURES}
         per_target = [
             {f.name: _shown(getattr(row, f.name), target_unit if f.name == "target" else unit) for f in fields(row)}
             for row in self.per_target
@@ -189,7 +190,7 @@ def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -
         drawn[f"R_{name}"] = np.max(4 * s, axis=1)
     if len(sides) == 2:
         drawn |= _bidirectional(*sides["up"], *sides["down"])
-    return {name: COVERAGE_FACTOR * float(np.std(drawn[name])) for name in _FIGURES if name in drawn}
+    return {name: COVERAGE_FACTOR * float(np.std(drawn[name])) for name in FIGURES if name in drawn}
 
 
 def _bidirectional(up: Array, s_up: Array, down: Array, s_down: Array) -> dict[str, Array]:
@@ -257,7 +258,7 @@ def _passes(readings: PositioningRows, targets: list[float], direction: int) -> 
 
 
 def _left_out(readings: PositioningRows, target: float, direction: int, run: int, line: int) -> ReadingError:
-    shown = f"{to_unit(target, 'deg'):.6g} deg" if readings.rotary else f"{to_unit(target, 'mm'):.6g} mm"
+    shown = format_quantity(target, "deg" if readings.rotary else "mm")
     what = f"run {run} in direction {'+' if direction > 0 else '-'}, which starts here, has no reading at {shown}"
     remedy = "every run must visit every target: add the reading or take out the run"
     return ReadingError(what, remedy, readings.file, line)

@@ -6,6 +6,7 @@ import json
 import sys
 import textwrap
 from collections.abc import Mapping
+from typing import TextIO
 
 WIDTH = 100
 
@@ -33,8 +34,8 @@ def say_document(document: Mapping[str, object]) -> None:
     say(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _write(stream: object, text: str) -> None:
+def _write(stream: TextIO, text: str) -> None:
     """Write text to a stream that may not know every character."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
-    stream.write(text.encode(encoding, "replace").decode(encoding))  # type: ignore[attr-defined]
-    stream.flush()  # type: ignore[attr-defined]
+    stream.write(text.encode(encoding, "replace").decode(encoding))
+    stream.flush()

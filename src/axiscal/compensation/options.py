@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from axiscal.document import shown
 from axiscal.exceptions import TableError
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
@@ -38,10 +39,11 @@ class Options:
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
-            shown = "".join(c if c.isprintable() else "?" for c in self.name[:40])
-            raise TableError(f"{shown!r} is not a name for a table", "Take letters, digits, _ and -, 31 at most")
+            raise TableError(
+                f"{shown(self.name)} is not a name for a table", "Take letters, digits, _ and -, 31 at most"
+            )
         if self.unit not in ("mm", "in"):
-            raise TableError(f"{self.unit[:20]!r} is not the unit of a machine", "It can be mm or in")
+            raise TableError(f"{shown(self.unit)} is not the unit of a machine", "It can be mm or in")
         if not 2 <= self.mesh <= _LARGEST_MESH:
             raise TableError(f"a mesh of {self.mesh} points a side", f"Take 2 to {_LARGEST_MESH}")
         if any(number < 0 for number in self.numbers.values()):

@@ -7,6 +7,7 @@ from importlib import import_module
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.offer import Export, Maker, tried_out
 from axiscal.compensation.options import Options
+from axiscal.document import nearest, shown
 from axiscal.exceptions import TableError
 
 _ROOM = "axiscal.compensation.controllers"
@@ -32,9 +33,9 @@ def export(estimate: Estimate, controller: str, options: Options) -> Export:
 
 def _maker(controller: str) -> Maker:
     if controller not in CONTROLLERS:
-        known = ", ".join(CONTROLLERS)
-        shown = "".join(c if c.isprintable() else "?" for c in controller[:40])
-        raise TableError(f'"{shown}" is not a controller that tables can be made for', f"Known are {known}")
+        near = nearest(controller, CONTROLLERS)
+        remedy = f"Perhaps {near} is meant" if near else f"Known are {', '.join(CONTROLLERS)}"
+        raise TableError(f"{shown(controller)} is not a controller that tables can be made for", remedy)
     module, name = CONTROLLERS[controller]
     make: Maker = getattr(import_module(f"{_ROOM}.{module}"), name)
     return make

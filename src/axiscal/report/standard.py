@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.evaluation import Positioning, TargetFigures
+from axiscal.evaluation import FIGURES, Positioning, TargetFigures
 from axiscal.report.summary import Iso230
 from axiscal.units import to_unit
-
-_FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 
 
 def iso230_block(axis: str, found: Positioning) -> Iso230:
     """Return the block of one axis; a direction that was not measured is empty."""
     unit, position_unit = ("arcsec", "deg") if found.rotary else ("um", "mm")
-    figures = {name: getattr(found, name) for name in _FIGURES}
+    figures = {name: getattr(found, name) for name in FIGURES}
     return Iso230(
         axis=axis,
         position_unit=position_unit,
