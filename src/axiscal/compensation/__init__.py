@@ -1,0 +1,1 @@
+"""What to correct: tables made of the belief, tried in a simulated control before they are offered."""

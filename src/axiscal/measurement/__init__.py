@@ -1,0 +1,1 @@
+"""What an instrument sees of a machine: instruments, set-ups, readings, and the rows of the linear map."""
