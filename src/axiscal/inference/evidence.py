@@ -73,10 +73,10 @@ class Evidence:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
         covariance = self._covariance(logs)
         lower = np.linalg.cholesky(covariance)
-        whitened = np.linalg.solve(lower, np.column_stack([self.values, np.eye(len(lower))]))
-        alpha = whitened[:, 1:].T @ whitened[:, 0]
-        value = -0.5 * float(whitened[:, 0] @ whitened[:, 0]) - float(np.log(np.diag(lower)).sum())
-        pull = np.outer(alpha, alpha) - whitened[:, 1:].T @ whitened[:, 1:]
+        inverse = np.linalg.inv(covariance)
+        alpha = inverse @ self.values
+        value = -0.5 * float(self.values @ alpha) - float(np.log(np.diag(lower)).sum())
+        pull = np.outer(alpha, alpha) - (inverse + inverse.T) / 2
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
 
     def covariance(self) -> Array:
@@ -88,7 +88,7 @@ class Evidence:
         size, plain = len(prior), self._fixed + np.diag(self._noise)
         for part in self._parts:
             rest = self._entries[part.function.name].first_rest
-            np.add.at(plain, (part.first, part.second), rest**2 * part.products)
+            plain[part.first, part.second] += rest**2 * part.products
         result: Array = plain + self.rows[:, :size] @ prior @ self.rows[:, :size].T
         return result
 
@@ -117,7 +117,7 @@ class Evidence:
             result += std**2 * (part.rows @ correlation @ part.rows.T)
             rest = self._scale("rest", entry.name, entry.first_rest, logs)
             if rest > 0:
-                np.add.at(result, (part.first, part.second), rest**2 * part.products)
+                result[part.first, part.second] += rest**2 * part.products  # each pair is there once
         return result
 
     def _variances(self, logs: Array) -> Array:

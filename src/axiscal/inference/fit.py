@@ -15,6 +15,7 @@ from axiscal.numerics import Array
 
 _FARTHEST = 4.6
 _STEP = 1e-3
+_STEPS, _FEW_STEPS = 200, 40
 _FLATTEST = 0.3
 
 
@@ -47,11 +48,23 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
         pull = precision @ logs
         return 0.5 * float(logs @ pull) - value, pull - slope
 
-    best = min((_descended(objective, start) for start in _starts(scales)), key=lambda logs: objective(logs)[0])
+    best = min((_descended(objective, start, _STEPS) for start in _starts(scales)), key=lambda at: objective(at)[0])
     variances = _variances(lambda logs: objective(logs)[1], best)
     cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
     found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(cautious)))
     return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+
+
+def roughly(evidence: Evidence, scales: tuple[Scale, ...]) -> Array:
+    """Return the logarithms of the scales' factors that a few steps find, good enough to judge by, (n,)."""
+    precision = log_prior_precision(scales)
+
+    def objective(logs: Array) -> tuple[float, Array]:
+        value, slope = evidence.log_density(logs)
+        pull = precision @ logs
+        return 0.5 * float(logs @ pull) - value, pull - slope
+
+    return _descended(objective, np.zeros(len(scales)), _FEW_STEPS)
 
 
 def _cautious(scale: Scale, log: float, variance: float) -> float:
@@ -63,11 +76,11 @@ def _cautious(scale: Scale, log: float, variance: float) -> float:
     return log - spread if scale.kind == "length" else log + variance + spread / 4
 
 
-def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array) -> Array:
+def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array, steps: int) -> Array:
     from scipy.optimize import Bounds, minimize
 
     box = Bounds(np.full(len(start), -_FARTHEST), np.full(len(start), _FARTHEST))
-    lowest: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=box).x
+    lowest: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=box, options={"maxiter": steps}).x
     return lowest
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
 from axiscal.inference.evidence import Evidence
-from axiscal.inference.fit import fit
+from axiscal.inference.fit import roughly
 from axiscal.inference.scales import Kind, Scales, all_scales
 from axiscal.machine.entry import GUESSED_REST
 from axiscal.measurement.observation import Observation
@@ -18,7 +18,7 @@ from axiscal.numerics import Array
 
 FEWEST = 8
 """Fewer readings say nothing about scales."""
-_MOST = 250
+_MOST = 120
 _CONVINCING = 5.0
 """Twice the log of how much more probable one error's own scales make the readings; three to learn, weak priors."""
 _ROUGHER, _OFF = 1.5, 1.8
@@ -53,9 +53,9 @@ def misfits(observation: Observation, readings: Sequence[Reading]) -> tuple[Misf
         return ()
     sample = _sample(readings)
     scales = all_scales(observation.errors.machine, observation.setups)
-    found = fit(observation, sample, scales).scales
-    logs = np.log(np.array(found.factors))
     evidence = Evidence(observation, sample, scales)
+    logs = roughly(evidence, scales)
+    found = Scales(scales, tuple(np.exp(logs)), tuple(np.exp(logs)))
     judge = _Judge(observation, evidence, found, logs, evidence.log_density(logs)[0])
     return tuple(judge.all())
 

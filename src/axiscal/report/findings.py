@@ -19,7 +19,7 @@ from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
 
-_OUTLIER = 4.0
+_OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
 _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
@@ -66,15 +66,18 @@ def _unobservable(calibration: Calibration) -> Iterator[Finding]:
 
 def _outliers(calibration: Calibration) -> Iterator[Finding]:
     doubted = {doubt.reading: doubt for doubt in calibration.doubts}
-    for index, (reading, innovation) in enumerate(zip(calibration.readings, calibration.innovations, strict=True)):
-        surprise = float(np.max(np.abs(innovation.value / innovation.std)))
+    surprises = [float(np.max(np.abs(each.value / each.std))) for each in calibration.innovations]
+    misfit = sum(size > _OUTLIER for size in surprises) > max(
+        2.0, _MANY * len(surprises)
+    )  # then it is not the readings
+    for index, (reading, surprise) in enumerate(zip(calibration.readings, surprises, strict=True)):
         doubt = doubted.get(index)
         if doubt is not None:
             fate = "it is not used" if doubt.rejected else f"it counts with weight {doubt.weight:.2g}"
             away = f"{doubt.surprise:.1f} standard deviations from what the other readings say"
             remedy = "take it again, or record it with --accept if it is right"
             yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}: {fate}; {remedy}.')
-        elif surprise > _OUTLIER and not reading.accepted:
+        elif surprise > _OUTLIER and not reading.accepted and not misfit:
             away = f"{surprise:.1f} standard deviations from what the readings before it predict"
             yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}; take it again.')
 
