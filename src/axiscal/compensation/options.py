@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 
 from axiscal.document import shown
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
 _LARGEST_MESH = 50
+_USUAL = "XYZABCUVWPQR"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,11 @@ class Options:
     mesh: int = 5
     flip: bool = False
     pivots: bool = False
+
+    def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
+        """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen."""
+        ordered = sorted((axis.name for axis in machine.axes), key=lambda name: (_USUAL.index(name[0]), name))
+        return {name: self.numbers.get(name, number) for number, name in enumerate(ordered, first)}
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):

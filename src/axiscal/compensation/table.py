@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.exceptions import TableError
+from axiscal.machine.names import AXIS_NAME
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
-
-_AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +41,7 @@ class CompensationTable:
     def __post_init__(self) -> None:
         object.__setattr__(self, "over", self.over or self.axis)
         for axis in (self.axis, self.over):
-            if not _AXIS.fullmatch(axis):
+            if not re.fullmatch(AXIS_NAME, axis):
                 raise TableError(f"{axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
         for name in ("positions", "forward", "reverse", "std"):
             values = np.array(getattr(self, name), dtype=np.float64)

@@ -12,9 +12,10 @@ from axiscal.exceptions import DescriptionError
 Kind = Literal["motion", "location", "reversal"]
 COMPONENTS = "XYZABC"
 
-_AXIS = r"[XYZUVWPQRABC][1-9]?"
-_MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{_AXIS})(?P<reversal>_reversal)?")
-_LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{_AXIS})\))(?P<axis>{_AXIS})")
+AXIS_NAME = r"[XYZUVWPQRABC][1-9]?"
+"""Pattern of the name of an axis (ISO 841), such as X, U2 or C."""
+_MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{AXIS_NAME})(?P<reversal>_reversal)?")
+_LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{AXIS_NAME})\))(?P<axis>{AXIS_NAME})")
 _REMEDY = "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal"
 
 

@@ -72,7 +72,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     machine, text = estimate.machine, options.template
     if text is None:
         raise TableError("FANUC files are made from one of your control", "give it: --template FILE")
-    plans = read_plans(text, options.template_name, axis_numbers(machine, options.numbers))
+    plans = read_plans(text, options.template_name, linear_numbers(machine, options))
     tables = [_table(estimate, name, plan) for name, plan in plans.items()]
     sign = -1 if options.flip else 1
     found = {t.axis: sign * entries(t, plans[t.axis]) for t in tables}
@@ -83,11 +83,9 @@ def make(estimate: Estimate, options: Options) -> Draft:
     return Draft({_FILE: filled}, held, wanted, resolution, tuple(tables), _HOLDS, _LEFT, _notes(plans), tried=False)
 
 
-def axis_numbers(machine: Machine, given: Mapping[str, int]) -> dict[str, int]:
-    """Return the controlled-axis number of each linear axis: 1, 2, … in the order X Y Z unless given."""
-    ordered = sorted((axis.name for axis in machine.axes), key=lambda n: ("XYZABCUVWPQR".index(n[0]), n))
-    numbers = {name: given.get(name, number) for number, name in enumerate(ordered, 1)}
-    return {name: number for name, number in numbers.items() if not machine.axis(name).rotary}
+def linear_numbers(machine: Machine, options: Options) -> dict[str, int]:
+    """Return the controlled-axis number of each linear axis."""
+    return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
 
 
 def read_plans(text: str, file: str, numbers: Mapping[str, int]) -> dict[str, Plan]:
@@ -152,7 +150,7 @@ def read(text: str, file: str, machine: Machine, options: Options) -> list[Looku
     """Return what the control makes of the file: entries add up from the reference point, times the magnification."""
     records = _records(text, file)
     lookups = []
-    for axis, plan in read_plans(text, file, axis_numbers(machine, options.numbers)).items():
+    for axis, plan in read_plans(text, file, linear_numbers(machine, options)).items():
         numbers = range(plan.first, plan.last + 1)
         steps = np.array([float(records[FIRST_DATA + n][0]) for n in numbers])
         sums = np.cumsum(steps)

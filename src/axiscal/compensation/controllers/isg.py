@@ -160,12 +160,10 @@ def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
 
 def list_file(machine: Machine, options: Options, name: str, kind: str) -> str:
     """Return the configuration of one compensation, as TF5280 has it."""
-    ordered = sorted((axis.name for axis in machine.axes), key="XYZABC".find)
-    numbers = {axis: options.numbers.get(axis, number) for number, axis in enumerate(ordered, 1)}
     workpiece = sum(axis.workpiece_side for axis in machine.axes)
     chain = "".join(axis.name for axis in machine.axes)
     negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
-    lines = [f"{axis} {number}" for axis, number in numbers.items()]
+    lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
     lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
     lines += ["interpolation GRID", f"file[0] {name}", f"file_format[0] {kind}"]
     return "\n".join(lines) + "\n"

@@ -51,7 +51,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     if options.unit != "mm":
         raise TableError("tables for SINUMERIK are written in mm and deg", "leave --unit out, and load them in metric")
     machine = estimate.machine
-    names = axis_names(machine, options.numbers)
+    names = axis_names(machine, options)
     grid = (_STEP, float(np.radians(1e-3)))
     own = axis_tables(estimate, options.spacing, POINTS, grid)
     over = tuple(t.averaged() for t in cross_tables(estimate, options.spacing, POINTS, _STEP))
@@ -62,10 +62,9 @@ def make(estimate: Estimate, options: Options) -> Draft:
     return Draft(files, held, wanted, resolution, (*own, *over), _HOLDS, _LEFT, _NOTES, tried=False)
 
 
-def axis_names(machine: Machine, numbers: Mapping[str, int]) -> dict[str, str]:
-    """Return the machine axis identifier of each axis: AX1, AX2, … in the order X Y Z A B C unless given."""
-    ordered = sorted((axis.name for axis in machine.axes), key=lambda n: ("XYZABCUVWPQR".index(n[0]), n))
-    found = {name: f"AX{numbers.get(name, number)}" for number, name in enumerate(ordered, 1)}
+def axis_names(machine: Machine, options: Options) -> dict[str, str]:
+    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
+    found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
     if len(set(found.values())) < len(found):
         raise TableError("two axes have the same number", f"Give each its own: {found}")
     return found

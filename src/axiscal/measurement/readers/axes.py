@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 
+from axiscal.machine.names import AXIS_NAME
 from axiscal.measurement.readers.table import ANGLES, LENGTHS, Row, Table
 
-_AXIS = re.compile(r"[XYZUVWPQRABC][1-9]?")
-_APPROACH = re.compile(r"([XYZUVWPQRABC][1-9]?)([+-])")
+_APPROACH = re.compile(f"({AXIS_NAME})([+-])")
 
 
 def axis_names(table: Table) -> tuple[str, ...]:
     """Return the axes that have a column, in the order of the header."""
-    return tuple(dict.fromkeys(column.stem for column in table.columns if _AXIS.fullmatch(column.stem)))
+    return tuple(dict.fromkeys(column.stem for column in table.columns if re.fullmatch(AXIS_NAME, column.stem)))
 
 
 def axis_layout(table: Table) -> dict[str, tuple[str, ...]]:

@@ -23,7 +23,6 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
-_ORDER = "XYZABCUVW"
 _HAL_FILE = "axiscal-cross.hal"
 _PIVOT_FILE = "axiscal-pivots.hal"
 _PIVOT_NOTE = (
@@ -43,7 +42,7 @@ _LEFT = (
 def make(estimate: Estimate, options: Options) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
-    joints = joint_numbers(machine, options.numbers)
+    joints = options.numbered(machine, first=0)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
     own = axis_tables(estimate, options.spacing, ROWS, anchored=False)
@@ -100,12 +99,6 @@ def control(machine: Machine, files: Mapping[str, str], joints: Mapping[str, int
         return np.stack([from_unit(t - s, u) for t, s, u in zip(told, shown.T, units, strict=True)], axis=1)
 
     return added
-
-
-def joint_numbers(machine: Machine, given: Mapping[str, int]) -> dict[str, int]:
-    """Return the joint of each axis: in the order X Y Z A B C U V W unless given."""
-    names = sorted((axis.name for axis in machine.axes), key=lambda name: (_ORDER + name).index(name))
-    return {name: given.get(name, number) for number, name in enumerate(names)}
 
 
 def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
