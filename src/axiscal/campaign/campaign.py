@@ -246,12 +246,7 @@ class Campaign:
     def adopt(self, readings: tuple[Reading, ...]) -> None:
         """Keep readings that were taken without being asked for, in one transaction."""
         self._refuse_finished()
-        self._append(
-            *(
-                Recorded(each.setup, each.pose, each.approach, each.value, each.std, each.accepted, each.others)
-                for each in readings
-            )
-        )
+        self._append(*(Recorded.of(reading) for reading in readings))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.

@@ -71,6 +71,18 @@ class Recorded:
     accepted: bool = False
     others: tuple[float, ...] = ()
 
+    @classmethod
+    def of(cls, reading: Reading) -> Recorded:
+        """Return the event that a reading is."""
+        r = reading
+        return cls(r.setup, r.pose, r.approach, r.value, r.std, r.accepted, r.others)
+
+    @property
+    def reading(self) -> Reading:
+        """The reading that was taken."""
+        place = (self.setup, self.position, self.approach)
+        return Reading(*place, self.value, self.std, accepted=self.accepted, others=self.others)
+
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
@@ -228,8 +240,7 @@ class _Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            place = (event.setup, event.position, event.approach)
-            self._readings.append(Reading(*place, event.value, event.std, None, event.accepted, event.others))
+            self._readings.append(event.reading)
         elif isinstance(event, Finished):
             self._finished = event.because
         elif self._pending is None:

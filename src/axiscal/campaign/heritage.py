@@ -18,7 +18,6 @@ def heritage_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    events = [Recorded(r.setup, r.pose, r.approach, r.value, r.std, r.accepted, r.others) for r in state.readings]
-    readings = [json.loads(encode(event)[1]) for event in events]
+    readings = [json.loads(encode(Recorded.of(reading))[1]) for reading in state.readings]
     document = {"created": json.loads(encode(created)[1]), "readings": readings}
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)

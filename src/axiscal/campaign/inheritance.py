@@ -40,12 +40,8 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         raise RecordError(f"the last campaign cannot be read: {error}", "Start the campaign anew") from None
     assert isinstance(created, Created)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    readings = [
-        Reading(e.setup, e.position, e.approach, e.value, e.std, None, e.accepted, e.others)
-        for e in events
-        if isinstance(e, Recorded)
-    ]
-    return campaign_from_texts(*texts, prior_text=created.prior_text), tuple(readings)
+    readings = tuple(event.reading for event in events if isinstance(event, Recorded))
+    return campaign_from_texts(*texts, prior_text=created.prior_text), readings
 
 
 def last_calibration(text: str) -> Calibration:
