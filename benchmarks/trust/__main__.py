@@ -28,7 +28,7 @@ _VIRTUAL = """
 ## Virtual machines
 Drawn from a prior, read with noise through their full non-linear kinematics, estimated. "Prior ×3" means that every
 stated standard deviation was three times the true one. Where the prior is wrong, `scales = "estimate"` was on; *said*
-is the share of machines (of the first hundred) whose report says that the prior or the curve does not fit.
+is the share of machines (of the first forty) whose report says that the prior or the curve does not fit.
 
 | machine | readings | prior | machines | curves | tool point | said |
 |---|---|---|---|---|---|---|
