@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment
 
 from axiscal.report import figures, gallery, whiskers, wording
-from axiscal.report.standalone import Drawings, inlined
+from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.report.summary import Summary
 
 _FILTERS = {
@@ -49,12 +49,6 @@ def render(summary: Summary) -> str:
 
 
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("axiscal.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(_FILTERS)
-    return environment
+    templates = environment("axiscal.report")
+    templates.filters.update(_FILTERS)
+    return templates

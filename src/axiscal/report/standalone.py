@@ -10,9 +10,21 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from axiscal.report.figures import Figure
+
+
+def environment(package: str) -> Environment:
+    """Return what renders the templates of a package: a name that has no value is a fault, and no value is markup."""
+    return Environment(
+        loader=PackageLoader(package),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
 
 
 def inlined() -> dict[str, Any]:

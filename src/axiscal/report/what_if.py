@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from axiscal.campaign.what_if import PLANNED, TRADITIONAL, Alternative
 from axiscal.report.figures import Figure, axis_style, layout
-from axiscal.report.standalone import Drawings, inlined
+from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.report.summary import numbers
 from axiscal.units import to_unit
 
@@ -15,15 +15,13 @@ _COLOURS = ("#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#
 
 def render(title: str, found: Sequence[Alternative]) -> str:
     """Return the page as self-contained HTML."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
     drawn = Drawings()
     number = drawn.add(figure(found))
-    loader = PackageLoader("axiscal.report")
-    page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     rows = [{"colour": colour(i, each), **table_row(each)} for i, each in enumerate(found)]
-    text: str = page.get_template("what_if.html").render(
-        title=title, rows=rows, figure=number, figures_json=drawn.json, **inlined()
+    text: str = (
+        environment("axiscal.report")
+        .get_template("what_if.html")
+        .render(title=title, rows=rows, figure=number, figures_json=drawn.json, **inlined())
     )
     return text
 

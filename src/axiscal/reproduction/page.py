@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
-from axiscal.report.standalone import Drawings, inlined
+from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.reproduction import figures
 from axiscal.reproduction.experiment import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, Experiment
 
@@ -33,15 +31,7 @@ def render(experiment: Experiment) -> str:
         "errors": experiment.squared_errors.mean(axis=0).tolist(),
         **inlined(),
     }
-    page: str = _environment().get_template("reproduce.html").render(values, figures_json=drawn.json)
-    return page
-
-
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("axiscal.reproduction"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    page: str = (
+        environment("axiscal.reproduction").get_template("reproduce.html").render(values, figures_json=drawn.json)
     )
+    return page
