@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.error_model import prior
 from axiscal.error_model.model import ErrorModel
-from axiscal.machine import Machine, builtin_names, load_machine
+from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
 from axiscal.numerics import Array
@@ -188,3 +188,18 @@ def test_every_kind_of_error_has_its_spline() -> None:
     assert list(kinds.values()) == [NaturalSpline, CyclicSpline, NaturalSpline, Constant, Constant, Constant]
     assert model.size == sum(f.basis.size for f in model.functions) == model.functions[-1].columns.stop
     assert model.prior_covariance().shape == (model.size, model.size)
+
+
+def test_a_straight_line_and_a_constant_on_the_same_knots_are_told_apart() -> None:
+    """Two knots and a constant span the same travel, but have two control values and one."""
+    text = """
+    chain = "w-b-X-t"
+    [axes.X]
+    travel = ["0 mm", "100 mm"]
+    [errors]
+    EXX = { std = "10 um", knots = 2 }
+    EXX_reversal = { std = "3 um" }
+    """
+    model = ErrorModel(machine_from_text(text, "two knots"))
+    row = model.rows(np.array([[0.025]]), np.array([[1.0]]))[0, 0]
+    assert row == pytest.approx([0.75, 0.25, 0.5])

@@ -23,6 +23,7 @@ from axiscal.machine.kinematics import Frames, SmallMotions, frames
 from axiscal.machine.names import Kind
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
+from axiscal.numerics.rigid import cross
 
 _REST_CELLS_PER_INTERVAL = 8
 
@@ -106,10 +107,10 @@ class ErrorModel:
         direction = nominal.rotations[function.axis][:, :, function.component % 3]
         if function.kind == "location" and not axis.rotary:
             travel = nominal.rotations[function.axis] @ np.array(axis.direction)
-            tilted: Array = np.cross(direction, travel) * poses[:, function.axis, None]
+            tilted: Array = cross(direction, travel) * poses[:, function.axis, None]
             return tilted
         if function.angular:
-            direction = np.cross(direction, nominal.tcp - nominal.origins[function.axis])
+            direction = cross(direction, nominal.tcp - nominal.origins[function.axis])
         lever: Array = axis.sign * direction
         return lever
 
@@ -149,9 +150,10 @@ class ErrorModel:
     @cached_property
     def _alike(self) -> tuple[tuple[int, ...], ...]:
         """Indices of functions that share axis and knots, so that their spline rows are computed once."""
-        groups: dict[tuple[int, bytes], list[int]] = {}
+        groups: dict[tuple[int, int, bytes], list[int]] = {}
         for i, function in enumerate(self.functions):
-            groups.setdefault((function.axis, function.basis.knots.tobytes()), []).append(i)
+            basis = function.basis
+            groups.setdefault((function.axis, basis.size, basis.knots.tobytes()), []).append(i)
         return tuple(tuple(group) for group in groups.values())
 
     def effects(self, levers: Array, approaches: Array) -> Array:

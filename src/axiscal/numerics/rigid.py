@@ -49,3 +49,9 @@ def skew(vector: Array) -> Array:
     x, y, z = vector.T
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+
+
+def cross(first: Array, second: Array) -> Array:
+    """Return first × second.  Both (..., 3), broadcast against each other; several times as fast as numpy's."""
+    (a, b, c), (x, y, z) = (np.moveaxis(vector, -1, 0) for vector in (first, second))
+    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
