@@ -72,14 +72,6 @@ def doubts(
     return tuple(found)
 
 
-def weights_of(found: Sequence[Doubt], count: int) -> Array:
-    """Return the weight of every reading, (count,)."""
-    weights = np.ones(count)
-    for doubt in found:
-        weights[doubt.reading] = doubt.weight
-    return weights
-
-
 def _left_out(covariance: Array, noise: Array, weights: Array, values: Array) -> Array:
     """Return how far each reading is from what the others predict, in units of the usual such distance but at least 1.
 
