@@ -15,6 +15,7 @@ from axiscal.campaign.problem import Problem
 from axiscal.cli.app import run
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
+from axiscal.report.curves import curves
 from axiscal.report.findings import findings
 from axiscal.simulation import Simulator
 
@@ -69,6 +70,14 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(see
 
 def test_readings_that_agree_are_all_believed() -> None:
     assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).doubts)
+
+
+def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
+    readings = _readings(1)
+    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
+    drawn = curves(_estimated(readings), readings, None)
+    assert {point.reading for curve in drawn for point in curve.points if point.rejected} == {8}
+    assert {point.reading for curve in drawn for point in curve.points if not point.rejected} >= {7, 9}
 
 
 def test_a_bad_reading_is_named_in_the_warnings() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -122,21 +123,25 @@ def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> l
     return result
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class _Part:
-    """One reading, with what the whole model leaves of it."""
+    """One reading, with what the whole model leaves of it.
 
-    def __init__(self, number: int, reading: Reading, row: Array, left: float, std: float) -> None:
-        self.number, self.reading, self.row, self.left, self.std = number, reading, row, left, std
+    row : (size,) of its first number; left : that number less what is expected of it; std : of its noise, m or rad
+    whole : variance that the priors of all errors give it together
+    """
 
-    def _share(self, function: ErrorFunction) -> float:
-        own = self.row[function.columns]
-        return float(own @ function.covariance @ own)
+    number: int
+    reading: Reading
+    row: Array
+    left: float
+    std: float
+    whole: float
+    rejected: bool
 
     def bears_on(self, function: ErrorFunction) -> bool:
         """Whether the reading was expected to depend on this error noticeably."""
-        return self._share(function) > _BEARS_ON * self.total
-
-    total: float = 0.0
+        return _share(self.row, function) > _BEARS_ON * self.whole
 
     def point(self, calibration: Calibration, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
@@ -151,16 +156,23 @@ class _Part:
             std=to_unit(self.std / abs(lever), unit),
             setup=self.reading.setup,
             reading=self.number,
+            rejected=self.rejected,
         )
 
 
 def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) -> list[_Part]:
+    functions, mean = calibration.problem.errors.functions, calibration.belief.mean
+    refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
     parts = []
-    for number, reading in enumerate(readings, start=1):
+    for index, reading in enumerate(readings):
         seen = calibration.rows_of(reading)
-        row = seen.rows[0]
-        std = float(np.sqrt(seen.variances[0]))
-        part = _Part(number, reading, row, float(seen.values[0] - row @ calibration.belief.mean), std)
-        part.total = sum(part._share(f) for f in calibration.problem.errors.functions)
-        parts.append(part)
+        row, std = seen.rows[0], float(np.sqrt(seen.variances[0]))
+        left, whole = float(seen.values[0] - row @ mean), sum(_share(row, function) for function in functions)
+        parts.append(_Part(index + 1, reading, row, left, std, whole, index in refused))
     return parts
+
+
+def _share(row: Array, function: ErrorFunction) -> float:
+    """Return the variance that the prior of one error gives to a reading."""
+    own = row[function.columns]
+    return float(own @ function.covariance @ own)
