@@ -51,7 +51,7 @@ def alternatives(
             alone = _alone(case, index, limits, candidates)
             found += [] if alone is None else [_of_plan(f"only {setup.name}", alone)]
     progress(TRADITIONAL)
-    return (*found, _traditional(case, len(best.readings)))
+    return (*found, traditional(case, len(best.readings)))
 
 
 def _alone(case: Problem, index: int, limits: Limits, candidates: int) -> Plan | None:
@@ -72,7 +72,7 @@ def _of_plan(name: str, plan: Plan) -> Alternative:
     )
 
 
-def _traditional(case: Problem, count: int) -> Alternative:
+def traditional(case: Problem, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
     calibration, visits = Calibration(case), list[Visit]()

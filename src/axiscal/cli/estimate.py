@@ -38,11 +38,12 @@ def estimate(
     from axiscal.campaign.placing import placed_readings
     from axiscal.cli.outputs import RECORD, write_outputs
     from axiscal.measurement.readers.files import read_any
+    from axiscal.report.assembly import Extras
 
     description = read_campaign(campaign, target_needed=False)
     raw = read_any(readings)
     placed = placed_readings(raw, description, readings)
-    extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else None
+    extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else Extras()
     out.mkdir(parents=True, exist_ok=True)
     with Campaign.create(out / RECORD, description) as opened:
         opened.adopt(placed)

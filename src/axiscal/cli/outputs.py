@@ -22,7 +22,7 @@ def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extra
     from axiscal.report.delivery import deliver
     from axiscal.report.summary import result_json
 
-    summary = deliver(campaign, calibration_of(campaign.engine), out, extras or Extras())
+    summary = deliver(campaign, calibration_of(campaign.engine), out, extras or Extras(compared=True))
     if as_json:
         say_document(result_json(summary))
         return

@@ -19,7 +19,7 @@ def run(
     campaign: CampaignFile,
     out: Out,
     source: Annotated[
-        str, typer.Option(metavar="SOURCE", help="sim, sim:SEED, truth:FILE.csv, csv:FILE or exec:COMMAND.")
+        str, typer.Option(metavar="SOURCE", help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND or linuxcnc.")
     ],
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
     timeout: Annotated[

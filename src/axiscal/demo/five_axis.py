@@ -50,7 +50,8 @@ def run_demo(
             planned((Place(first.setup, first.position, first.approach), *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
         calibration = calibration_of(campaign.engine)
-        return deliver(campaign, calibration, out, Extras(truth=truth, truth_check=truth_check(calibration, truth)))
+        extras = Extras(truth=truth, truth_check=truth_check(calibration, truth), compared=True)
+        return deliver(campaign, calibration, out, extras)
 
 
 def truth_check(calibration: Calibration, truth: VirtualMachine) -> TruthCheck:

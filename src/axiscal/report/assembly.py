@@ -12,6 +12,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.versions import versions
+from axiscal.campaign.what_if import traditional
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -27,6 +28,8 @@ from axiscal.units import to_unit
 class Extras:
     """What a campaign itself does not know: tables that were written, a truth that is known, a finished standard
     test.
+
+    compared : whether the traditional way, with as many readings, is drawn beside the accuracy
     """
 
     tables: Sequence[TableOffer] = ()
@@ -34,6 +37,7 @@ class Extras:
     truth_check: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     files: Sequence[str] = ()
+    compared: bool = False
 
 
 def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> Summary:
@@ -43,6 +47,10 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
     """
     problem, description = calibration.problem, campaign.description
     rows = _history(campaign, calibration)
+    if extras.compared:
+        usual = traditional(problem, len(campaign.state.readings)).rms
+        pairs = zip(rows, usual, strict=True)
+        rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
     target = description.target
     return Summary(
         title=f"Calibration of {description.machine.name}",
