@@ -13,7 +13,7 @@ help:
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make docs       make the generated pages of docs/ anew"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (a quarter of an hour)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (ten minutes)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"

@@ -1,4 +1,4 @@
-"""Write docs/trust.md: `python -m benchmarks.trust` (a quarter of an hour), with --machines 40 --learnt 10 a minute."""
+"""Write docs/trust.md: `python -m benchmarks.trust` (ten minutes), with --machines 40 --learnt 10 a minute."""
 
 from __future__ import annotations
 
