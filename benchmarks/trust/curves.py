@@ -1,7 +1,7 @@
 """Measured curves and maps as machines whose truth is known wherever it was measured.
 
-Each case states its prior in round figures, not fitted to the curve but not blind either: a std, smoothness over a part of
-the travel, the rest to be learnt.
+Each case states its prior in round figures, not fitted to the curve but not blind either: a std, smoothness over a
+part of the travel, the rest to be learnt.
 """
 
 from __future__ import annotations
