@@ -192,6 +192,24 @@ def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("next", "m.axiscal").status == 0
 
 
+def test_finishing_again_replaces_the_copy(started: Command) -> None:
+    assert started("finish", "m.axiscal", "--out", "r").status == 0
+    started("undo", "m.axiscal")
+    started("next", "m.axiscal")
+    started("record", "m.axiscal", "1 um")
+    assert started("finish", "m.axiscal", "--out", "r").status == 0
+    now = started("status", "m.axiscal", "--json").document
+    assert now["readings"] == started("status", "r/campaign.axiscal", "--json").document["readings"] == 1
+
+
+def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
+    Path("r").mkdir()
+    assert started("start", "c.toml", "r/campaign.axiscal").status == 0
+    started("finish", "m.axiscal", "--out", "r").refused("Another campaign's record")
+    assert [file.name for file in Path("r").glob("*.json")] == []
+    assert "Finished" not in started("status", "m.axiscal").out
+
+
 @pytest.mark.parametrize(
     "words",
     [

@@ -281,3 +281,46 @@ def test_the_end_can_be_taken_back(record: Record) -> None:
     record.append(Undone(3))
     assert record.state().finished is None
     assert len(record.state().readings) == 1
+
+
+def test_a_copy_takes_the_place_of_an_earlier_copy(record: Record, tmp_path: Path) -> None:
+    record.copy(tmp_path / "copy.axiscal")
+    record.append(recorded(1e-6), Finished("done"))
+    record.copy(tmp_path / "copy.axiscal")
+    with Record.open(tmp_path / "copy.axiscal", write=False) as copy:
+        assert copy.events() == record.events()
+    assert not list(tmp_path.glob(".*.new"))
+
+
+def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) -> None:
+    other = tmp_path / "other.axiscal"
+    with Record.create(other, Created("name = 'n'", "", "machine.toml", "campaign.toml", {})):
+        pass
+    (tmp_path / "text.axiscal").write_text("no record")
+    for name, why in (("other.axiscal", "Another campaign"), ("text.axiscal", "not a campaign record")):
+        before = (tmp_path / name).read_bytes()
+        with pytest.raises(RecordError, match=why):
+            record.copy(tmp_path / name)
+        assert (tmp_path / name).read_bytes() == before
+
+
+def test_a_copy_that_has_gone_on_by_itself_is_kept(record: Record, tmp_path: Path) -> None:
+    copy = tmp_path / "copy.axiscal"
+    record.copy(copy)
+    with Record.open(copy) as again:
+        again.append(recorded(2e-6))
+    with pytest.raises(RecordError, match="gone on by itself"):
+        record.copy(copy)
+
+
+def test_a_record_is_named_by_text_or_path(record: Record) -> None:
+    with Record.open(str(record.path)) as again:
+        assert again.path == record.path
+
+
+@pytest.mark.parametrize("write", [True, False])
+def test_reading_a_record_leaves_nothing_beside_it(record: Record, write: bool) -> None:
+    record.close()
+    with Record.open(record.path, write=write) as again:
+        again.events()
+    assert [file.name for file in record.path.parent.iterdir()] == ["trial.axiscal"]

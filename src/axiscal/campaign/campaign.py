@@ -86,7 +86,7 @@ class Campaign:
         self._absorbed: list[Reading] = []
 
     @classmethod
-    def create(cls, path: Path, description: CampaignDescription, build: Build = build) -> Self:
+    def create(cls, path: str | Path, description: CampaignDescription, build: Build = build) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         machine = description.machine
         sources = description.machine_source, description.source
@@ -94,7 +94,7 @@ class Campaign:
         return cls(Record.create(path, created), description, build)
 
     @classmethod
-    def open(cls, path: Path, build: Build = build, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, build: Build = build, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = Record.open(path, write=write)
         try:
@@ -279,8 +279,12 @@ class Campaign:
         return Request(asked.reading, setup, self.description.machine.axes, asked.position, asked.approach)
 
     def copy(self, path: Path) -> None:
-        """Write a copy of the record; raises RecordError if something is there already."""
+        """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
         self._record.copy(path)
+
+    def refuse_other(self, path: Path) -> None:
+        """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
+        self._record.refuse_other(path)
 
     def close(self) -> None:
         """Close the record."""

@@ -34,8 +34,9 @@ class Record:
         self._connection = connection
 
     @classmethod
-    def create(cls, path: Path, created: Created) -> Self:
+    def create(cls, path: str | Path, created: Created) -> Self:
         """Return a new record that holds the event `created`; the file appears whole or not at all."""
+        path = Path(path)
         refuse_existing(path)
         draft = path.with_name(f".{path.name}.{os.getpid()}.new")
         try:
@@ -49,14 +50,16 @@ class Record:
         return cls.open(path)
 
     @classmethod
-    def open(cls, path: Path, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, *, write: bool = True) -> Self:
         """Return an existing record, checked: its kind, its version, its pages."""
+        path = Path(path)
         _refuse_foreign(path)
-        mode = "rw" if write else "ro"
-        if not write and not os.access(path.parent, os.W_OK) and not any(side.exists() for side in _sidecars(path)):
+        lasting = os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)
+        mode = "rw" if write or lasting else "ro"  # who may write also clears away the write-ahead log on closing
+        if mode == "ro" and not os.access(path.parent, os.W_OK) and not any(side.exists() for side in _sidecars(path)):
             mode = "ro&immutable=1"  # a write-ahead log cannot be opened in a folder that is read-only
         with _told(path):
-            record = cls(path, _connect(f"file:{quote(str(path.absolute()))}?mode={mode}"))
+            record = cls(path, _connect(f"file:{quote(str(path.absolute()))}?mode={mode}", write))
             try:
                 record._check(write)
             except BaseException:
@@ -100,10 +103,36 @@ class Record:
             return fold(self.events())
 
     def copy(self, path: Path) -> None:
-        """Write a copy of the record to a file that is not there yet."""
-        refuse_existing(path)
-        with _told(path):
-            self._connection.execute("VACUUM INTO ?", (str(path),))
+        """Write a copy of the record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
+        if path.exists() and path.samefile(self.path):
+            return
+        self.refuse_other(path)
+        draft = path.with_name(f".{path.name}.{os.getpid()}.new")
+        try:
+            with _told(path):
+                self._connection.execute("VACUUM INTO ?", (str(draft),))
+                os.replace(draft, path)
+                _sync_folder(path.parent)
+        finally:
+            draft.unlink(missing_ok=True)
+
+    def refuse_other(self, path: Path) -> None:
+        """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
+        if not path.exists() or path.samefile(self.path):
+            return
+        remedy = "Name another folder, or move it away"
+        try:
+            with Record.open(path, write=False) as there:
+                kept = there.events()
+        except RecordError as failure:
+            raise RecordError(
+                f"A file with the name of the record is here already: {failure.what}", remedy, path
+            ) from None
+        own = self.events()
+        if kept[:1] != own[:1]:
+            raise RecordError("Another campaign's record is here already", remedy, path)
+        if kept != own[: len(kept)]:
+            raise RecordError("The copy that is here has gone on by itself", f"{remedy}; or go on with that one", path)
 
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
@@ -186,12 +215,14 @@ def _damaged(path: Path, detail: str) -> RecordError:
     )
 
 
-def _connect(address: str) -> sqlite3.Connection:
+def _connect(address: str, write: bool = True) -> sqlite3.Connection:
     connection = sqlite3.connect(address, uri=True, timeout=PATIENCE, isolation_level=None)
     try:
-        if "mode=ro" not in address:
+        if write:
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")
+        else:
+            connection.execute("PRAGMA query_only = ON")
     except BaseException:
         connection.close()
         raise
