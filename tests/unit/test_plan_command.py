@@ -93,3 +93,15 @@ def test_what_cannot_be_planned_is_said_in_one_paragraph(
     assert said in printed.err.replace("\n", " ")
     assert "Traceback" not in printed.err
     assert printed.out == ""
+
+
+def test_an_option_replaces_only_the_limit_that_it_names(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", str(campaign), "--target", "1 um", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["points"]) == 7
+    assert run(["plan", str(campaign), "--target", "1 um", "--readings", "3", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["points"]) == 3
+
+
+def test_an_unknown_control_is_refused_before_the_campaign_is_read(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", "nowhere.toml", "--gcode", "fanux"]) == 1
+    assert "Perhaps fanuc is meant" in " ".join(capsys.readouterr().err.split())

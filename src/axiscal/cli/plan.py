@@ -32,7 +32,7 @@ def plan(
 ) -> None:
     """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
 
-    Without limits the campaign's own target is planned for. Nothing is recorded.
+    The campaign's own target holds; each option replaces what it names. Nothing is recorded.
 
     \b
     Examples:
@@ -46,7 +46,10 @@ def plan(
     from axiscal.campaign.planning import whole_plan
     from axiscal.campaign.problem import Problem
     from axiscal.cli.printing import say, say_document, tell
+    from axiscal.gcode.registry import dialect
 
+    if gcode is not None:
+        dialect(gcode)
     case = Problem(read_campaign(campaign, target_needed=False))
     limits = _limits(case, readings, target, budget)
     if compare is not None:
@@ -67,18 +70,21 @@ def _limits(case: Problem, readings: int | None, target: str | None, budget: str
     from axiscal.exceptions import TargetError
     from axiscal.units import parse_quantity
 
-    if readings is None and target is None and budget is None:
-        own = case.description.target
-        if own.empty:
-            remedy = 'Say --readings 40, --target "2 um" or --budget "2 h", or give the campaign a target'
-            raise TargetError("nothing would ever end this plan", remedy)
-        return Limits(own.readings, own.rms, own.worst, own.budget)
+    own = case.description.target
+    if own.empty and readings is None and target is None and budget is None:
+        remedy = 'Say --readings 40, --target "2 um" or --budget "2 h", or give the campaign a target'
+        raise TargetError("nothing would ever end this plan", remedy)
     rms = None if target is None else parse_quantity(target, "length")
     seconds = None if budget is None else parse_quantity(budget, "time")
     for value, text in ((rms, target), (seconds, budget)):
         if value is not None and value <= 0:
             raise TargetError(f'"{text}" is not above zero', "Give an accuracy or a time above zero")
-    return Limits(readings, rms, None, seconds)
+    return Limits(
+        own.readings if readings is None else readings,
+        own.rms if rms is None else rms,
+        own.worst if rms is None else None,  # both are accuracies: a new one replaces both
+        own.budget if seconds is None else seconds,
+    )
 
 
 def _compared(case: Problem, limits: Limits, candidates: int, page: Path, as_json: bool) -> None:
