@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
@@ -151,6 +152,8 @@ class Calibration:
         surprise = Innovations(seen.values - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
         self._belief = belief.update(seen.rows, seen.values, seen.variances / weight)
+        if not self._problem.came_as_allowed(reading):
+            self._problem = replace(self._problem, both=self._problem.both | {reading.setup})
 
     def rows_of(self, reading: Reading) -> Seen:
         """Return what a reading sees, its variances and values."""

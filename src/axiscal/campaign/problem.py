@@ -18,12 +18,14 @@ from axiscal.error_model.volume import volume_moments
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.numerics import Array
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
+_MOSTLY = 0.5
 
 
 class Inherited(NamedTuple):
@@ -38,10 +40,12 @@ class Problem:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
 
     inherited : the prior of the errors where an earlier campaign left one
+    both : set-ups that were read from both sides, or from sides that nobody told, whatever their description allows
     """
 
     description: CampaignDescription
     inherited: Inherited | None = None
+    both: frozenset[str] = frozenset()
 
     @cached_property
     def variable(self) -> tuple[Scale, ...]:
@@ -103,10 +107,14 @@ class Problem:
 
     @cached_property
     def yardstick(self) -> Yardstick:
-        """The figures over the target's volume."""
+        """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
         box = self.description.target.volume
-        unseen = unseen_factor(self.prior.factor, self._allowed_rows())[: self.errors.size]
-        return Yardstick(self.errors, box, volume_moments(self.errors, box), unseen)
+        moments = volume_moments(self.errors, box)
+        factor = self.prior.factor
+        unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
+        before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
+        x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
+        return Yardstick(self.errors, box, moments, unseen, (x, y, z))
 
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
@@ -122,9 +130,19 @@ class Problem:
         """Return the index of a set-up by name; raises DescriptionError."""
         return self.description.setups.index(self.description.setup(setup))
 
+    def came_as_allowed(self, reading: Reading) -> bool:
+        """Whether the moving axes came from sides that the set-up allows."""
+        setup = self.description.setup(reading.setup)
+        sides = {"both": (1, -1), "+": (1,), "-": (-1,)}["both" if setup.name in self.both else setup.approach]
+        return all(reading.approach[k] in sides for k in setup.moves)
+
     def _allowed_rows(self) -> Array:
+        """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
+        setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
+        lattice = spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
         parts = []
-        for i in range(len(self.description.setups)):
-            seen = self.observation.rows(i, *self.lattice.of(i))
-            parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
+        for i, setup in enumerate(setups):
+            for direction in directions_of(setup):
+                seen = self.observation.rows(i, *lattice.of(i), direction)
+                parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
         return np.concatenate(parts)

@@ -1,8 +1,8 @@
 """How good the machine is known to be: the figures a campaign reports and stops by.
 
 The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
-C_∞. A constant shift of the TCP that lies in the second part is a matter of where the workpiece zero is set, and is
-not counted.
+C_∞. A constant shift of the TCP along a direction in which the second part holds most of it is a matter of where the
+workpiece zero is set: it is not counted, neither its unseen part nor what is left of the rest. Everything else is.
 """
 
 from __future__ import annotations
@@ -40,27 +40,30 @@ class Yardstick:
     """Measures a belief against the working volume.
 
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
+    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     """
 
     errors: ErrorModel
     box: Box
     moments: VolumeMoments
     unseen: Array
+    zeroed: tuple[bool, bool, bool] = (False, False, False)
+
+    @cached_property
+    def _shift(self) -> Array:
+        """E[H] in the directions in which the constant shift is not counted, else nought, (3, size)."""
+        shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
+        return shift
 
     @cached_property
     def root(self) -> Array:
-        """V (n, n) with E[HᵀH] = VᵀV."""
-        return criterion.volume_root(self.moments)
-
-    @cached_property
-    def _shift(self) -> float:
-        """Variance of the constant shift that no reading sees, m²."""
-        return float(np.sum((self.moments.mean @ self.unseen) ** 2))
+        """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
+        return criterion.weight_root(self.moments.weight - self._shift.T @ self._shift)
 
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(max(self._unseen_total - self._shift, 0.0)))
+        return float(np.sqrt(self._unseen_total))
 
     @cached_property
     def _unseen_total(self) -> float:
@@ -73,21 +76,19 @@ class Yardstick:
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
-        seen = total - self._unseen_total
-        variance = max(total - self._shift, 0.0) + self.moments.rest
-        worst = max(float(np.max(variances)), variance)
-        worst_seen = float(np.max(variances + self._hidden))
-        figures = variance, worst, max(seen, 0.0) + self.moments.rest, worst_seen
+        seen = max(total - self._unseen_total, 0.0)
+        worst = max(float(np.max(variances)), total + self.moments.rest)
+        worst_seen = float(np.max(variances - self._hidden))
+        figures = total + self.moments.rest, worst, seen + self.moments.rest, worst_seen
         return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
-        return float(np.sqrt(max(total - self._shift, 0.0) + self.moments.rest))
+        return float(np.sqrt(max(total, 0.0) + self.moments.rest))
 
     def worst_rows(self, belief: Belief) -> Array:
-        """Return H (3, size) at the pose where the TCP is known least."""
-        pose, approach = (x[self.variances(belief.factor).argmax()][None] for x in self._poses)
-        rows: Array = self.errors.rows(pose, approach)[0]
+        """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
+        rows: Array = self.rows[self.variances(belief.factor).argmax()]
         return rows
 
     @cached_property
@@ -101,28 +102,23 @@ class Yardstick:
 
     @cached_property
     def rows(self) -> Array:
-        """H at each pose of the yardstick, (m, 3, size)."""
-        return self.errors.rows(*self._poses)
-
-    @cached_property
-    def _here(self) -> Array:
-        """What no allowed reading sees, at each pose: (m, 3, r)."""
-        here = self.rows.reshape(-1, self.errors.size) @ self.unseen
-        return here.reshape(len(self.rows), 3, -1)
+        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size)."""
+        rows: Array = self.errors.rows(*self._poses) - self._shift
+        return rows
 
     @cached_property
     def _hidden(self) -> Array:
-        """What takes the unseen part, its constant shift not counted, off the variances, m²."""
-        centred: Array = np.sum((self._here - self.moments.mean @ self.unseen) ** 2, axis=(1, 2))
-        return -centred
+        """What no allowed reading sees of the variance at each pose, m²."""
+        here = self.rows.reshape(-1, self.errors.size) @ self.unseen
+        hidden: Array = np.sum(here**2, axis=1).reshape(-1, 3).sum(axis=1)
+        return hidden
 
     @cached_property
-    def _correction(self) -> Array:
-        """What the constant shift takes off the variance at each pose, and what the rest adds, m²."""
+    def _rests(self) -> Array:
+        """What the rests add to the variance at each pose, m²."""
         rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
-        added = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
-        result: Array = added - np.sum(self._here**2, axis=(1, 2)) - self._hidden
-        return result
+        added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
+        return added
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
@@ -130,5 +126,5 @@ class Yardstick:
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
             own = np.linalg.qr(own.T).R.T
         seen = self.rows.reshape(-1, self.errors.size) @ own
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._rests
         return spread
