@@ -18,8 +18,9 @@ from typing import IO, Any
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.wording import reading_unit
-from axiscal.units import dimension_of, from_unit
+from axiscal.units import dimension_of, format_quantity, from_unit
 
 TIMEOUT = 600.0
 """Seconds that a command may take over one reading."""
@@ -27,6 +28,8 @@ GRACE = 2.0
 """Seconds that a command has to end by itself when no more readings are wanted."""
 LONGEST = 100_000
 """Characters in one answer."""
+WIDEST = 1e6
+"""So many times larger or smaller than the noise of its set-up, a standard deviation is a slip."""
 
 _REMEDY = 'Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}'
 
@@ -123,7 +126,9 @@ class ExecSource:
 
     def _understood(self, line: str, request: Request) -> Answer | Skip:
         try:
-            answer = json.loads(line) if len(line) <= LONGEST else None
+            answer = json.loads(line, object_pairs_hook=_once_each) if len(line) <= LONGEST else None
+        except _TwiceError as twice:
+            raise self._failure(f"answered {_quoted(line)}, which gives {twice} twice", "Give each key once") from None
         except (ValueError, RecursionError):
             answer = None
         if not isinstance(answer, dict):
@@ -149,7 +154,14 @@ class ExecSource:
         std = self._number(answer["std"], unit, line)
         if std <= 0:
             raise self._failure(f"answered {_quoted(line)}, whose std is not positive", "Give a std above 0, or none")
+        self._refuse_implausible(std, line, request.setup)
         return Answer(value, std, tuple(others))
+
+    def _refuse_implausible(self, std: float, line: str, setup: Setup) -> None:
+        if not 1 / WIDEST <= std / setup.noise <= WIDEST:
+            noise = format_quantity(setup.noise, reading_unit(setup))
+            remedy = f"Give one within a factor of a million of the set-up's noise, {noise}, or none"
+            raise self._failure(f"answered {_quoted(line)}, whose std is not plausible", remedy)
 
     def _numbers(self, value: object, unit: str, line: str, count: int) -> list[float]:
         """Return the numbers of a reading: one, or a list of those along x, y and z."""
@@ -181,6 +193,19 @@ class ExecSource:
             remedy = 'Answer {"skip": "reason"} when there is no reading'
             raise self._failure(f"answered {_quoted(line)}, which is not a finite number", remedy)
         return value
+
+
+class _TwiceError(ValueError):
+    """A key that an object gives twice; its words are the key, quoted."""
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise _TwiceError(_quoted(json.dumps(key, ensure_ascii=False)))
+        found[key] = value
+    return found
 
 
 def _start(command: str) -> subprocess.Popen[str]:
