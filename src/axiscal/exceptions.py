@@ -21,6 +21,7 @@ class InputError(AxiscalError):
     """
 
     def __init__(self, what: str, remedy: str, file: str | Path | None = None, line: int | None = None) -> None:
+        remedy = _sentence(remedy)
         self.what, self.remedy, self.file, self.line = what, remedy, file, line
         place = "" if file is None else f"{file}: " if line is None else f"{file}, line {line}: "
         super().__init__(f"{place}{what.rstrip('.')}. {remedy.rstrip('.')}.")
@@ -30,6 +31,13 @@ class InputError(AxiscalError):
         placed = type(self).__new__(type(self))
         InputError.__init__(placed, self.what, self.remedy, file, line)
         return placed
+
+
+def _sentence(text: str) -> str:
+    """Return a text that begins with a capital, unless it begins with a name such as axiscal or X_mm."""
+    first, _, rest = text.partition(" ")
+    is_word = first.rstrip(",:").isalpha() and first.islower() and first != "axiscal" and not rest.startswith("=")
+    return text[:1].upper() + text[1:] if is_word else text
 
 
 class UnitError(InputError):

@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.compensation.registry import CONTROLLERS
+from axiscal.report.delivery import write_whole
 
 MACHINE = """name = "Bench"
 chain = "w-X'-b-Y-Z-t"
@@ -62,7 +63,7 @@ def test_files_are_written_with_a_note(
         (["--to", "linuxcnc", "--number", "X:1"], "is not AXIS=N"),
         (["--to", "klipper", "--name", "a\nG28"], "is not a name for a table"),
         (["--to", "klipper", "--mesh", "1"], "Take 2 to 50"),
-        (["--to", "fanuc"], "give it: --template FILE"),
+        (["--to", "fanuc"], "Give it: --template FILE"),
     ],
 )
 def test_what_cannot_be_is_refused_before_writing(
@@ -91,3 +92,21 @@ def test_a_template_that_is_no_text_is_refused(
 def test_controllers_are_listed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["export", str(record), "--to", "list"]) == 0
     assert capsys.readouterr().out.split() == list(CONTROLLERS)
+
+
+def test_a_control_is_known_in_capitals_too(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["export", str(record), "--to", "CSV", "--out", str(tmp_path / "tables"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["controller"] == "csv"
+
+
+def test_a_folder_in_place_of_the_record_is_answered_with_the_record(
+    record: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["export", str(record.parent), "--to", "csv"]) == 1
+    assert str(record) in "".join(capsys.readouterr().err.split())
+
+
+def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="tables") as caught:
+        write_whole(tmp_path / "tables" / "X.csv", "")
+    assert caught.value.filename == str(tmp_path / "tables" / "X.csv")

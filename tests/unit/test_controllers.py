@@ -256,7 +256,7 @@ def test_fanuc_refuses_increments_that_do_not_fit() -> None:
     curve = np.array([0, 0, 20e-6, 20e-6])
     plan = fanuc.Plan(0, 0, 3, 1, 0.01)
     table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(4))
-    with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. magnification 3623 = 3 would fit"):
+    with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. Magnification 3623 = 3 would fit"):
         fanuc.entries(table, plan)
     fanuc.entries(table, replace(plan, magnification=3))
 
@@ -271,13 +271,13 @@ def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (None, "give it: --template FILE"),
+        (None, "Give it: --template FILE"),
         ("N10000P0;", "does not begin and end with %"),
         (FANUC.replace("N3624Q1A1P10000", "N3624Q1A4P10000"), "no parameters 3624 for X"),
         (FANUC.replace("N10015Q1P0;\n", ""), "there is no row N10015"),
         (FANUC.replace("N10015Q1P0;", "N10015 drop table"), "line 22: 'N10015 drop table' is not a record"),
         (FANUC.replace("N3622Q1A1P80", "N3622Q1A1P40"), "3621 = 10 and 3622 = 70 would cover it"),
-        (FANUC.replace("A1P20", "A1P200"), "the reference point lies between"),
+        (FANUC.replace("A1P20", "A1P200"), "The reference point lies between"),
     ],
 )
 def test_a_fanuc_template_that_is_not_one_is_refused(text: str | None, message: str) -> None:
@@ -288,12 +288,12 @@ def test_a_fanuc_template_that_is_not_one_is_refused(text: str | None, message: 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (None, "give it: --template FILE"),
+        (None, "Give it: --template FILE"),
         ("hello", "this is not a .COM table"),
         (COM.replace("AXISPOS", "POS"), "line 2: the column heads are"),
         (COM.replace("1          0.0000", "1          zero"), "line 4: .* does not fit the column heads"),
         (COM.replace("0.0000", "0.0"), "the values have 1 decimals"),
-        (NARROW, "too narrow for .* widen them up to BACKLASH"),
+        (NARROW, "too narrow for .* Widen them up to BACKLASH"),
     ],
 )
 def test_a_heidenhain_template_that_is_not_one_is_refused(text: str | None, message: str) -> None:

@@ -168,7 +168,7 @@ def test_an_entry_that_cannot_have_been_written_is_damage(record: Record, kind: 
 def test_a_missing_record_and_a_folder_are_told_apart(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match="no such record"):
         Record.open(tmp_path / "none.axiscal")
-    with pytest.raises(RecordError, match="cannot be opened"):
+    with pytest.raises(RecordError, match="This is a folder"):
         Record.open(tmp_path)
 
 

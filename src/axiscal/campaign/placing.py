@@ -54,11 +54,15 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
     return tuple(approach.get(axis.name, 0) for axis in machine.axes)
 
 
+def _noun(dimension: str) -> str:
+    return "an angle" if dimension == "angle" else f"a {dimension}"
+
+
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = _setup_of(row, campaign)
     reads = INSTRUMENTS[setup.instrument].reads
     if row.dimension != reads:
-        what = f'the {setup.instrument} of the set-up "{setup.name}" reads a {reads}, not a {row.dimension}'
+        what = f'the {setup.instrument} of the set-up "{setup.name}" reads {_noun(reads)}, not {_noun(row.dimension)}'
         raise ReadingError(what, f"Give the value as value_{reading_unit(setup)}")
     _refuse_other_count(row, setup)
     position, approach = row.position, row.approach
@@ -130,7 +134,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
     if axis.name not in position:
         if moves:
             what = f'{axis.name} moves in the set-up "{setup.name}", and its position is not given'
-            raise ReadingError(what, f"Say where it stood, between {axis.travel_text}")
+            raise ReadingError(what, f"Say where it stood, anywhere from {axis.travel_text}")
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
     slack = 1e-9 * axis.length

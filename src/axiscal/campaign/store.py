@@ -197,6 +197,9 @@ def _refuse_foreign(path: Path) -> None:
             head = file.read(100)
     except FileNotFoundError:
         raise RecordError("There is no such record", "Start one with `axiscal start CAMPAIGN`", path) from None
+    except IsADirectoryError:
+        inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
+        raise RecordError("This is a folder", f"Name the record in it: {inside}", path) from None
     except OSError as error:
         raise RecordError(f"The record cannot be opened: {error.strerror}", "Name a file you may read", path) from error
     if head[:16] != b"SQLite format 3\0" or head[68:72] != APPLICATION_ID.to_bytes(4, "big"):

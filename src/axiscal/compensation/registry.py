@@ -28,7 +28,8 @@ CONTROLLERS = {
 
 def export(estimate: Estimate, controller: str, options: Options) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
-    return tried_out(controller, estimate, _maker(controller)(estimate, options))
+    name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
+    return tried_out(name, estimate, _maker(name)(estimate, options))
 
 
 def _maker(controller: str) -> Maker:

@@ -19,9 +19,10 @@ def controllers() -> tuple[str, ...]:
 
 def dialect(controller: str) -> Dialect:
     """Return the words of a control; raises ProgramError for one that is not known."""
-    if controller not in _DIALECTS:
+    name = controller.casefold()
+    if name not in _DIALECTS:
         near = nearest(controller, controllers())
         remedy = f"Perhaps {near} is meant" if near else f"Known are {', '.join(controllers())}"
         raise ProgramError(f"{shown(controller)} is not a controller that programs can be written for", remedy)
-    found: type[Dialect] = getattr(import_module(f"{_ROOM}.{controller}"), _DIALECTS[controller])
+    found: type[Dialect] = getattr(import_module(f"{_ROOM}.{name}"), _DIALECTS[name])
     return found()

@@ -35,10 +35,9 @@ class Machine:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
         names = [axis.name for axis in self.axes]
         if axis_name not in names:
-            raise DescriptionError(
-                f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}",
-                f"Its axes are {', '.join(names)}",
-            )
+            same = [name for name in names if name.casefold() == axis_name.casefold()]
+            hint = f"Perhaps {same[0]} is meant" if same else f"Its axes are {', '.join(names)}"
+            raise DescriptionError(f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}", hint)
         return names.index(axis_name)
 
     def axis(self, name: str) -> Axis:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from dataclasses import replace
@@ -91,5 +92,10 @@ def _poses(box: Box) -> Array:
 def write_whole(path: Path, text: str) -> None:
     """Write a file so that it is there whole or not at all; raises OSError."""
     draft = path.with_name(f".{path.name}.part")
-    draft.write_text(text, encoding="utf-8", newline="\n")
-    os.replace(draft, path)
+    try:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+        os.replace(draft, path)
+    except OSError as failure:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+        raise OSError(failure.errno, failure.strerror, str(path)) from None

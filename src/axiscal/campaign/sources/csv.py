@@ -102,7 +102,8 @@ class _Columns:
 def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
     reads = INSTRUMENTS[request.setup.instrument].reads
     if dimension_of(column.unit or "") != reads:
-        what = f"'{column.name}' is filled, but the {request.setup.instrument} reads a {reads}"
+        noun = "an angle" if reads == "angle" else "a length"
+        what = f"'{column.name}' is filled, but the {request.setup.instrument} reads {noun}"
         raise row.fail(what, f"Give the value as value_{reading_unit(request.setup)}")
 
 

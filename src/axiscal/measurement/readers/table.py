@@ -120,6 +120,11 @@ class Table:
         if layout.get(column.stem):
             fault = "has no unit" if column.unit is None else "has a unit of the wrong kind"
             return self.fail(f"column '{column.name}' {fault}", "it can be " + ", ".join(spelt[column.stem]))
+        stem, _, unit = column.name.rpartition("_")
+        if layout.get(stem) and unit.lower() in {"in", "inch", "inches"}:
+            return self.fail(
+                f"column '{column.name}' is in inches", f"inches are not read here; write {spelt[stem][0]}"
+            )
         known = [name for names in spelt.values() for name in names]
         near = [name for name in known if name.lower() == column.name.lower()]
         near = near or difflib.get_close_matches(column.name, known, n=1)
