@@ -49,6 +49,9 @@ class Known:
     def worst_seen(self) -> float:
         return self.worst
 
+    def attainable(self, target: float) -> float:
+        return target
+
 
 @dataclass
 class CountingEngine:
@@ -64,7 +67,7 @@ class CountingEngine:
         rms = 10e-6 / (1 + len(self.read))
         return Known(rms, 2 * rms)
 
-    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> list[Place]:
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> list[Place]:
         taken = {reading.pose[0] for reading in self.read} | {gap.asked.position[0] for gap in gaps}
         free = [0.01 * n for n in range(61) if 0.01 * n not in taken]
         return [Place("laser along X", (x, 0.2, 0.2), (1, 0, 0)) for x in free]

@@ -16,13 +16,17 @@ from axiscal.campaign.problem import Problem
 from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
-from axiscal.inference.doubt import FEWEST, Doubt, doubts
+from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, doubts
 from axiscal.inference.fit import Fit, fit
+from axiscal.inference.plausibility import Plausibility, nearest_first
 from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
 
 _GROWTH = 1.34
 _ROUNDS = 12
+_LEARNABLE = 4.0
+"""So many times larger than stated an error may be where its std is to be learnt."""
+_TRIMMED = 0.1
 
 
 def calibration_of(engine: Engine) -> Calibration:
@@ -70,8 +74,9 @@ class Calibration:
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """The readings that the others do not believe."""
-        return self._settled()._doubts
+        """The readings that are not believed: first the implausible ones, then those that the others contradict."""
+        settled = self._settled()
+        return (*settled._implausible.values(), *settled._doubts)
 
     @property
     def fit(self) -> Fit | None:
@@ -99,6 +104,15 @@ class Calibration:
         self._problem, self._observation, self._belief = problem, problem.observation, problem.prior
         self._innovations: list[Innovations] = []
         self._accuracy: Accuracy | None = None
+        self._plausibility = self._fresh_plausibility()
+        self._implausible: dict[int, Doubt] = {}
+
+    def _fresh_plausibility(self) -> Plausibility:
+        stated, observation = self.stated, self._problem.observation
+        inherited = stated.inherited
+        mean = np.zeros(stated.errors.size) if inherited is None else inherited.mean
+        slack = _LEARNABLE if stated.description.scales_estimated else 1.0
+        return Plausibility(observation, stated.errors.prior_covariance(), mean, slack)
 
     def _settled(self) -> Calibration:
         due = self._due()
@@ -106,9 +120,29 @@ class Calibration:
             self._learnt_from = due
             self._learn(self._readings[:due])
             self._locate()
+        self._take_all()
+        return self
+
+    def _take_all(self) -> None:
+        self._judge()
         for index in range(len(self._innovations), len(self._readings)):
             self._take(index)
-        return self
+
+    def _judge(self) -> None:
+        """Find the implausible among new readings: as they come, or, if they are all there, the nearest first."""
+        judged, start = self._plausibility, len(self._plausibility.sizes)
+        if self._whole == len(self._readings) and start == 0:
+            order = nearest_first(self._readings)
+            sizes = [judged.take(self._readings[index]) for index in order]
+            self._note({i: size for i, size in sorted(zip(order, sizes, strict=True)) if size > judged.limit})
+        for index in range(len(judged.sizes), len(self._readings)):
+            size = judged.take(self._readings[index])
+            self._note({index: size} if size > judged.limit else {})
+
+    def _note(self, sizes: dict[int, float]) -> None:
+        for index, size in sizes.items():
+            if not self._readings[index].accepted:
+                self._implausible[index] = Doubt(index, size, NOTHING, True)
 
     def _due(self) -> int:
         """Return how many readings the scales are to be learnt from."""
@@ -121,20 +155,24 @@ class Calibration:
 
     def _learn(self, readings: Sequence[Reading]) -> None:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
-        self._doubts, problem = doubts(self.stated.observation, readings, self.stated.inherited), self.stated
-        if self.stated.variable and len(readings) >= FEWEST:
-            trusted = [r for i, r in enumerate(readings) if i not in {doubt.reading for doubt in self._doubts}]
-            self._fit = fit(self.stated.observation, trusted, self.stated.variable)
-            problem = self.stated.rescaled(self._fit.scales)
-            self._doubts = doubts(problem.observation, readings)
+        self._start(self.stated)
+        self._judge()
+        kept = [index for index in range(len(readings)) if index not in self._implausible]
+        believed, problem = [readings[index] for index in kept], self.stated
+        found = doubts(problem.observation, believed, problem.inherited)
+        if problem.variable and len(believed) >= FEWEST:
+            trusted = [r for i, r in enumerate(believed) if i not in {doubt.reading for doubt in found}]
+            self._fit = fit(problem.observation, trusted, problem.variable)
+            problem = problem.rescaled(self._fit.scales)
+            found = doubts(problem.observation, believed)
+        self._doubts = tuple(doubt._replace(reading=kept[doubt.reading]) for doubt in found)
         self._start(problem)
 
     def _locate(self) -> None:
         """Take all readings, and again about the places of stations that they show, until these stay."""
         for _ in range(_ROUNDS):
             problem = self._problem
-            for index in range(len(self._innovations), len(self._readings)):
-                self._take(index)
+            self._take_all()
             located = problem.located(self._belief.mean)
             if located is None:
                 return
@@ -151,9 +189,22 @@ class Calibration:
         expected = belief.predict(seen.rows)
         surprise = Innovations(seen.values - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
-        self._belief = belief.update(seen.rows, seen.values, seen.variances / weight)
+        implausible = index in self._implausible  # no weight is small enough for a value of any size
+        self._belief = belief if implausible else belief.update(seen.rows, seen.values, seen.variances / weight)
         if not self._problem.came_as_allowed(reading):
             self._problem = replace(self._problem, both=self._problem.both | {reading.setup})
+
+    def misfit(self) -> float:
+        """Return how many times as much as the model says the readings scatter about their predictions.
+
+        The root mean square of the standardised innovations without the largest tenth; implausible readings apart.
+        """
+        settled = self._settled()
+        believed = [each for i, each in enumerate(settled._innovations) if i not in settled._implausible]
+        if len(believed) < FEWEST:
+            return 1.0
+        sizes = np.sort([np.sqrt(each.chi_square / each.degrees) for each in believed])
+        return float(np.sqrt(np.mean(sizes[: len(sizes) - ceil(_TRIMMED * len(sizes))] ** 2)))
 
     def rows_of(self, reading: Reading) -> Seen:
         """Return what a reading sees, its variances and values."""
@@ -172,11 +223,11 @@ class Calibration:
         problem = settled._problem
         return Estimate(problem.errors, settled._belief, problem.description.target.volume)
 
-    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> tuple[Place, ...]:
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place] = ()) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way."""
         settled = self._settled()
         known = settled._problem, settled._observation, settled._belief
-        return planned_places(*known, gaps, visits, self.elapsed(visits))
+        return planned_places(*known, gaps, visits, self.elapsed(visits), left)
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

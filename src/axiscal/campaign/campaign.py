@@ -146,9 +146,11 @@ class Campaign:
         return asked
 
     def prepared(self) -> tuple[Place, ...]:
-        """Return the readings to come; they are planned, and the plan is kept, if there are none yet."""
-        if not self.state.plan:
-            places = tuple(self.engine.plan(self.state.skipped, self._visits()))
+        """Return the readings to come; they are planned, and the plan is kept, if there are none yet, or one could not
+        be taken.
+        """
+        if self.state.renew or not self.state.plan:
+            places = tuple(self.engine.plan(self.state.skipped, self._visits(), self.state.plan))
             if places:
                 self._append(Planned(places))
         return self.state.plan
@@ -223,10 +225,14 @@ class Campaign:
         if target.readings is not None and len(self.state.readings) >= target.readings:
             count = len(self.state.readings)
             return f"{count} reading{'' if count == 1 else 's'} taken"
-        if target.rms is not None and (known := self.engine.accuracy()).seen <= target.rms:
-            return "rms target reached" + _unless_hidden(known.rms, target.rms)
-        if target.worst is not None and (known := self.engine.accuracy()).worst_seen <= target.worst:
-            return "worst target reached" + _unless_hidden(known.worst, target.worst)
+        if target.rms is not None:
+            known = self.engine.accuracy()
+            if known.seen <= known.attainable(target.rms):
+                return "rms target reached" + _unless_hidden(known.rms, target.rms)
+        if target.worst is not None:
+            known = self.engine.accuracy()
+            if known.worst_seen <= known.attainable(target.worst):
+                return "worst target reached" + _unless_hidden(known.worst, target.worst)
         return _BUDGET if self._over_budget(self._seconds()) else None
 
     def status(self) -> Status:
@@ -341,7 +347,7 @@ def _unless_hidden(whole: float, target: float) -> str:
     """Say by how much the target is missed because of what no allowed reading can see."""
     if whole <= target:
         return ""
-    return f" in what the set-ups can see; with what they cannot see it is {to_unit(whole, 'um'):.3g} um"
+    return f" in what readings can tell; with what they cannot tell it is {to_unit(whole, 'um'):.3g} um"
 
 
 def _description(record: Record) -> CampaignDescription:

@@ -40,6 +40,9 @@ class Known(Protocol):
     def worst_seen(self) -> float:
         """The largest without what no allowed reading can see."""
 
+    def attainable(self, target: float) -> float:
+        """Return the target that readings can be held to, whatever no spline follows."""
+
 
 class Engine(Protocol):
     """The belief of one campaign and the planner that looks at it. It is fed the readings in their order."""
@@ -50,8 +53,11 @@ class Engine(Protocol):
     def accuracy(self) -> Known:
         """Return how well the machine is known now."""
 
-    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit]) -> Sequence[Place]:
-        """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure."""
+    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> Sequence[Place]:
+        """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure.
+
+        left : of an earlier plan, to begin with
+        """
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

@@ -157,6 +157,7 @@ class State:
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
     plan : places that have been planned and not been asked for yet
+    renew : whether the plan is to be made anew, because a place could not be read
     undo : what can be taken back, the latest last
     last : number of the last event
     """
@@ -167,6 +168,7 @@ class State:
     pending: Asked | None = None
     finished: str | None = None
     plan: tuple[Place, ...] = ()
+    renew: bool = False
     undo: tuple[Step, ...] = ()
     last: int = 0
 
@@ -193,6 +195,7 @@ class _Folding:
         self._pending: Asked | None = None
         self._finished: str | None = None
         self._plan: list[Place] = []
+        self._renew = False
         self._undo: list[Step] = []
         self._last = 0
 
@@ -204,6 +207,7 @@ class _Folding:
             self._pending,
             self._finished,
             tuple(self._plan),
+            self._renew,
             tuple(self._undo),
             self._last,
         )
@@ -214,7 +218,7 @@ class _Folding:
         if isinstance(event, Created):
             self._created = event
         elif isinstance(event, Planned):
-            self._plan = list(event.places)
+            self._plan, self._renew = list(event.places), False
         elif isinstance(event, Asked):
             self._ask(event)
         elif isinstance(event, Undone):
@@ -248,7 +252,7 @@ class _Folding:
         else:
             gap = Gap(self._pending, event.reason)
             self._skipped.append(gap)
-            self._plan = [place for place in self._plan if not gap.holds(place)]
+            self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
 
     def _take_back(self, event: Undone) -> None:

@@ -39,18 +39,21 @@ def planned_places(
     gaps: Sequence[Gap],
     visits: Sequence[Visit],
     seconds: float,
+    left: Sequence[Place] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
 
     gaps : places that could not be read, which are planned around; visits, seconds : so far
+    left : of an earlier plan, to begin with
     """
     problem = posed(case, observation, belief, gaps, visits)
     limits = limits_left(case.description.target, len(visits), seconds)
     if not len(problem.lattice):
         return ()
-    patience = _patience(problem.observation)
+    patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
+    begin = [Point(case.index(p.setup), np.array(p.position), np.array(p.approach, dtype=float)) for p in left] or None
     try:
-        plan = make_plan(problem, limits, patience=patience, bounded=False)
+        plan = make_plan(problem, limits, patience=patience, bounded=False, begin=begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
     return tuple(place for place in placed(case, plan) if not _in_gap(case, place, gaps))

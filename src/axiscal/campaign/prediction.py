@@ -42,15 +42,23 @@ def predict_poses(calibration: Calibration, wanted: Sequence[RawPose], file: Pat
 
 
 def tcp_prediction(calibration: Calibration, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m.  poses, approaches : (m,
-    q).
+    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m.
+
+    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
     """
-    errors = calibration.problem.errors
-    rows = errors.rows(poses, approaches)
-    known = np.sum((rows @ calibration.belief.factor[: errors.size]) ** 2, axis=2)
+    errors, belief = calibration.problem.errors, calibration.belief
+    rows, levers = errors.rows(poses, approaches), errors.levers(poses)
+    known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
     rests = np.array([function.rest for function in errors.functions])
-    loose = np.sum((errors.levers(poses) * rests[:, None, None]) ** 2, axis=0)
-    return rows @ calibration.belief.mean[: errors.size], np.sqrt(known + loose)
+    loose = np.sum((levers * rests[:, None, None]) ** 2, axis=0)
+    for function, lever in zip(errors.functions, levers, strict=True):
+        if function.kind == "reversal":
+            basis = function.basis.rows(poses[:, function.axis])
+            square = (basis @ belief.mean[function.columns]) ** 2
+            square += np.sum((basis @ belief.factor[function.columns]) ** 2, axis=1)
+            open_side = approaches[:, function.axis] == 0
+            loose += np.where(open_side, square / 4, 0.0)[:, None] * lever**2
+    return rows @ belief.mean[: errors.size], np.sqrt(known + loose)
 
 
 def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:

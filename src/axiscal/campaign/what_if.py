@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.planning import whole_plan
@@ -75,13 +77,17 @@ def _of_plan(name: str, plan: Plan) -> Alternative:
 def traditional(case: Problem, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
-    calibration, visits = Calibration(case), list[Visit]()
-    known, seconds = [calibration.accuracy()], [0.0]
+    observation, belief, visits = case.observation, case.prior, list[Visit]()
+    known, seconds = [case.yardstick.measure(belief)], [0.0]
     for reading in readings:
-        calibration.absorb(reading)
+        wider = observation.visited(np.array(reading.pose), case.index(reading.setup))
+        belief = belief.extended(observation.rest_variances(wider))
+        observation = wider
+        seen = observation.reading(reading)
+        belief = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances)
         visits.append(Visit(reading.setup, reading.pose))
-        known.append(calibration.accuracy())
-        seconds.append(calibration.elapsed(visits))
+        known.append(case.yardstick.measure(belief))
+        seconds.append(Calibration(case).elapsed(visits))
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)
     return Alternative(TRADITIONAL, tuple(seconds), rms, worst)
 

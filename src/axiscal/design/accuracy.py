@@ -21,18 +21,27 @@ from axiscal.error_model.volume import Box, VolumeMoments
 from axiscal.numerics import Array
 
 _INNER_POINTS = 400
+_REST_SHARE = 0.7
 
 
 class Accuracy(NamedTuple):
     """What is known of the TCP over the volume, all in m.
 
     rms, worst : RMS and largest standard deviation; seen, worst_seen : the same without what no allowed reading sees
+    rest : RMS of what no spline follows, which readings cannot reduce; it is part of all the others
     """
 
     rms: float
     worst: float
     seen: float
     worst_seen: float
+    rest: float = 0.0
+
+    def attainable(self, target: float) -> float:
+        """Return the target that the readings can be held to: one that the rests alone (nearly) use up is widened by
+        them, or no reading would ever end the campaign.
+        """
+        return target if self.rest <= _REST_SHARE * target else float(np.hypot(target, self.rest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +88,7 @@ class Yardstick:
         seen = max(total - self._unseen_total, 0.0)
         worst = max(float(np.max(variances)), total + self.moments.rest)
         worst_seen = float(np.max(variances - self._hidden))
-        figures = total + self.moments.rest, worst, seen + self.moments.rest, worst_seen
+        figures = total + self.moments.rest, worst, seen + self.moments.rest, worst_seen, self.moments.rest
         return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
     def rms_of(self, total: float) -> float:

@@ -54,8 +54,8 @@ class Limits:
 
     def met(self, accuracy: Accuracy) -> bool:
         """Return whether the accuracy asked for is reached, as far as readings can tell it."""
-        fine = self.rms is not None and accuracy.seen <= self.rms
-        return fine or (self.worst is not None and accuracy.worst_seen <= self.worst)
+        fine = self.rms is not None and accuracy.seen <= accuracy.attainable(self.rms)
+        return fine or (self.worst is not None and accuracy.worst_seen <= accuracy.attainable(self.worst))
 
     @property
     def accurate(self) -> bool:
