@@ -415,6 +415,7 @@ def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> No
     rows = [f"{x},{s},{run},{0.01 * x + run}" for run in (1, 2) for s in "+-" for x in (0, 50, 100)]
     (tmp_path / "iso.csv").write_text("\n".join(["target_mm,direction,run,deviation_um", *rows]))
     assert axiscal("estimate", "c.toml", "iso.csv", "--out", "d", "--json").document["readings"] == 12
+    axiscal("estimate", "c.toml", "iso.csv", "--out", "d").refused("Name another --out, or remove it")
     figures = axiscal("iso230", "iso.csv", "--json").document
     assert (figures["schema"], figures["E"]) == ("axiscal-iso230/1", pytest.approx(1.0))
     text = axiscal("iso230", "iso.csv").out

@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.error_model.gauge import Hidden, hidden, machine_check, unseen_factor
 from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.undescribed import undescribed
 from axiscal.machine import Machine, builtin_names, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
@@ -185,3 +186,18 @@ def test_the_whole_of_what_moves_the_tool_point_is_accounted_for() -> None:
     deviations = np.einsum("mci,id->mcd", rows, drawn)
     spread = np.sqrt(np.mean(np.sum((deviations - deviations.mean(axis=0)) ** 2, axis=1)))
     assert np.sqrt(sum(one.effect**2 for one in found)) == pytest.approx(spread, rel=0.06)
+
+
+def test_what_is_not_described_is_named() -> None:
+    assert undescribed(load_machine("three-axis-mill")) is None
+    assert undescribed(load_machine("one-axis")) == "Not described, taken as zero: EYX, EZX, EAX, EBX, ECX."
+    mill = load_machine("three-axis-mill")
+    fewer = replace(mill, errors=tuple(e for e in mill.errors if e.name[-1] != "Z" or e.name == "EZZ_reversal"))
+    fewer = replace(fewer, errors=tuple(e for e in fewer.errors if e.name != "EAX"))
+    assert undescribed(fewer) == "Not described, taken as zero: EAX, all six of Z, B0Z, A0Z."
+
+
+def test_the_squareness_of_either_axis_does() -> None:
+    mill = load_machine("three-axis-mill")
+    turned = tuple(replace(error, name="C0X") if error.name == "C0Y" else error for error in mill.errors)
+    assert undescribed(replace(mill, errors=turned)) is None

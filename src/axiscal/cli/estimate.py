@@ -37,6 +37,7 @@ def estimate(
     from axiscal.campaign.description import read_campaign
     from axiscal.campaign.placing import placed_readings
     from axiscal.cli.outputs import RECORD, write_outputs
+    from axiscal.exceptions import RecordError
     from axiscal.measurement.readers.files import read_any
     from axiscal.report.assembly import Extras
 
@@ -45,6 +46,8 @@ def estimate(
     placed = placed_readings(raw, description, readings)
     extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else Extras()
     out.mkdir(parents=True, exist_ok=True)
+    if (out / RECORD).exists():
+        raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     with Campaign.create(out / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")

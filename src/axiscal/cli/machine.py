@@ -59,10 +59,11 @@ def check(
       axiscal machine check machine.toml
     """
     from axiscal.error_model.gauge import machine_check
+    from axiscal.error_model.undescribed import undescribed
     from axiscal.machine import load_machine
 
     machine = load_machine(str(file))
-    hidden = machine_check(machine)
+    hidden, absent = machine_check(machine), undescribed(machine)
     if json:
         axes = [axis.name for axis in machine.axes]
         errors = [error.name for error in machine.errors]
@@ -72,7 +73,7 @@ def check(
                 "name": machine.name,
                 "axes": axes,
                 "errors": errors,
-                "observability": list(hidden),
+                "observability": [*hidden, *([absent] if absent else [])],
             }
         )
         return
@@ -83,3 +84,5 @@ def check(
     say("What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.")
     for sentence in hidden:
         say(f"- {sentence}")
+    if absent:
+        say(absent)

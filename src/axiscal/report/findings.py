@@ -10,6 +10,7 @@ from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.changes import changes
 from axiscal.campaign.problem import Problem
 from axiscal.error_model.iso230 import words
+from axiscal.error_model.undescribed import undescribed
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.drift import drift
 from axiscal.inference.judgement import Misfit, misfits
@@ -26,8 +27,9 @@ _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate
 
 
 def observability(problem: Problem) -> list[str]:
-    """Return what no allowed reading can see, in sentences."""
-    return [part.text for part in problem.hidden]
+    """Return what no allowed reading can see, in sentences, and what is not in the model at all."""
+    absent = undescribed(problem.description.machine)
+    return [*(part.text for part in problem.hidden), *([absent] if absent else [])]
 
 
 def residual_check(calibration: Calibration) -> ResidualCheck | None:
