@@ -13,6 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.problem import Problem
 from axiscal.cli.app import run
+from axiscal.inference.plausibility import slip
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.report.curves import curves
@@ -46,11 +47,15 @@ def _readings(seed: int, count: int = 30) -> list[Reading]:
     return [taken((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
 
 
-def _estimated(readings: list[Reading]) -> Calibration:
+def _calibrated(readings: list[Reading]) -> Calibration:
     calibration = Calibration(Problem(_description()))
     for reading in readings:
         calibration.absorb(reading)
-    return calibration.concluded()
+    return calibration
+
+
+def _estimated(readings: list[Reading]) -> Calibration:
+    return _calibrated(readings).concluded()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -114,3 +119,54 @@ def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsy
         assert campaign.state.readings[-1].accepted
         last = len(campaign.state.readings) - 1
         assert last not in {doubt.reading for doubt in calibration_of(campaign.engine).doubts}
+
+
+def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
+    readings = _readings(1, 6)
+    readings[2] = replace(readings[2], value=2.5e-3)
+    for count in range(3, 7):
+        for calibration in (_calibrated(readings[:count]), _estimated(readings[:count])):
+            assert [(d.reading, d.weight < 1e-6, d.implausible) for d in calibration.doubts] == [(2, True, True)]
+            clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2])
+            size = clean.problem.errors.size
+            assert np.allclose(calibration.belief.mean[:size], clean.belief.mean[:size], atol=1e-9)
+
+
+def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
+    readings = _readings(1, 6)
+    readings[2] = replace(readings[2], value=2.5e-3, accepted=True)
+    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).doubts)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
+    large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
+    for calibration in (_calibrated(large), _estimated(large)):
+        assert not any(doubt.implausible for doubt in calibration.doubts)
+        assert calibration.misfit() < 5
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
+    large = [replace(reading, value=10 * reading.value) for reading in _readings(seed, 40)]
+    assert not any(doubt.implausible for doubt in _estimated(large).doubts)
+
+
+def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:
+    text = CAMPAIGN + 'unknowns = { zero = "1 mm" }\n'
+    description = campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    readings = _readings(4, 12)
+    readings[0] = replace(readings[0], value=readings[0].value + 2.5e-3)
+    readings[5] = replace(readings[5], value=readings[5].value - 1.3e-3)
+    calibration = Calibration(Problem(description))
+    for reading in readings:
+        calibration.absorb(reading)
+    assert sorted(d.reading for d in calibration.concluded().doubts if d.implausible) == [0, 5]
+
+
+@pytest.mark.parametrize(
+    ("size", "says"), [(30.0, "inches instead of mm"), (500.0, "mm instead of um"), (2e4, "inches instead of um")]
+)
+def test_the_slip_of_the_unit_is_guessed(size: float, says: str) -> None:
+    assert says in slip(size)
+    assert not slip(1e9)

@@ -2,8 +2,9 @@
 
 Without reading i the others predict it with mean and variance that follow from the inverse of the covariance K of all
 readings: t_i = [K⁻¹y]_i / √[K⁻¹]_ii (Rasmussen and Williams 2006, eq. 5.12). A reading that is surprising beside the
-scatter of all t is down-weighted by the Student-t of `FREEDOM` degrees, w = (ν+1)/(ν+t²); one that stands out is not
-used at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
+scatter of all t, which it may not widen itself, is down-weighted by the Student-t of `FREEDOM` degrees,
+w = (ν+1)/(ν+t²); one that stands out is not used at all. One after the other, the worst first, so that a bad reading
+does not cast doubt on its neighbours.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.inference.evidence import Evidence
 from axiscal.measurement.observation import Observation
@@ -26,14 +28,20 @@ NOTHING = 1e-9
 FEWEST = 5
 _MOST_PART = 0.2
 _ALIKE = 0.9
+_WIDENED = 1.25
+"""By so much a reading may widen the measure that it is held against."""
 
 
 class Doubt(NamedTuple):
-    """A reading that stands out: its index from 0, standard deviations from what the others predict, and its weight."""
+    """A reading that stands out: its index from 0, standard deviations from what the others predict, and its weight.
+
+    implausible : no error of about the stated size could make it; the standard deviations are then those of the prior
+    """
 
     reading: int
     surprise: float
     weight: float
+    implausible: bool = False
 
     @property
     def rejected(self) -> bool:
@@ -63,6 +71,8 @@ def doubts(
         np.maximum.at(surprise, evidence.reading, np.abs(distance))
         surprise[~free | (weights < 1.0)] = 0.0
         worst = int(np.argmax(surprise))
+        without = _WIDENED * _usual_without(worst, evidence.reading, covariance, noise, weights, values)
+        surprise /= max(1.0, min(1.4826 * float(np.median(np.abs(distance))), without))
         size = float(surprise[worst])
         if size < SURPRISING or _has_twin(surprise, worst):
             break
@@ -73,16 +83,21 @@ def doubts(
 
 
 def _left_out(covariance: Array, noise: Array, weights: Array, values: Array) -> Array:
-    """Return how far each reading is from what the others predict, in units of the usual such distance but at least 1.
-
-    (m,), signed
-    """
+    """Return how far each reading is from what the others predict, in standard deviations, (m,), signed."""
     whole = covariance + np.diag(noise * (1.0 / weights - 1.0))
     inverse = np.linalg.inv(whole)
-    distance = (inverse @ values) / np.sqrt(np.diag(inverse))
-    usual = 1.4826 * float(np.median(np.abs(distance)))
-    scaled: Array = distance / max(1.0, usual)
-    return scaled
+    distance: Array = (inverse @ values) / np.sqrt(np.diag(inverse))
+    return distance
+
+
+def _usual_without(
+    worst: int, owners: NDArray[np.intp], covariance: Array, noise: Array, weights: Array, values: Array
+) -> float:
+    """Return the usual such distance where a reading is not used: the worst one must not widen its own measure."""
+    less = weights.copy()
+    less[worst] = NOTHING
+    distance = np.abs(_left_out(covariance, noise, less[owners], values))
+    return 1.4826 * float(np.median(distance[owners != worst]))
 
 
 def _has_twin(sizes: Array, worst: int) -> bool:
