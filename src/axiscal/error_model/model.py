@@ -98,9 +98,22 @@ class ErrorModel:
 
     def levers(self, poses: Array) -> Array:
         """Return the TCP deviation per unit of each function, (functions, m, 3), m or m/rad.  poses : (m, q)."""
-        nominal = frames(self.machine, poses)
         shape = (len(self.functions), len(poses), 3)
+        if self._unmoved is not None:
+            return np.broadcast_to(self._unmoved, shape)
+        nominal = frames(self.machine, poses)
         return np.array([self._lever(f, poses, nominal) for f in self.functions]).reshape(shape)
+
+    @cached_property
+    def _unmoved(self) -> Array | None:
+        """The levers (functions, 1, 3) where they are the same at every pose: displacements without rotary axes, the
+        paper's case.
+        """
+        if any(f.angular for f in self.functions) or any(axis.rotary for axis in self.machine.axes):
+            return None
+        pose = np.zeros((1, len(self.machine.axes)))
+        nominal = frames(self.machine, pose)
+        return np.array([self._lever(f, pose, nominal) for f in self.functions]).reshape(-1, 1, 3)
 
     def _lever(self, function: ErrorFunction, poses: Array, nominal: Frames) -> Array:
         axis = self.machine.axes[function.axis]
