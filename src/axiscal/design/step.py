@@ -20,6 +20,7 @@ from axiscal.design.scorer import Scorer
 from axiscal.design.stacked import adds_up, starts
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
+from axiscal.numerics.exact_step import gain_forms
 
 _APART = 0.12
 _STARTS = 16
@@ -142,6 +143,7 @@ def _finalists(climbs: list[Climb]) -> list[Climb]:
 def _step(climb: Climb) -> Step:
     best = int(climb.gains.argmax())
     pose, approach = climb.poses[best], climb.approaches[best]
-    seen = climb.scorer.observation.rows(climb.setup, pose[None], approach[None])
-    above, below = climb.scorer.forms(climb.setup, pose[None], approach[None])
+    scorer = climb.scorer
+    seen = scorer.observation.rows(climb.setup, pose[None], approach[None])
+    above, below = gain_forms(seen.rows, scorer.factor, scorer.weighted, seen.variances)
     return Step(climb.setup, pose, approach, float(above[0] / below[0]), float(seen.variances[0]), seen.rows[0])
