@@ -15,11 +15,12 @@ from axiscal.belief import Belief
 from axiscal.compensation.controllers import fanuc, heidenhain, isg, klipper, marlin, reprapfirmware, sinumerik
 from axiscal.compensation.controllers.linuxcnc import pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
-from axiscal.compensation.effect import Effect, effect_of_control
+from axiscal.compensation.effect import Effect, effect_of_control, rms, tour
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.offer import Draft, tried_out
 from axiscal.compensation.options import Options
 from axiscal.compensation.registry import CONTROLLERS, _maker, export
+from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
@@ -155,9 +156,40 @@ def test_the_note_says_what_is_left_and_who_has_tried(controller: str) -> None:
     estimate, made = draft(controller)
     readme = tried_out(controller, estimate, made).readme
     assert ("NOT VERIFIED ON A CONTROL" in readme) is not made.tried
-    assert re.search(r"from \d[\d.]* um RMS to \d[\d.e-]* um", readme)
+    assert re.search(r"from \d[\d.]* um RMS to \d[\d.e-]* um as estimated", readme)
     assert "Left out: " in readme
     assert all(text.isascii() for text in made.files.values())
+
+
+def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
+    """The mean square over machines drawn from the belief, each corrected as estimated, up to its one shift."""
+    estimate, _ = known("small")
+    offered = export(estimate, "csv", Options())
+    drawn = (
+        estimate.mean + np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
+    )
+    low, high = np.array(estimate.box).T
+    poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (400, 3)), estimate.box)
+    rows, added = estimate.model.rows(poses, approaches), offered.control(poses, approaches)
+    moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
+    left = [rms(rows @ machine + moved) ** 2 for machine in drawn]
+    assert np.sqrt(np.mean(left)) == pytest.approx(offered.expected, rel=0.05)
+    assert offered.unknown > 0
+
+
+def test_a_table_s_shape_is_known_without_its_zero() -> None:
+    """A constant that nothing shows makes every value uncertain, and the shape not at all."""
+    model = known("small")[0].model
+    prior, ones = model.prior_covariance(), np.zeros(model.size)
+    ones[model.names["EXX"].columns] = 1.0
+    estimates = [
+        Estimate(model, Belief(np.ones(model.size), c), whole_travel(model))
+        for c in (prior, prior + 1e-6 * np.outer(ones, ones))
+    ]
+    before, after = (axis_tables(e, anchored=False)[0] for e in estimates)
+    assert np.min(after.std) > 0.9e-3
+    assert after.shape_std == pytest.approx(before.shape_std, rel=1e-6)
+    assert 0 < before.shape_std <= np.max(before.std)
 
 
 @pytest.mark.parametrize("controller", ["sinumerik", "isg", "fanuc", "heidenhain"])

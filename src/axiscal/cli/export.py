@@ -123,6 +123,7 @@ def _document(offered: Export, out: Path) -> dict[str, object]:
         "readme": offered.readme,
         "rms_um_before": before,
         "rms_um_after": after,
+        "rms_um_expected": to_unit(offered.expected, "um"),
         "tables": [
             {
                 "axis": table.axis,
@@ -130,6 +131,7 @@ def _document(offered: Export, out: Path) -> dict[str, object]:
                 "points": len(table.positions),
                 "largest_departure": to_unit(table.departure, table.fine_unit),
                 "rms_std": to_unit(float((table.std**2).mean() ** 0.5), table.fine_unit),
+                "shape_std": to_unit(table.shape_std, table.fine_unit),
                 "unit": table.fine_unit,
                 "prior_only_points": int(table.prior_only.sum()),
             }

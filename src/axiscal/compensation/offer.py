@@ -13,7 +13,7 @@ from axiscal.compensation.options import Options
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
-from axiscal.units import format_quantity, to_unit
+from axiscal.units import format_quantity
 
 POSES = 1000
 _DEFECT = "do not load it: this is a defect of axiscal, please report it"
@@ -47,6 +47,7 @@ class Export:
     """Files that may be loaded.
 
     effect : of the estimated deviation over the volume; readme : the text that goes beside them
+    unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off
     """
 
     controller: str
@@ -54,7 +55,13 @@ class Export:
     tables: tuple[CompensationTable, ...]
     control: Control
     effect: Effect
+    unknown: float
     readme: str
+
+    @property
+    def expected(self) -> float:
+        """RMS of the TCP deviation that is to be expected with the files, m: what they leave, and what is not known."""
+        return float(np.hypot(self.effect.after, self.unknown))
 
 
 Maker = Callable[[Estimate, Options], Draft]
@@ -74,8 +81,32 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if effect.after > min(meant.after, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
-    readme = _readme(controller, draft, effect)
-    return Export(controller, draft.files, draft.tables, draft.control, effect, readme)
+    unknown = unknown_rms(estimate, poses, approaches)
+    readme = _readme(controller, draft, effect, unknown)
+    return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
+
+
+def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
+    """Return the RMS of the standard deviation of the TCP at poses (m, q), their common shift taken off, m.
+
+    Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests.
+    """
+    rows = estimate.model.rows(poses, approaches)
+    spread = (rows - rows.mean(axis=0)) @ estimate.factor
+    rests = np.array([f.rest / 2 if f.kind == "reversal" else f.rest for f in estimate.model.functions])
+    rest = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, rests**2)
+    return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
+
+
+def effect_sentence(effect: Effect, unknown: float) -> str:
+    """Say what files leave of the deviation as it is estimated, and what is to be expected with what is not known."""
+    before, after, expected = (
+        format_quantity(value, "um", 3) for value in (*effect, float(np.hypot(effect.after, unknown)))
+    )
+    return (
+        f"take the estimated TCP deviation over the volume from {before} RMS to {after} as estimated; with what is not "
+        f"known, {expected} RMS is to be expected."
+    )
 
 
 def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
@@ -101,13 +132,12 @@ def _poses(estimate: Estimate) -> Array:
     return spread
 
 
-def _readme(controller: str, draft: Draft, effect: Effect) -> str:
-    before, after = (format_quantity(value, "um", 3) for value in effect)
+def _readme(controller: str, draft: Draft, effect: Effect, unknown: float) -> str:
     lines = [
         f"Compensation for {controller}, made by axiscal.",
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
-        f"They take the estimated TCP deviation over the volume from {before} RMS to {after}.",
+        f"They {effect_sentence(effect, unknown)}",
         f"Left out: {draft.left_out}" if draft.left_out else "",
         "",
         *(f"- {note}" for note in draft.notes),
@@ -127,10 +157,10 @@ def _table_notes(table: CompensationTable) -> list[str]:
 
 
 def _said(table: CompensationTable) -> str:
-    std = to_unit(float(np.sqrt(np.mean(table.std**2))), table.fine_unit)
     return (
         f"{_title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
-        f"which is known to {std:.3g} {table.fine_unit} (standard deviation)."
+        f"whose shape, its mean over the table taken off, is known to {table.shown(table.shape_std)} "
+        "(standard deviation)."
     )
 
 

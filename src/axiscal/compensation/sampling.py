@@ -153,10 +153,12 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array,
         hats.departure(curve @ estimate.mean, values) for curve, values in zip(curves, (forward, reverse), strict=True)
     )
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    std = np.hypot(_std(rows, estimate.factor), _rest(estimate, axis, over))
+    rest = _rest(estimate, axis, over)
+    std = np.hypot(_std(rows, estimate.factor), rest)
+    shape = np.hypot(np.sqrt(np.mean(_std(rows - rows.mean(axis=(0, 1)), estimate.factor) ** 2)), rest)
     silent = _silent(estimate, free, rows)
     return CompensationTable(
-        own.name, own.rotary, hats.points, forward, reverse, std, looked_up.name, silent, departure
+        own.name, own.rotary, hats.points, forward, reverse, std, looked_up.name, silent, departure, float(shape)
     )
 
 

@@ -24,6 +24,7 @@ class CompensationTable:
     std : (n,) m or rad, the standard deviation that the deviation is known to
     over : the linear axis over whose position the deviation goes; the axis itself unless said otherwise
     prior_only : (n,) where the readings said nothing: the deviation there is what was believed beforehand
+    shape_std : RMS of the standard deviation of the deviation less its mean over the table, m or rad
     departure : largest distance between the table and the curve it was made of, over the volume, m or rad
     Raises TableError for anything that no controller could hold.
     """
@@ -37,6 +38,7 @@ class CompensationTable:
     over: str = ""
     prior_only: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     departure: float = 0.0
+    shape_std: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "over", self.over or self.axis)

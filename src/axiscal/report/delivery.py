@@ -13,8 +13,8 @@ import numpy as np
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.compensation import registry
-from axiscal.compensation.effect import Deviation, Effect, rms, tour
-from axiscal.compensation.offer import Export
+from axiscal.compensation.effect import Deviation, rms, tour
+from axiscal.compensation.offer import Export, effect_sentence
 from axiscal.compensation.options import Options
 from axiscal.design.lattice import even_points
 from axiscal.error_model.volume import Box
@@ -22,7 +22,6 @@ from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.report.assembly import Extras, summarise
 from axiscal.report.summary import Summary, TableOffer, result_json
-from axiscal.units import to_unit
 
 CONTROLLERS = ("linuxcnc", "csv")
 """What every finished campaign gets; `axiscal export` makes the others."""
@@ -57,7 +56,7 @@ def _tables(calibration: Calibration, controller: str, folder: Path) -> list[Tab
     except TableError as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(offered, folder / controller)
-    left = left_out(offered.effect)
+    left = left_out(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left) for name, axis in axes.items()]
 
@@ -76,10 +75,9 @@ def reached(calibration: Calibration, truth: Deviation) -> float:
     return rms(truth(poses, approaches) - estimate.deviation(poses, approaches))
 
 
-def left_out(found: Effect) -> str:
-    """Say what the files leave of the estimated deviation."""
-    before, after = (f"{to_unit(value, 'um'):.3g} um" for value in found)
-    return f"All files together take the estimated TCP deviation over the volume from {before} RMS to {after}."
+def left_out(offered: Export) -> str:
+    """Say what the files leave of the deviation."""
+    return f"All files together {effect_sentence(offered.effect, offered.unknown)}"
 
 
 def _poses(box: Box) -> Array:

@@ -74,6 +74,8 @@ def offer(table: CompensationTable) -> TableFile:
         raise TableError(what, "set the points further apart, or check the units of the readings")
     notes = (
         "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it.",
+        f"The column std_{table.fine_unit} is the standard deviation of the value as it stands: over the axis' own "
+        "position with what is not known of its zero. The shape of the curve is known better, as said below.",
     )
     return TableFile(f"{_stem(table)}.csv", text, notes, resolution, residual)
 
