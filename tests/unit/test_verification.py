@@ -18,11 +18,12 @@ from axiscal.campaign.description import CampaignDescription, campaign_from_text
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
+from axiscal.compensation.datums import GUARD
 from axiscal.compensation.effect import Control, left_by, table_control
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.options import Options
 from axiscal.compensation.registry import export
-from axiscal.compensation.verification import GUARD, Places, judge, plan_check, verdict, with_displacements
+from axiscal.compensation.verification import Places, judge, plan_check, verdict, with_displacements
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -144,8 +145,14 @@ def test_places_are_new_apart_and_of_both_kinds(state: tuple[Estimate, tuple[Rea
 
 def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
     estimate, used, control = state
-    with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new"):
+    with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
         plan_check(estimate, description().setups, candidates(), used, control, 500)
+    new = int(str(refused.value.what).split()[1])
+    assert refused.value.remedy == f"Ask for --points {new} or fewer"
+    few = candidates().of([0])
+    with pytest.raises(ReadingError, match=r"only [01] places of 2 are new") as refused:
+        plan_check(estimate, description().setups, few, (), control, 2)
+    assert "fewer" not in refused.value.remedy
 
 
 def test_the_right_tables_pass_and_the_wrong_ones_fail(
@@ -182,10 +189,8 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
     truth, setups = simulator().drawn(SEED), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
     left = readings(truth, places, control, 2)
-    warm = tuple(replace(setup, growth=2e-5) for setup in setups)
-    axes = estimate.machine.axes
-    middles = {s.name: (k := s.moves[0], sum(axes[k].travel) / 2) for s in setups[:2]}
-    grown = tuple(replace(r, value=r.value + 2e-5 * (r.pose[k] - m)) for r in left for k, m in [middles[r.setup]])
+    warm = (replace(setups[0], growth=2e-5), *setups[1:])
+    grown = tuple(replace(r, value=r.value + 2e-5 * (r.pose[0] - 0.15)) if r.setup == "along x" else r for r in left)
     one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
     assert max(abs(g.value - r.value) for g, r in zip(grown, left, strict=True)) > 1e-6
     assert other.left == pytest.approx(one.left, abs=1e-12)
@@ -255,6 +260,11 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
         np.array([[p["position"]["X"], p["position"]["Y"]] for p in planned]) * 1e-3,
         np.array([[1.0 if f"{axis}+" in p["approach"] else -1.0 for axis in "XY"] for p in planned]),
     )
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("predicted: as found") == 8
+    assert all(f"from {p['approach']}" in shown for p in planned)
+    assert f"Copy {plan} to found.csv and left.csv, and fill in value_um" in " ".join(shown.split())
     truth = simulator().drawn(SEED)
     with Campaign.open(record, lambda _: Calibration(problem()), write=False) as campaign:
         engine = campaign.engine

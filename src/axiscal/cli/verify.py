@@ -17,8 +17,14 @@ if TYPE_CHECKING:
     from axiscal.compensation.offer import Export
     from axiscal.compensation.verification import Judgement, Places
     from axiscal.measurement.reading import Reading
+    from axiscal.numerics import Array
 
     Pair = tuple[tuple[Reading, ...], tuple[Reading, ...]]
+
+
+_ROUNDING = 1e-6
+"""A figure below a picometre, in um."""
+_NEAR = 0.3
 
 
 def verify(
@@ -102,9 +108,10 @@ def _plan(
         say_document({"schema": "axiscal-verify/1", "plan": rows})
         return
     for row in rows:
-        say(f"{row['setup']}: {row['place']}  as found {row['found_um']:.1f} um, as left {row['left_um']:.1f} um")
+        predicted = f"predicted: as found {row['found_um']:.1f} um, as left {row['left_um']:.1f} um"
+        say(f"{row['setup']}: {row['place']}  from {row['approach'] or 'any side'}  {predicted}")
     if plan is not None:
-        say(f"\nFill in value_um without and with the tables: {plan}")
+        say(f"\nCopy {plan} to found.csv and left.csv, and fill in value_um without the tables and with them.")
 
 
 def _asked(campaign: Campaign, source: str, tables: Export, chosen: Places) -> Pair:
@@ -138,7 +145,7 @@ def _rows(campaign: Campaign, estimate: Estimate, chosen: Places, control: Contr
 
     setups, axes = campaign.description.setups, estimate.machine.axes
     both = (without_zeros(setups, chosen, *expected(estimate, setups, chosen, c))[0] for c in (None, control))
-    before, after = (to_unit(mean, "um") for mean in both)
+    before, after = (_plain(to_unit(mean, "um")) for mean in both)
     return [
         {
             "setup": setups[s].name,
@@ -205,10 +212,11 @@ def _tolerance(campaign: Campaign, text: str | None) -> float:
 
 
 def _document(judgement: Judgement) -> dict[str, object]:
-    from axiscal.compensation.verification import GUARD
+    from axiscal.compensation.datums import GUARD
     from axiscal.units import to_unit
 
-    found, left, std = (to_unit(values, "um").tolist() for values in (judgement.found, judgement.left, judgement.std))
+    figures = (judgement.found, judgement.left, judgement.std)
+    found, left, std = (_plain(to_unit(values, "um")).tolist() for values in figures)
     return {
         "schema": "axiscal-verify/1",
         "verdict": judgement.verdict,
@@ -219,34 +227,85 @@ def _document(judgement: Judgement) -> dict[str, object]:
         ],
         "agreement_p": judgement.agrees,
         "estimate_believed": judgement.believed,
+        "change_p": judgement.changed,
+        "change_share": judgement.share,
+        "tables_loaded": judgement.loaded,
+        "against_own_line": list(judgement.lines),
+        "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judgement.strained],
     }
+
+
+def _plain(micrometres: Array) -> Array:
+    """Return figures with what is only rounding as 0 (not −0 either)."""
+    import numpy as np
+
+    return np.where(np.abs(micrometres) < _ROUNDING, 0.0, micrometres)
 
 
 def _told(judgement: Judgement) -> str:
-    from axiscal.compensation.verification import GUARD
-    from axiscal.units import format_quantity
+    from axiscal.compensation.datums import GUARD
+    from axiscal.units import format_quantity, to_unit
 
-    def figures(values: object) -> str:
+    def figures(values: Array) -> str:
         import numpy as np
 
-        sizes = np.abs(np.asarray(values, dtype=float))
-        largest, rms = (format_quantity(float(v), "um", 3) for v in (sizes.max(), np.sqrt(np.mean(sizes**2))))
-        return f"largest {largest}, RMS {rms}"
+        sizes = np.abs(_plain(to_unit(values, "um")))
+        return f"largest {float(sizes.max()):.3g} um, RMS {float(np.sqrt(np.mean(sizes**2))):.3g} um"
 
     tolerance = format_quantity(judgement.tolerance, "um", 3)
     guard = format_quantity(GUARD * float(judgement.std.max()), "um", 3)
-    why = {
+    notes = "\n".join([_agreement(judgement), *_warnings(judgement)])
+    return (
+        f"As found: {figures(judgement.found)}\nAs left:  {figures(judgement.left)}\n{notes}\n"
+        f"{judgement.verdict.upper()} at {tolerance}, guard band {guard}: {_why(judgement)}."
+    )
+
+
+def _why(judgement: Judgement) -> str:
+    if judgement.verdict == "undecided" and (judgement.strained or not judgement.loaded):
+        return "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
+    return {
         "pass": "every deviation lies inside, with its uncertainty",
         "fail": "a deviation lies outside, with all of its uncertainty",
         "undecided": "a deviation lies so near to the tolerance that the readings cannot decide: read again, or better",
-    }
-    agrees = (
-        "The readings agree with the estimate."
-        if judgement.believed
-        else "WARNING: the readings do not agree with the estimate and its uncertainty "
+    }[judgement.verdict]
+
+
+def _agreement(judgement: Judgement) -> str:
+    if judgement.believed:
+        return "The as-left readings agree with the estimate."
+    return (
+        "WARNING: the readings do not agree with the estimate and its uncertainty "
         f"(p = {judgement.agrees:.2g}): the machine has changed, or the tables are not what was loaded."
     )
-    return (
-        f"As found: {figures(judgement.found)}\nAs left:  {figures(judgement.left)}\n{agrees}\n"
-        f"{judgement.verdict.upper()} at {tolerance}, guard band {guard}: {why[judgement.verdict]}."
-    )
+
+
+def _warnings(judgement: Judgement) -> list[str]:
+    lines = [
+        f'"{name}" is judged against its own line: its slope is not known to the tolerance.' for name in judgement.lines
+    ]
+    if not judgement.loaded:
+        share = "" if judgement.share is None else f", they changed by {judgement.share:.2f} times that"
+        lines.append(
+            "WARNING: as found minus as left is not what the tables take away "
+            f"(p = {judgement.changed:.2g}{share}): {_cause(judgement.share)}."
+        )
+    lines += [
+        f'WARNING: the {datum.unknown} of "{datum.setup}" would have to be far larger than its std says: '
+        "the set-up moved, or the machine has an error that looks like it."
+        for datum in judgement.strained
+    ]
+    return lines
+
+
+def _cause(share: float | None) -> str:
+    """Return what most probably happened when readings changed by so many times what the tables take away."""
+    if share is None:
+        return "the tables hold nothing here, and yet the readings changed"
+    if abs(share + 1) < _NEAR:
+        return "the tables were loaded with the wrong sign"
+    if abs(share) < _NEAR:
+        return "the tables were not loaded, or it is another machine"
+    if abs(share - 1) < _NEAR:
+        return "the machine or a set-up moved between the two, or single values are wrong"
+    return "the tables were not loaded, loaded with the wrong sign or unit, or it is another machine"

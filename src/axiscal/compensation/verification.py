@@ -2,18 +2,20 @@
 
 Points are new ones, half of them where the estimate expects the machine to be worst, half where it expects it to be
 best. As-left readings are judged against a tolerance with a guard band (after ISO 14253-1): pass when every deviation
-with its expanded uncertainty lies inside, fail when one lies outside with all of it, undecided between.
+with its expanded uncertainty lies inside, fail when one lies outside with all of it, undecided between. They pass only
+when the readings changed by what the tables take away, and when no set-up is further off than it was said to be.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.compensation.datums import GUARD, Datum, Datums, datums_of
 from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.exceptions import ReadingError
@@ -24,14 +26,20 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
-GUARD = 1.645
-"""Expanded uncertainty in standard deviations: one side, 95 %."""
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, Displacement)))
 """Instruments that read a displacement along one direction: the ones a check is made with."""
+_REMEDY = (
+    f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind; "
+    "one value of an R-test is an indicator"
+)
 _FRESH, _APART = 0.05, 0.15
 _PER_SETUP = 4
+_FEWEST = 2
 _UNLIKELY = 0.01
+_HARDLY = 1e-4
+"""A change of the readings that is less likely than this is not the one that the tables make."""
 _SAME = 1e-7
+_NOTHING = 1e-9
 
 Verdict = Literal["pass", "fail", "undecided"]
 
@@ -57,8 +65,12 @@ class Places:
 class Judgement:
     """What as-found and as-left readings say; m.
 
-    found, left : (m,) deviations, the set-ups' own unknowns taken off; std : (m,) of each from the instrument
+    found, left : (m,) deviations, the datums of the set-ups taken off
+    std : (m,) of each, from the instrument and from what else is not known of its set-up
     agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
+    changed : probability that the tables change readings as little like they should as these, if they are loaded
+    share : by which multiple of what the tables take away the readings changed; None when that is nothing
+    lines : set-ups that are judged against their own line; strained : datums further off than stated
     """
 
     verdict: Verdict
@@ -67,6 +79,15 @@ class Judgement:
     left: Array
     std: Array
     agrees: float
+    changed: float
+    share: float | None
+    lines: tuple[str, ...]
+    strained: tuple[Datum, ...]
+
+    @property
+    def loaded(self) -> bool:
+        """Whether the readings changed as the tables make them."""
+        return self.changed >= _HARDLY
 
     @property
     def believed(self) -> bool:
@@ -117,8 +138,14 @@ def plan_check(
         best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
         chosen += [*worst, *best]
     if len(chosen) < count:
-        raise ReadingError(f"only {len(chosen)} places of {count} are new", "Ask for fewer --points")
+        raise ReadingError(f"only {len(chosen)} places of {count} are new", _fewer(len(chosen)))
     return candidates.of(sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i])))
+
+
+def _fewer(new: int) -> str:
+    if new >= _FEWEST:
+        return f"Ask for --points {new} or fewer"
+    return "Take the check at places of your own, and give them with --found and --left"
 
 
 def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
@@ -136,8 +163,7 @@ def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
     """Return the candidates of set-ups that read a displacement; raises ReadingError when there are none."""
     kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in _CHECKING]
     if not kept:
-        known = ", ".join(_CHECKING)
-        raise ReadingError("no set-up of this campaign reads a displacement", f"A check is made with: {known}")
+        raise ReadingError("no set-up of this campaign reads one length along a direction", _REMEDY)
     return candidates.of(kept)
 
 
@@ -151,7 +177,7 @@ def judge(
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
-    What a set-up brings itself, its zero and its slope, is taken off each set of readings.
+    What a set-up brings itself, its zero and a slope that nobody knows, is taken off each set of readings.
     """
     _refuse_different(found, left)
     names = [setup.name for setup in setups]
@@ -162,13 +188,51 @@ def judge(
         np.array([r.pose for r in left], dtype=float),
         np.array([r.approach for r in left], dtype=float),
     )
-    free = _free_of_setups(estimate, setups, places)
-    noise = np.array([r.std or setups[s].noise for r, s in zip(left, indices, strict=True)])
-    before, after = (free @ _deviations(estimate, setups, places, readings) for readings in (found, left))
-    std = np.sqrt(np.diag(free @ np.diag(noise**2) @ free.T))
+    datums = datums_of(estimate.machine, setups, indices, places.poses, tolerance)
+    before, after = (_seen(estimate, setups, places, readings) for readings in (found, left))
     mean, factor = expected(estimate, setups, places, control)
-    agrees = _likelihood(after - free @ mean, free @ (factor @ factor.T + np.diag(noise**2)) @ free.T)
-    return Judgement(verdict(after, std, tolerance), tolerance, before, after, std, agrees)
+    change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
+    free, spread = datums.free, datums.spread + np.diag(after.noise**2)
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
+    decided = verdict(free @ after.values, std, tolerance)
+    if decided == "pass" and (change.likely < _HARDLY or strained):
+        decided = "undecided"
+    return Judgement(
+        decided,
+        tolerance,
+        free @ before.values,
+        free @ after.values,
+        std,
+        _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
+        change.likely,
+        change.share,
+        datums.lines,
+        strained,
+    )
+
+
+class _Seen(NamedTuple):
+    """values : (m,) what was read less what is known of the instruments; noise : (m,) standard deviations; m."""
+
+    values: Array
+    noise: Array
+
+
+class _Change(NamedTuple):
+    """How as-found minus as-left compares with what the tables take away; likely and share as in `Judgement`."""
+
+    likely: float
+    share: float | None
+
+    @classmethod
+    def of(cls, datums: Datums, before: _Seen, after: _Seen, taken: Array) -> _Change:
+        """Return the comparison; a set-up may have been mounted anew between the two.  taken : (m,) m."""
+        free = datums.free
+        change, should = free @ (before.values - after.values), free @ taken
+        covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+        weight = float(should @ should)
+        share = float(change @ should) / weight if weight > _NOTHING**2 else None
+        return cls(_likelihood(change - should, covariance), share)
 
 
 def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
@@ -179,35 +243,15 @@ def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
     return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"
 
 
-def _deviations(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> Array:
-    """Return what was read (m,), less what is known of the instruments, such as their growth by temperature, m."""
+def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
+    """Return what was read, less what is known of the instruments, such as their growth by temperature."""
     values = np.array([reading.value for reading in readings])
     for index in np.unique(places.setups):
         mine, setup = places.setups == index, setups[index]
         place = Place(estimate.machine, places.poses[mine], setup.moves)
         values[mine] -= INSTRUMENTS[setup.instrument].model.beyond(setup, place)
-    return values
-
-
-def _free_of_setups(estimate: Estimate, setups: Sequence[Setup], places: Places) -> Array:
-    """Return the projection (m, m) that takes the own unknowns of every set-up off its readings."""
-    free = np.eye(len(places.setups))
-    for index in np.unique(places.setups):
-        mine = np.flatnonzero(places.setups == index)
-        own = _own_rows(estimate, setups[index], places.poses[mine])
-        if len(mine) <= own.shape[1]:
-            what = f'{len(mine)} reading(s) with "{setups[index].name}" cannot tell the machine from the set-up'
-            raise ReadingError(what, f"Take {own.shape[1] + 1} or more with it, or leave it out")
-        free[np.ix_(mine, mine)] -= own @ np.linalg.pinv(own)
-    return free
-
-
-def _own_rows(estimate: Estimate, setup: Setup, poses: Array) -> Array:
-    """Return how the unknowns of a set-up show in its readings, (m, unknowns)."""
-    model, place = INSTRUMENTS[setup.instrument].model, Place(estimate.machine, poses, setup.moves)
-    direction = np.array(setup.direction)
-    columns = [model.own(setup, unknown.name, direction, place) for unknown in setup.unknowns]
-    return np.array(columns).reshape(len(columns), len(poses)).T
+    noise = [r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)]
+    return _Seen(values, np.array(noise))
 
 
 def _likelihood(values: Array, covariance: Array) -> float:
@@ -223,10 +267,8 @@ def _likelihood(values: Array, covariance: Array) -> float:
 def _refuse_others(used: Sequence[Setup]) -> None:
     for setup in used:
         if setup.instrument not in _CHECKING:
-            known = ", ".join(_CHECKING)
-            raise ReadingError(
-                f'"{setup.name}" reads no displacement ({setup.instrument})', f"Check with one of {known}"
-            )
+            what = f'"{setup.name}" reads no displacement along one direction ({setup.instrument})'
+            raise ReadingError(what, _REMEDY)
 
 
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
