@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.campaign import OUT_OF_REACH, Campaign, Milestone, Stop
+from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH, Campaign, Milestone, Stop
 from axiscal.campaign.description import CampaignDescription, read_campaign
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.events import Asked, Gap, Place, Recorded
@@ -66,6 +66,12 @@ class CountingEngine:
     def accuracy(self) -> Known:
         rms = 10e-6 / (1 + len(self.read))
         return Known(rms, 2 * rms)
+
+    def misfit(self) -> float:
+        return 1.0
+
+    def objection(self) -> str | None:
+        return None
 
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> list[Place]:
         taken = {reading.pose[0] for reading in self.read} | {gap.asked.position[0] for gap in gaps}
@@ -320,6 +326,26 @@ def test_a_target_that_no_reading_brings_nearer_ends_the_run(start: Start, monke
     campaign = start('rms = "2 um"')
     assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == OUT_OF_REACH
     assert len(campaign.state.readings) == 50
+
+
+def test_no_target_is_reached_by_readings_that_contradict_the_model(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(CountingEngine, "misfit", lambda self: 5.1)
+    campaign = start('rms = "2 um"')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == DOES_NOT_FIT
+    monkeypatch.setattr(CountingEngine, "misfit", lambda self: 4.9)
+    campaign.undo()
+    assert campaign.reached() == "rms target reached"
+
+
+def test_a_reading_that_cannot_be_ends_the_run_and_is_kept(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CountingEngine, "objection", lambda self: "it is in mm" if len(self.read) == 3 else None)
+    campaign = start("readings = 9")
+    with pytest.raises(SourceError, match="it is in mm"):
+        campaign.run(Listed(*[Answer(1e-6)] * 60), ignore)
+    assert len(campaign.state.readings) == 3
+    assert campaign.state.finished is None
 
 
 def test_readings_that_were_wanted_are_taken_even_if_they_help_little(

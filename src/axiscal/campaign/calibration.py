@@ -18,7 +18,7 @@ from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
 from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, doubts
 from axiscal.inference.fit import Fit, fit
-from axiscal.inference.plausibility import Plausibility, nearest_first
+from axiscal.inference.plausibility import Plausibility, nearest_first, objection
 from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
 
@@ -205,6 +205,16 @@ class Calibration:
             return 1.0
         sizes = np.sort([np.sqrt(each.chi_square / each.degrees) for each in believed])
         return float(np.sqrt(np.mean(sizes[: len(sizes) - ceil(_TRIMMED * len(sizes))] ** 2)))
+
+    def objection(self) -> str | None:
+        """Return why the last reading cannot be, in words; None where it can."""
+        doubt = self._settled()._implausible.get(len(self._readings) - 1)
+        return None if doubt is None else self.objection_to(doubt)
+
+    def objection_to(self, doubt: Doubt) -> str:
+        """Return in words what an implausible reading is."""
+        reading = self._readings[doubt.reading]
+        return objection(doubt, reading, self.stated.description.setup(reading.setup))
 
     def rows_of(self, reading: Reading) -> Seen:
         """Return what a reading sees, its variances and values."""

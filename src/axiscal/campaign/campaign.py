@@ -46,7 +46,9 @@ PATIENCE = 25
 
 FUTILE = 50
 OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
+DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
 _HARDLY = 0.99
+_GROSS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,12 +230,16 @@ class Campaign:
         if target.rms is not None:
             known = self.engine.accuracy()
             if known.seen <= known.attainable(target.rms):
-                return "rms target reached" + _unless_hidden(known.rms, target.rms)
+                return self._trusted("rms target reached" + _unless_hidden(known.rms, target.rms))
         if target.worst is not None:
             known = self.engine.accuracy()
             if known.worst_seen <= known.attainable(target.worst):
-                return "worst target reached" + _unless_hidden(known.worst, target.worst)
+                return self._trusted("worst target reached" + _unless_hidden(known.worst, target.worst))
         return _BUDGET if self._over_budget(self._seconds()) else None
+
+    def _trusted(self, reached: str) -> str:
+        """Return that a target is reached, unless the readings contradict the model by which it seems to be."""
+        return DOES_NOT_FIT if self.engine.misfit() > _GROSS else reached
 
     def status(self) -> Status:
         """Return where the campaign stands."""
@@ -276,6 +282,7 @@ class Campaign:
                     in_a_row = 0
                     path.append(self._milestone())
                     watch(path[-1])
+                    self._refuse_implausible()
                 interrupts.heed()
             return self.finish(asked.because)
 
@@ -333,6 +340,13 @@ class Campaign:
         if self.state.finished is not None:
             what = f"The campaign is finished: {self.state.finished}"
             raise RecordError(what, "Take the end back with `axiscal undo`, or start a new campaign", self.path)
+
+    def _refuse_implausible(self) -> None:
+        if (objection := self.engine.objection()) is not None:
+            remedy = (
+                "It is kept and not relied on. Mend the source; if it is right, undo it and record it with --accept"
+            )
+            raise SourceError(objection, remedy)
 
     def _refuse_endless(self, in_a_row: int, answer: Skip) -> None:
         if in_a_row >= PATIENCE:

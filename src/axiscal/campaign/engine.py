@@ -53,6 +53,12 @@ class Engine(Protocol):
     def accuracy(self) -> Known:
         """Return how well the machine is known now."""
 
+    def misfit(self) -> float:
+        """Return how many times as much as the model says the readings scatter about their predictions."""
+
+    def objection(self) -> str | None:
+        """Return why the last reading cannot be, in words; None where it can."""
+
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> Sequence[Place]:
         """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure.
 

@@ -98,15 +98,18 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
 
 
 def _refuse_unreached(campaign: Campaign) -> None:
-    from axiscal.campaign.campaign import OUT_OF_REACH
+    from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH
     from axiscal.exceptions import TargetError
 
+    source, written = campaign.description.source, "the results so far are written"
     if campaign.state.finished == OUT_OF_REACH:
         what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
-        remedy = (
-            "Add set-ups that see what these cannot, give less noise or a wider target; the results so far are written"
-        )
-        raise TargetError(what, remedy, campaign.description.source)
+        remedy = f"Add set-ups that see what these cannot, give less noise or a wider target; {written}"
+        raise TargetError(what, remedy, source)
+    if campaign.state.finished == DOES_NOT_FIT:
+        what = f"The target cannot be said to be reached: {DOES_NOT_FIT}"
+        remedy = 'See the warnings, review std and noise or let scales = "estimate" learn them'
+        raise TargetError(what, f"{remedy}; {written}", source)
 
 
 def _kept(campaign: Campaign, again: str) -> str:

@@ -10,10 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.belief import Belief
+from axiscal.inference.doubt import Doubt
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.wording import reading_unit
 from axiscal.numerics import Array
+from axiscal.units import format_quantity
 
 IMPLAUSIBLE = 12.0
 """So many standard deviations are no chance, and no prior that is three times too small."""
@@ -21,17 +26,26 @@ _WIDEST, _ENOUGH = 4.0, 5
 _NEAREST = 0.05
 """No station stands nearer, m: by how much distances may bend before it is located."""
 _SLIPS = (
-    (75.0, "about 25 times too large: inches instead of mm?"),
-    (4000.0, "about a thousand times too large: mm instead of um?"),
-    (1e5, "about 25000 times too large: inches instead of um?"),
+    (75.0, "about 25 times too large (inches instead of mm?)"),
+    (4000.0, "about a thousand times too large (mm instead of um?)"),
+    (1e5, "about 25000 times too large (inches instead of um?)"),
 )
 
 
 def slip(size: float, angular: bool = False) -> str:
     """Return which slip of the unit makes a reading so many standard deviations too large; empty for none."""
     if angular:
-        return "about a thousand times too large: mrad instead of urad?" if 75.0 < size <= 4000.0 else ""
+        return "about a thousand times too large (mrad instead of urad?)" if 75.0 < size <= 4000.0 else ""
     return next((words for most, words in _SLIPS if size <= most), "")
+
+
+def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
+    """Return what an implausible reading is, and which slip may have made it."""
+    unit = reading_unit(setup)
+    value, size = ", ".join(format_quantity(each, unit) for each in reading.values), f"{doubt.surprise:.3g}"
+    guess = slip(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
+    text = f'reading {doubt.reading + 1} in "{setup.name}", {value}, is {size} standard deviations from all that the '
+    return f"{text}stated std and the other readings allow{', ' if guess else ''}{guess}"
 
 
 class Plausibility:
