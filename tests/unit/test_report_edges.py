@@ -11,6 +11,7 @@ import pytest
 
 from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
+from axiscal.report.figures import accuracy
 from axiscal.report.page import render
 from axiscal.report.summary import Constant, Curve, HistoryRow, Summary
 
@@ -115,3 +116,14 @@ def test_one_axis_is_shown_against_the_order_of_the_readings() -> None:
     rows = [HistoryRow(n, "a", {"X": 10.0 * n}, 1.0, 0.0, 1.0, 1.0, 2.0, 1.0) for n in (1, 2, 3)]
     place = _figures(render(_bare(history=rows, readings=3)))[1]
     assert (place["data"][0]["x"], place["data"][0]["y"]) == ([10.0, 20.0, 30.0], [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("unseen", "drawn", "said"), [(0.6, True, "0.6"), (0.4, False, "0.4"), (0.04, False, "nothing")]
+)
+def test_what_cannot_be_seen_is_shown_as_far_as_it_counts(unseen: float, drawn: bool, said: str) -> None:
+    rows = [HistoryRow(n, None, None, None, None, None, rms, 9.0, 0.0) for n, rms in enumerate((50.0, 5.0))]
+    summary = _bare(history=rows, rms_um=5.0, unseen_rms_um=unseen)
+    labels = str(accuracy(summary)["views"]["readings"]["annotations"])
+    assert ("cannot be seen" in labels) is drawn
+    assert f"<dt>cannot be seen</dt><dd>{said}" in render(summary)

@@ -28,6 +28,7 @@ _ORDER_COLOURS = [[0, "#00224e"], [0.5, "#8a7f78"], [1, "#f2c230"]]
 _SHOW_TEXT = {"hovertemplate": "%{text}<extra></extra>"}
 _LARGEST_Z = 6.0
 _SMALLEST = 1e-12
+_LOW_LEVEL = 0.1
 
 
 def plain(text: str) -> str:
@@ -122,10 +123,15 @@ def _levels(summary: Summary) -> list[_Line]:
     wanted = (
         ("target RMS", summary.target_rms_um, "var(--accent)", "dash"),
         ("target worst", summary.target_worst_um, "var(--worst)", "dash"),
-        ("cannot be seen", summary.unseen_rms_um, "var(--soft)", "dot"),
+        ("cannot be seen", _unseen(summary), "var(--soft)", "dot"),
     )
     levels = [_line(name, [value], colour, 1.2, dash) for name, value, colour, dash in wanted]
     return [level for level in levels if level.values != [None]]
+
+
+def _unseen(summary: Summary) -> float | None:
+    """Return the level of what cannot be seen; a small one would squeeze the lines above it, and is left out."""
+    return summary.unseen_rms_um if summary.unseen_rms_um >= _LOW_LEVEL * summary.history[-1].rms_um else None
 
 
 def _accuracy_trace(line: _Line, steps: list[int]) -> Figure:

@@ -37,6 +37,7 @@ def render(summary: Summary) -> str:
         "places": figures.places(summary),
         "space": figures.space(summary),
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
+        "unseen": wording.unseen_size(summary),
         "occasion": wording.occasion(summary),
         "rms_target": wording.target_text(summary.rms_um, summary.target_rms_um),
         "worst_target": wording.target_text(summary.worst_um, summary.target_worst_um),

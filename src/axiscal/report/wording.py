@@ -11,6 +11,7 @@ BAND = 1.96
 """Standard deviations to the edge of a printed band: 95 %."""
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
+_LOST = 0.01
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 _NO_BREAK = "\u00a0"
@@ -64,6 +65,11 @@ def occasion(summary: Summary) -> str:
         return "Before any reading"
     time = f" in {duration(summary.minutes)}" if summary.minutes > 0 else ""
     return f"After {count(summary.readings, 'reading')}{time}"
+
+
+def unseen_size(summary: Summary) -> float:
+    """Return the RMS that no allowed reading can take away, um; 0 where it is lost in the RMS."""
+    return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
 
 
 def target_text(value_um: float, target_um: float | None) -> str:
