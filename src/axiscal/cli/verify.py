@@ -108,7 +108,7 @@ def _plan(
         say_document({"schema": "axiscal-verify/1", "plan": rows})
         return
     for row in rows:
-        predicted = f"predicted: as found {row['found_um']:.1f} um, as left {row['left_um']:.1f} um"
+        predicted = f"predicted: as found {row['found_um']:z.1f} um, as left {row['left_um']:z.1f} um"
         say(f"{row['setup']}: {row['place']}  from {row['approach'] or 'any side'}  {predicted}")
     if plan is not None:
         say(f"\nCopy {plan} to found.csv and left.csv, and fill in value_um without the tables and with them.")
