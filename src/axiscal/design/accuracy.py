@@ -1,8 +1,9 @@
 """How good the machine is known to be: the figures a campaign reports and stops by.
 
 The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
-C_∞. A constant shift of the TCP along a direction in which the second part holds most of it is a matter of where the
-workpiece zero is set: it is not counted, neither its unseen part nor what is left of the rest. Everything else is.
+C_∞. A constant shift of the TCP that no reading tells is a matter of where the workpiece zero is set and is not
+counted; along a direction in which the second part holds most of it, what is left of the first is not counted either.
+Everything else is.
 """
 
 from __future__ import annotations
@@ -72,12 +73,17 @@ class Yardstick:
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(self._unseen_total))
+        return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
 
     @cached_property
     def _unseen_total(self) -> float:
         """tr(V C_∞ Vᵀ), m²."""
         return float(np.sum((self.root @ self.unseen) ** 2))
+
+    @cached_property
+    def _unseen_shift(self) -> float:
+        """What of it is a constant shift in the other directions, m²."""
+        return float(np.sum(((self.moments.mean - self._shift) @ self.unseen) ** 2))
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
@@ -86,14 +92,15 @@ class Yardstick:
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
         seen = max(total - self._unseen_total, 0.0)
-        worst = max(float(np.max(variances)), total + self.moments.rest)
+        variance = total - self._unseen_shift + self.moments.rest
+        worst = max(float(np.max(variances)), variance)
         worst_seen = float(np.max(variances - self._hidden))
-        figures = total + self.moments.rest, worst, seen + self.moments.rest, worst_seen, self.moments.rest
+        figures = variance, worst, seen + self.moments.rest, worst_seen, self.moments.rest
         return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
-        return float(np.sqrt(max(total, 0.0) + self.moments.rest))
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
 
     def worst_rows(self, belief: Belief) -> Array:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
@@ -116,18 +123,25 @@ class Yardstick:
         return rows
 
     @cached_property
-    def _hidden(self) -> Array:
-        """What no allowed reading sees of the variance at each pose, m²."""
+    def _here(self) -> Array:
+        """What no allowed reading sees, at each pose: (m, 3, r)."""
         here = self.rows.reshape(-1, self.errors.size) @ self.unseen
-        hidden: Array = np.sum(here**2, axis=1).reshape(-1, 3).sum(axis=1)
+        return here.reshape(len(self.rows), 3, -1)
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """What no allowed reading sees of the variance at each pose, constant shifts not counted, m²."""
+        shift = (self.moments.mean - self._shift) @ self.unseen
+        hidden: Array = np.sum((self._here - shift) ** 2, axis=(1, 2))
         return hidden
 
     @cached_property
-    def _rests(self) -> Array:
-        """What the rests add to the variance at each pose, m²."""
+    def _correction(self) -> Array:
+        """What the rests add to the variance at each pose, less the constant shifts that are not counted, m²."""
         rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
         added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
-        return added
+        corrected: Array = added + self._hidden - np.sum(self._here**2, axis=(1, 2))
+        return corrected
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
@@ -135,5 +149,5 @@ class Yardstick:
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
             own = np.linalg.qr(own.T).R.T
         seen = self.rows.reshape(-1, self.errors.size) @ own
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._rests
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
         return spread
