@@ -42,15 +42,15 @@ def plan(
       axiscal plan campaign.toml --readings 40 --compare what-if.html
     """
     from axiscal.campaign.description import read_campaign
+    from axiscal.campaign.inheritance import problem_of
     from axiscal.campaign.plan_document import plan_document
     from axiscal.campaign.planning import whole_plan
-    from axiscal.campaign.problem import Problem
     from axiscal.cli.printing import say, say_document, tell
     from axiscal.gcode.registry import dialect
 
     if gcode is not None:
         dialect(gcode)
-    case = Problem(read_campaign(campaign, target_needed=False))
+    case = problem_of(read_campaign(campaign, target_needed=False))
     limits = _limits(case, readings, target, budget)
     if compare is not None:
         _compared(case, limits, candidates, compare, json)
