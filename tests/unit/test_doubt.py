@@ -111,7 +111,7 @@ def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsy
         campaign.adopt(tuple(_readings(3, 20)))
     place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
     assert run(["record", str(record), "900 um", *place]) == 0
-    assert "standard deviations from what the other readings say" in capsys.readouterr().out
+    assert "standard deviations from all that the stated std and the other readings allow" in capsys.readouterr().out
     assert run(["undo", str(record)]) == 0
     assert run(["record", str(record), "900 um", *place, "--accept"]) == 0
     assert "Mind" not in capsys.readouterr().out

@@ -211,6 +211,13 @@ class Calibration:
         doubt = self._settled()._implausible.get(len(self._readings) - 1)
         return None if doubt is None else self.objection_to(doubt)
 
+    def implausible(self, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
+        """Return those of readings that are all there are which cannot be."""
+        whole = Calibration(self.stated, len(readings))
+        whole._readings = list(readings)
+        whole._judge()
+        return tuple(whole._implausible.values())
+
     def objection_to(self, doubt: Doubt) -> str:
         """Return in words what an implausible reading is."""
         reading = self._readings[doubt.reading]

@@ -36,6 +36,7 @@ def estimate(
     from axiscal.campaign.campaign import Campaign
     from axiscal.campaign.description import read_campaign
     from axiscal.campaign.placing import placed_readings
+    from axiscal.campaign.trust import refuse_implausible
     from axiscal.cli.outputs import RECORD, write_outputs
     from axiscal.exceptions import RecordError
     from axiscal.measurement.readers.files import read_any
@@ -44,6 +45,7 @@ def estimate(
     description = read_campaign(campaign, target_needed=False)
     raw = read_any(readings)
     placed = placed_readings(raw, description, readings)
+    refuse_implausible(placed, description, readings)
     extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else Extras()
     out.mkdir(parents=True, exist_ok=True)
     if (out / RECORD).exists():

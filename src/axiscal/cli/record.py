@@ -56,29 +56,28 @@ def record(
             message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}
         else:
             kept = _keep(campaign, text, std, at, setup, approach, accept)
-            doubt = _doubt(campaign)
-            message, document = _kept(campaign, kept), _kept_document(campaign, kept) | {"surprise": doubt}
-            if doubt is not None:
-                message += _MIND.format(doubt)
+            surprise, mind = _doubt(campaign)
+            message, document = _kept(campaign, kept) + mind, _kept_document(campaign, kept) | {"surprise": surprise}
     if json:
         say_document({"schema": "axiscal-record/1", **document})
     else:
         say(f"{message}\nAsk for the next one: axiscal next {record}")
 
 
-_MIND = (
-    "\nMind: it is {:.1f} standard deviations from what the other readings say and is not relied on. "
-    "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."
-)
+_REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."
 
 
-def _doubt(campaign: Campaign) -> float | None:
-    """Return how many standard deviations the last reading is from what the others say, None if it is believed."""
+def _doubt(campaign: Campaign) -> tuple[float | None, str]:
+    """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
     from axiscal.campaign.calibration import calibration_of
 
-    last = len(campaign.state.readings) - 1
-    doubts = calibration_of(campaign.engine).doubts
-    return next((round(doubt.surprise, 2) for doubt in doubts if doubt.reading == last), None)
+    last, calibration = len(campaign.state.readings) - 1, calibration_of(campaign.engine)
+    doubt = next((doubt for doubt in calibration.doubts if doubt.reading == last), None)
+    if doubt is None:
+        return None, ""
+    away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
+    said = calibration.objection_to(doubt) if doubt.implausible else away
+    return round(doubt.surprise, 2), f"\nMind: {said} and is not relied on. {_REMEDY}"
 
 
 def _keep(

@@ -74,7 +74,11 @@ def _outliers(calibration: Calibration) -> Iterator[Finding]:
     )  # then it is not the readings
     for index, (reading, surprise) in enumerate(zip(calibration.readings, surprises, strict=True)):
         doubt = doubted.get(index)
-        if doubt is not None:
+        if doubt is not None and doubt.implausible:
+            said = calibration.objection_to(doubt)
+            text = f"{said[:1].upper()}{said[1:]}: it is not used; take it again, or record it with --accept."
+            yield Finding("outlier", None, text)
+        elif doubt is not None:
             fate = "it is not used" if doubt.rejected else f"it counts with weight {doubt.weight:.2g}"
             away = f"{doubt.surprise:.1f} standard deviations from what the other readings say"
             remedy = "take it again, or record it with --accept if it is right"
