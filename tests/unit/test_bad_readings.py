@@ -84,7 +84,12 @@ def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
         assert np.max(np.abs(calibration.belief.mean[:21])) < 50e-6
     assert run(["finish", record, "--out", str(tmp_path / "d")]) == 0
     warnings = json.loads((tmp_path / "d" / "result.json").read_text())["warnings"]
-    assert any("Reading 3" in warning["text"] for warning in warnings)
+    (text,) = [warning["text"] for warning in warnings if "Reading 3" in warning["text"]]
+    assert text in (tmp_path / "d" / "tables" / "csv" / "README.txt").read_text()
+    capsys.readouterr()
+    assert run(["export", record, "--to", "csv", "--out", str(tmp_path / "t")]) == 0
+    assert text in capsys.readouterr().out
+    assert text in (tmp_path / "t" / "README.txt").read_text()
 
 
 def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(

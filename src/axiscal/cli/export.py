@@ -53,14 +53,17 @@ def export(
     from axiscal.campaign.campaign import Campaign
     from axiscal.cli.printing import say, say_document
     from axiscal.compensation import registry
-    from axiscal.report.delivery import write_files
+    from axiscal.report.delivery import warned, write_files
+    from axiscal.report.findings import findings
 
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
         return
     options = _options(spacing, number, unit, template, name, mesh, flip, pivots)
     with Campaign.open(record, write=False) as campaign:
-        offered = registry.export(calibration_of(campaign.engine).estimate(), to, options)
+        calibration = calibration_of(campaign.engine)
+        offered = registry.export(calibration.estimate(), to, options)
+        offered = warned(offered, [finding.text for finding in findings(calibration)])
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,8 +34,10 @@ def deliver(campaign: Campaign, calibration: Calibration, out: Path, extras: Ext
 
     A table that a control cannot hold is not written; the report says why.
     """
-    offers = [offer for name in CONTROLLERS for offer in _tables(calibration, name, out / "tables")]
-    summary = summarise(campaign, calibration, replace(extras, tables=offers))
+    summary = summarise(campaign, calibration, extras)
+    warnings = [warning.text for warning in summary.warnings]
+    offers = [offer for name in CONTROLLERS for offer in _tables(calibration, name, out / "tables", warnings)]
+    summary = replace(summary, tables=offers)
     document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
     write_whole(out / "result.json", document + "\n")
     write_report(summary, out / "report.html")
@@ -48,17 +51,25 @@ def write_report(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary))
 
 
-def _tables(calibration: Calibration, controller: str, folder: Path) -> list[TableOffer]:
+def _tables(calibration: Calibration, controller: str, folder: Path, warnings: Sequence[str]) -> list[TableOffer]:
     """Write the files for one control and return what they hold and leave, or why there are none."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
         offered = registry.export(calibration.estimate(), controller, Options())
     except TableError as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
-    write_files(offered, folder / controller)
+    write_files(warned(offered, warnings), folder / controller)
     left = left_out(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left) for name, axis in axes.items()]
+
+
+def warned(offered: Export, warnings: Sequence[str]) -> Export:
+    """Return an export whose README.txt says what is to be minded about the estimate behind the files."""
+    if not warnings:
+        return offered
+    minded = "\n".join(f"- {text}" for text in warnings)
+    return replace(offered, readme=f"{offered.readme.rstrip()}\n\nMind, before the files are loaded:\n{minded}\n")
 
 
 def write_files(offered: Export, folder: Path) -> None:
