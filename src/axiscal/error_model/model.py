@@ -100,7 +100,7 @@ class ErrorModel:
         """Return the TCP deviation per unit of each function, (functions, m, 3), m or m/rad.  poses : (m, q)."""
         shape = (len(self.functions), len(poses), 3)
         if self._unmoved is not None:
-            return np.broadcast_to(self._unmoved, shape)
+            return np.broadcast_to(self._unmoved, shape).copy()
         nominal = frames(self.machine, poses)
         return np.array([self._lever(f, poses, nominal) for f in self.functions]).reshape(shape)
 
