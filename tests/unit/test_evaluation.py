@@ -192,7 +192,7 @@ def test_equal_spacing_is_pointed_out() -> None:
 
 def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     text = "".join(line for line in GOOD.splitlines(keepends=True) if ",2," not in line)
-    with pytest.raises(EvaluationError, match=r"run only once.*repeat the run") as caught:
+    with pytest.raises(EvaluationError, match=r"run only once.*Repeat the run") as caught:
         evaluated(tmp_path, text)
     assert caught.value.file == str(tmp_path / "test.csv")
 
@@ -204,14 +204,14 @@ def test_no_direction_at_all_is_refused() -> None:
 
 BAD: dict[str, tuple[str | bytes, str, int | None]] = {
     "missing column": (GOOD.replace(",run", "").replace(",1,", ",").replace(",2,", ","), "no column 'run'", 2),
-    "unknown column": (GOOD.replace("deviation_um", "deviaton_um"), "did you mean 'deviation_um'", 2),
+    "unknown column": (GOOD.replace("deviation_um", "deviaton_um"), "Did you mean 'deviation_um'", 2),
     "no unit": (GOOD.replace("deviation_um", "deviation"), "has no unit", 2),
     "length and angle": (GOOD.replace("target_mm", "target_deg"), "mix a length and an angle", 2),
     "same column in two units": (GOOD.replace("direction,run", "target_um,direction"), "say the same", 2),
     "NaN": (GOOD.replace("2.5", "NaN"), "'NaN' is not finite", 8),
     "infinite": (GOOD.replace("2.5", "1e999"), "'1e999' is not finite", 8),
     "empty cell": (GOOD.replace("2.5", ""), "deviation_um is empty", 8),
-    "decimal comma": (GOOD.replace("2.5", '"2,5"'), r"decimal comma. write a decimal point: 2\.5", 8),
+    "decimal comma": (GOOD.replace("2.5", '"2,5"'), r"decimal comma. Write a decimal point: 2\.5", 8),
     "decimal comma unquoted": (GOOD.replace("2.5", "2,5"), "5 cells, the header 4 columns.*1.5, not 1,5", 8),
     "number with unit": (GOOD.replace("2.5", "2.5 um"), "'2.5 um' is not a number.*unit stands in the header", 8),
     "python number": (GOOD.replace("2.5", "2_5"), "'2_5' is not a number", 8),

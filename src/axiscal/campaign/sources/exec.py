@@ -174,7 +174,8 @@ class ExecSource:
 
     def _unit(self, unit: object, line: str, request: Request) -> str:
         reads = INSTRUMENTS[request.setup.instrument].reads
-        remedy = f'The {request.setup.instrument} reads a {reads}: give a unit such as "{reading_unit(request.setup)}"'
+        noun = "an angle" if reads == "angle" else "a length"
+        remedy = f'The {request.setup.instrument} reads {noun}: give a unit such as "{reading_unit(request.setup)}"'
         if not isinstance(unit, str):
             raise self._failure(f"answered {_quoted(line)} without a unit", remedy)
         try:
