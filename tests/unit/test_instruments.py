@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -143,3 +144,18 @@ def test_a_temperature_that_makes_no_sense_is_refused(text: str, reason: str) ->
 def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None:
     with pytest.raises(DescriptionError, match="a length along the one linear axis that moves"):
         _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("kind", ["tracer", "ballbar", "tracker", "rtest", "level"])
+def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str, seed: int) -> None:
+    extra = {"level": 'direction = "y"', "rtest": ""}.get(kind, STATION)
+    stated = _description(f'instrument = "{kind}"\n{extra}')
+    errors = tuple(replace(entry, std=3 * entry.std) for entry in stated.machine.errors)
+    worse = replace(stated, machine=replace(stated.machine, errors=errors))
+    readings = _fed(worse, seed, 25)[0].readings
+    calibration = Calibration(Problem(stated))
+    for reading in readings:
+        calibration.absorb(reading)
+        assert calibration.objection() is None
+    assert not calibration.implausible(readings)

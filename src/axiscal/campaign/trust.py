@@ -26,7 +26,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
     guess = slip(size, INSTRUMENTS[campaign.setup(first.setup).instrument].reads == "angle")
-    what = f"{len(doubts)} of {len(readings)} readings are some {size:.2g} standard deviations from all that the "
+    what = f"{len(doubts)} of {len(readings)} readings are some {size:.0f} standard deviations from all that the "
     what += f"stated std of the errors allow{', ' if guess else ''}{guess}"
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
     raise ReadingError(what, remedy, file, first.line)

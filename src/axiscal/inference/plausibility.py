@@ -22,7 +22,7 @@ from axiscal.units import format_quantity
 
 IMPLAUSIBLE = 12.0
 """So many standard deviations are no chance, and no prior that is three times too small."""
-_WIDEST, _ENOUGH = 4.0, 5
+_WIDEST, _ENOUGH, _COUNTLESS = 4.0, 5, 1e6
 _NEAREST = 0.05
 """No station stands nearer, m: by how much distances may bend before it is located."""
 _SLIPS = (
@@ -42,7 +42,8 @@ def slip(size: float, angular: bool = False) -> str:
 def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
     """Return what an implausible reading is, and which slip may have made it."""
     unit = reading_unit(setup)
-    value, size = ", ".join(format_quantity(each, unit) for each in reading.values), f"{doubt.surprise:.3g}"
+    value = ", ".join(format_quantity(each, unit) for each in reading.values)
+    size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else "more than a million"
     guess = slip(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
     text = f'reading {doubt.reading + 1} in "{setup.name}", {value}, is {size} standard deviations from all that the '
     return f"{text}stated std and the other readings allow{', ' if guess else ''}{guess}"
