@@ -95,7 +95,19 @@ def test_what_cannot_be_planned_is_said_in_one_paragraph(
     assert printed.out == ""
 
 
-def test_an_option_replaces_only_the_limit_that_it_names(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_so_many_readings_are_planned_whatever_accuracy_the_campaign_asks_for(
+    campaign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    campaign.write_text(CAMPAIGN.replace("readings = 7", 'rms = "0.6 mm"'))
+    assert run(["plan", str(campaign), "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["points"]) < 9
+    assert run(["plan", str(campaign), "--readings", "9", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["points"]) == 9
+
+
+def test_a_target_alone_is_planned_within_what_the_campaign_allows(
+    campaign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run(["plan", str(campaign), "--target", "1 um", "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["points"]) == 7
     assert run(["plan", str(campaign), "--target", "1 um", "--readings", "3", "--json"]) == 0

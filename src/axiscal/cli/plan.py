@@ -32,7 +32,8 @@ def plan(
 ) -> None:
     """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
 
-    The campaign's own target holds; each option replaces what it names. Nothing is recorded.
+    Without options the campaign's own target holds. --readings and --budget plan for the best that so many readings, or
+    so much time, can bring; --target alone plans within the campaign's own readings and budget. Nothing is recorded.
 
     \b
     Examples:
@@ -79,12 +80,11 @@ def _limits(case: Problem, readings: int | None, target: str | None, budget: str
     for value, text in ((rms, target), (seconds, budget)):
         if value is not None and value <= 0:
             raise TargetError(f'"{text}" is not above zero', "Give an accuracy or a time above zero")
-    return Limits(
-        own.readings if readings is None else readings,
-        own.rms if rms is None else rms,
-        own.worst if rms is None else None,  # both are accuracies: a new one replaces both
-        own.budget if seconds is None else seconds,
-    )
+    if readings is not None or seconds is not None:  # so many readings, or so much time: as good as they can be
+        return Limits(readings, rms, None, seconds)
+    if rms is not None:  # an accuracy, within what the campaign allows
+        return Limits(own.readings, rms, None, own.budget)
+    return Limits(own.readings, own.rms, own.worst, own.budget)
 
 
 def _compared(case: Problem, limits: Limits, candidates: int, page: Path, as_json: bool) -> None:
