@@ -45,8 +45,7 @@ def known(name: str) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
     model = ErrorModel(description(name).machine)
     draw = np.random.default_rng(4).standard_normal(model.size)
-    values, vectors = np.linalg.eigh(model.prior_covariance())
-    mean = vectors @ (np.sqrt(np.maximum(values, 0)) * draw)
+    mean = np.linalg.cholesky(model.prior_covariance()) @ draw
     curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
     belief = Belief(mean, 1e-20 * np.eye(model.size))
     return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})

@@ -88,9 +88,8 @@ LEAVES = {  # the largest share of the error that may be left on this machine
 def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
     model = ErrorModel(machine_from_text(TOOTHED) if name == "small" else load_machine(name))
-    values, vectors = np.linalg.eigh(model.prior_covariance())
     draw = np.random.default_rng(seed).standard_normal(model.size)
-    mean = vectors @ (np.sqrt(np.maximum(values, 0)) * draw)
+    mean = np.linalg.cholesky(model.prior_covariance()) @ draw  # unique, where eigenvectors of equal values are not
     curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
     belief = Belief(mean, 1e-20 * np.eye(model.size))
     return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
@@ -169,7 +168,7 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
         estimate.mean + np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
     )
     low, high = np.array(estimate.box).T
-    poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (400, 3)), estimate.box)
+    poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (3000, 3)), estimate.box)
     rows, added = estimate.model.rows(poses, approaches), offered.control(poses, approaches)
     moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
     left = [rms(rows @ machine + moved) ** 2 for machine in drawn]
