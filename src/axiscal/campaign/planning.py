@@ -17,7 +17,7 @@ from axiscal.campaign.room import with_room
 from axiscal.campaign.target import Target
 from axiscal.design import criterion
 from axiscal.design import problem as design
-from axiscal.design.lattice import Lattice, spread
+from axiscal.design.lattice import spread
 from axiscal.design.plan import Plan, make_plan
 from axiscal.design.problem import Limits
 from axiscal.design.state import Point
@@ -104,8 +104,7 @@ def posed(
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
         keep[mine] = ~_at_gap(case, int(setup), lattice.poses[mine], gaps)
-    free = Lattice(lattice.setups[keep], lattice.poses[keep], lattice.approaches[keep])
-    return design.Problem(observation, belief, weight_of(case, belief), case.yardstick, free, here)
+    return design.Problem(observation, belief, weight_of(case, belief), case.yardstick, lattice.within(keep), here)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.engine import Visit
 from axiscal.campaign.planning import whole_plan
 from axiscal.campaign.problem import Problem
+from axiscal.design.cost import visit_seconds
 from axiscal.design.plan import Plan
 from axiscal.design.problem import Limits
 from axiscal.exceptions import PlanError
@@ -77,19 +76,25 @@ def _of_plan(name: str, plan: Plan) -> Alternative:
 def traditional(case: Problem, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
-    observation, belief, visits = case.observation, case.prior, list[Visit]()
-    known, seconds = [case.yardstick.measure(belief)], [0.0]
+    observation, belief = case.observation, case.prior
+    known, seconds, before = [case.yardstick.measure(belief)], [0.0], None
     for reading in readings:
         wider = observation.visited(np.array(reading.pose), case.index(reading.setup))
         belief = belief.extended(observation.rest_variances(wider))
         observation = wider
         seen = observation.reading(reading)
         belief = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances)
-        visits.append(Visit(reading.setup, reading.pose))
         known.append(case.yardstick.measure(belief))
-        seconds.append(Calibration(case).elapsed(visits))
+        seconds.append(seconds[-1] + _seconds(case, before, reading))
+        before = reading
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)
     return Alternative(TRADITIONAL, tuple(seconds), rms, worst)
+
+
+def _seconds(case: Problem, before: Reading | None, reading: Reading) -> float:
+    setup = case.description.setup(reading.setup)
+    start = np.array(before.pose) if before is not None and before.setup == reading.setup else None
+    return visit_seconds(case.description.machine, setup, start, np.array(reading.pose))
 
 
 def traditional_readings(case: Problem, count: int) -> list[Reading]:
