@@ -61,6 +61,7 @@ class Recorded:
 
     accepted : somebody vouches for it, however much it surprises
     others : the values along y and z where an instrument reads three directions
+    time : when it was taken, s since the campaign began; None where no clock was looked at
     """
 
     setup: str
@@ -70,18 +71,19 @@ class Recorded:
     std: float | None
     accepted: bool = False
     others: tuple[float, ...] = ()
+    time: float | None = None
 
     @classmethod
     def of(cls, reading: Reading) -> Recorded:
         """Return the event that a reading is."""
         r = reading
-        return cls(r.setup, r.pose, r.approach, r.value, r.std, r.accepted, r.others)
+        return cls(r.setup, r.pose, r.approach, r.value, r.std, r.accepted, r.others, r.time)
 
     @property
     def reading(self) -> Reading:
         """The reading that was taken."""
         place = (self.setup, self.position, self.approach)
-        return Reading(*place, self.value, self.std, accepted=self.accepted, others=self.others)
+        return Reading(*place, self.value, self.std, accepted=self.accepted, others=self.others, time=self.time)
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,9 +71,10 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     std = None if fields["std"] is None else _number(fields["std"])
     accepted = fields.get("accepted", False)  # records of before it could be said
     others = tuple(_number(value) for value in fields.get("others", ()))
+    time = None if fields.get("time") is None else _number(fields["time"])
     if not isinstance(accepted, bool):
         raise ValueError(f"{accepted!r} is neither true nor false")
-    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std, accepted, others)
+    return Recorded(_text(fields["setup"]), *_position(fields), _number(fields["value"]), std, accepted, others, time)
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {

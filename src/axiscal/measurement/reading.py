@@ -14,6 +14,7 @@ class Reading:
     approach : (n_axes,) +1 or -1 where the direction of the last motion is known, else 0
     value : m or rad; along x where an instrument reads three directions
     others : its values along y and z
+    time : when it was taken, s since the campaign began; None where nobody looked at a clock
     std : standard deviation of this reading in the unit of the value; None takes the set-up's noise
     line : line of the file it came from, if it came from one
     accepted : somebody vouches for it, however much it surprises
@@ -27,6 +28,7 @@ class Reading:
     line: int | None = None
     accepted: bool = False
     others: tuple[float, ...] = ()
+    time: float | None = None
 
     @property
     def values(self) -> tuple[float, ...]:
