@@ -35,15 +35,18 @@ _WORK = 4e9
 Spent = Callable[[], bool]
 
 
-def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS) -> None:
-    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work."""
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> None:
+    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work.
+
+    better : by this share of what a reading brings, another one must bring more
+    """
     work = 0.0
     for _ in range(sweeps):
         count = 0
         for slot in np.argsort(scores.losses(), kind="stable"):
             if work > _WORK:
                 return
-            changed = _exchanged(scores, int(slot), allowed)
+            changed = _exchanged(scores, int(slot), allowed, better)
             count += changed
             work += 4.0 * len(scores.pool) + changed * _work_of_change(scores)
         if not count:
@@ -56,11 +59,11 @@ def _work_of_change(scores: Scores) -> float:
     return products + 20.0 * scores.state.factor.size
 
 
-def _exchanged(scores: Scores, slot: int, allowed: Allowed) -> bool:
+def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
     gains, own = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
     best = int(gains.argmax())
-    if not gains[best] > own * (1 + _BETTER):
+    if not gains[best] > own * (1 + better):
         return False
     scores.leave(slot)
     scores.enter(best, slot)

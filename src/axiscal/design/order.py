@@ -1,0 +1,52 @@
+"""The order of the readings of a plan, set-up by set-up, and how long they take in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.design.problem import Problem, counting, ordered, way_seconds
+from axiscal.design.state import Point, State
+from axiscal.numerics import Array
+
+
+def seconds_of(problem: Problem, points: list[Point]) -> float:
+    """Return the time of readings on a short way, set-up by set-up."""
+    total, before = 0.0, problem.here
+    for point in _by_setup(problem, points):
+        total += way_seconds(problem, before, point)
+        before = point
+    return total
+
+
+def _by_setup(problem: Problem, points: list[Point]) -> list[Point]:
+    """Return the readings in travel order, set-ups in order of their index, the mounted one first."""
+    mounted = problem.here.setup if problem.here else -1
+    setups = sorted({p.setup for p in points}, key=lambda s: (s != mounted, s))
+    groups = [[p for p in points if p.setup == setup] for setup in setups]
+    return [group[i] for group in groups for i in ordered(problem, group)]
+
+
+def in_order(problem: Problem, points: list[Point]) -> list[Point]:
+    """Return the readings in travel order; the set-up that takes J down fastest per second comes first."""
+    setups = {p.setup for p in points}
+    groups = {setup: _by_setup(problem, [p for p in points if p.setup == setup]) for setup in setups}
+    if len(groups) == 1:
+        return groups.popitem()[1]
+    done: list[Point] = []
+    state: State = problem.state
+    while groups:
+        mounted = problem.here is not None and problem.here.setup in groups and not done
+        after = {setup: state.with_points(group) for setup, group in groups.items()}
+        rates = {s: (state.value - after[s].value) / seconds_of(problem, groups[s]) for s in groups}
+        best = problem.here.setup if mounted and problem.here else max(rates, key=lambda s: rates[s])
+        done, state = done + groups.pop(best), after[best]
+    return done
+
+
+def arriving(problem: Problem, before: Point | None, point: Point) -> Array:
+    """Return the approach of a reading, with the direction of travel where any direction will do."""
+    counted = counting(problem, point)
+    if before is None or before.setup != point.setup:
+        return point.approach
+    travel = np.sign(point.pose - before.pose)
+    return np.where(counted != 0, counted, np.where(travel != 0, travel, point.approach) * (point.approach != 0))
