@@ -73,6 +73,9 @@ class CountingEngine:
     def objection(self) -> str | None:
         return None
 
+    def grounds(self) -> str:
+        return ""
+
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> list[Place]:
         taken = {reading.pose[0] for reading in self.read} | {gap.asked.position[0] for gap in gaps}
         free = [0.01 * n for n in range(61) if 0.01 * n not in taken]

@@ -12,6 +12,8 @@ from axiscal.campaign.events import (
     Event,
     EventOrderError,
     Finished,
+    Place,
+    Planned,
     Recorded,
     Skipped,
     State,
@@ -127,3 +129,31 @@ def test_taking_back_an_answer_opens_its_question_again() -> None:
 
 def test_nothing_has_happened_at_first() -> None:
     assert fold([]) == State()
+
+
+PLACE = Place("laser", (0.0,), (1,))
+PLAN = Planned((PLACE, Place("laser", (0.5,), (1,))), "7 rejected")
+
+
+def test_a_plan_survives_the_record_and_one_of_before_has_no_grounds() -> None:
+    assert decode(*encode(PLAN)) == PLAN
+    assert decode("planned", '{"places": []}') == Planned(())
+
+
+@pytest.mark.parametrize(
+    ("events", "renew"),
+    [
+        ([PLAN, QUESTION, VALUE], False),
+        ([PLAN, VALUE], True),
+        ([PLAN, QUESTION, Recorded("laser", (0.1,), (1,), 1e-6, None)], True),
+        ([PLAN, QUESTION, Recorded("laser", (0.0,), (-1,), 1e-6, None)], True),
+        ([PLAN, QUESTION, Recorded("ruler", (0.0,), (1,), 1e-6, None)], True),
+        ([PLAN, QUESTION, Skipped("blocked")], True),
+        ([PLAN, QUESTION, VALUE, Undone(4)], True),
+        ([PLAN, VALUE, PLAN], False),
+    ],
+)
+def test_what_was_not_planned_asks_for_the_plan_to_be_renewed(events: list[Event], renew: bool) -> None:
+    state = fold(stored([CREATED, *events]))
+    assert state.renew == renew
+    assert state.grounds == "7 rejected"

@@ -13,6 +13,7 @@ from axiscal.campaign.engine import Engine, Visit
 from axiscal.campaign.events import Gap, Place
 from axiscal.campaign.planning import planned_places
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.standing import grounds, twice_rejected
 from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
@@ -27,6 +28,8 @@ _ROUNDS = 12
 _LEARNABLE = 4.0
 """So many times larger than stated an error may be where its std is to be learnt."""
 _TRIMMED = 0.1
+_SURPRISING = 2.0
+"""Standard deviations from which a new reading makes all be looked at: one in twenty does by chance."""
 
 
 def calibration_of(engine: Engine) -> Calibration:
@@ -125,8 +128,24 @@ class Calibration:
 
     def _take_all(self) -> None:
         self._judge()
-        for index in range(len(self._innovations), len(self._readings)):
+        while (index := len(self._innovations)) < len(self._readings):
             self._take(index)
+            self._review(index + 1)
+
+    def _review(self, count: int) -> None:
+        """Look for bad readings among the first ones where the last of them surprises: it may be bad, or show another.
+
+        Those from which the scales were learnt have been looked at.
+        """
+        if count <= self._learnt_from or np.sqrt(self._innovations[-1].chi_square) < _SURPRISING:
+            return
+        found = self._doubtful(self._problem, self._readings[:count])
+        if found != self._doubts:
+            self._doubts = found
+            self._start(self._problem)
+            self._judge()
+            for index in range(count):
+                self._take(index)
 
     def _judge(self) -> None:
         """Find the implausible among new readings: as they come, or, if they are all there, the nearest first."""
@@ -157,16 +176,21 @@ class Calibration:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
         self._start(self.stated)
         self._judge()
-        kept = [index for index in range(len(readings)) if index not in self._implausible]
-        believed, problem = [readings[index] for index in kept], self.stated
-        found = doubts(problem.observation, believed, problem.inherited)
-        if problem.variable and len(believed) >= FEWEST:
-            trusted = [r for i, r in enumerate(believed) if i not in {doubt.reading for doubt in found}]
+        problem, found = self.stated, self._doubtful(self.stated, readings)
+        doubtful = {*self._implausible, *(doubt.reading for doubt in found)}
+        trusted = [reading for index, reading in enumerate(readings) if index not in doubtful]
+        if problem.variable and len(readings) - len(self._implausible) >= FEWEST:
             self._fit = fit(problem.observation, trusted, problem.variable)
             problem = problem.rescaled(self._fit.scales)
-            found = doubts(problem.observation, believed)
-        self._doubts = tuple(doubt._replace(reading=kept[doubt.reading]) for doubt in found)
+            found = self._doubtful(problem, readings)
+        self._doubts = found
         self._start(problem)
+
+    def _doubtful(self, problem: Problem, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
+        """Return those of the first readings that the others contradict, implausible ones apart."""
+        kept = [index for index in range(len(readings)) if index not in self._implausible]
+        found = doubts(problem.observation, [readings[index] for index in kept], problem.inherited)
+        return tuple(doubt._replace(reading=kept[doubt.reading]) for doubt in found)
 
     def _locate(self) -> None:
         """Take all readings, and again about the places of stations that they show, until these stay."""
@@ -240,11 +264,17 @@ class Calibration:
         problem = settled._problem
         return Estimate(problem.errors, settled._belief, problem.description.target.volume)
 
+    def grounds(self) -> str:
+        """Return what a plan made now rests on beside where the readings were taken, in words; empty for nothing."""
+        settled = self._settled()
+        return grounds(settled._problem, self._readings, settled.doubts, self._learnt_from)
+
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place] = ()) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way."""
         settled = self._settled()
         known = settled._problem, settled._observation, settled._belief
-        return planned_places(*known, gaps, visits, self.elapsed(visits), left)
+        closed = *gaps, *twice_rejected(settled._problem, self._readings, settled.doubts)
+        return planned_places(*known, closed, visits, self.elapsed(visits), left)
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""

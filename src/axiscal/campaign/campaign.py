@@ -148,14 +148,21 @@ class Campaign:
         return asked
 
     def prepared(self) -> tuple[Place, ...]:
-        """Return the readings to come; they are planned, and the plan is kept, if there are none yet, or one could not
-        be taken.
+        """Return the readings to come. Their plan is kept; it is renewed where it no longer stands on what is known.
+
+        A reading taken where it was planned, and believed, leaves the plan as it is: how sharp a belief becomes does
+        not depend on values.
         """
-        if self.state.renew or not self.state.plan:
-            places = tuple(self.engine.plan(self.state.skipped, self._visits(), self.state.plan))
-            if places:
-                self._append(Planned(places))
+        if not self._plan_stands():
+            engine, planned = self.engine, self.state.plan
+            places = tuple(engine.plan(self.state.skipped, self._visits(), planned))
+            if places or planned:
+                self._append(Planned(places, engine.grounds()))
         return self.state.plan
+
+    def _plan_stands(self) -> bool:
+        state = self.state
+        return bool(state.plan) and not state.renew and self.engine.grounds() == state.grounds
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""

@@ -59,6 +59,12 @@ class Engine(Protocol):
     def objection(self) -> str | None:
         """Return why the last reading cannot be, in words; None where it can."""
 
+    def grounds(self) -> str:
+        """Return what a plan made now rests on beside where the readings were taken, in words; empty for nothing.
+
+        As long as it stays the same, readings that are taken where they were planned change nothing in the plan.
+        """
+
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> Sequence[Place]:
         """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure.
 

@@ -40,9 +40,13 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in their order; what was planned before is no longer."""
+    """The readings to come, in their order; what was planned before is no longer.
+
+    grounds : what the plan rests on beside the places of the readings before it, as the engine says
+    """
 
     places: tuple[Place, ...]
+    grounds: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,8 +162,8 @@ class State:
     skipped : what could not be measured
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
-    plan : places that have been planned and not been asked for yet
-    renew : whether the plan is to be made anew, because a place could not be read
+    plan : places that have been planned and not been asked for yet; grounds : what they were planned on
+    renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
     last : number of the last event
     """
@@ -170,6 +174,7 @@ class State:
     pending: Asked | None = None
     finished: str | None = None
     plan: tuple[Place, ...] = ()
+    grounds: str = ""
     renew: bool = False
     undo: tuple[Step, ...] = ()
     last: int = 0
@@ -197,6 +202,7 @@ class _Folding:
         self._pending: Asked | None = None
         self._finished: str | None = None
         self._plan: list[Place] = []
+        self._grounds = ""
         self._renew = False
         self._undo: list[Step] = []
         self._last = 0
@@ -209,6 +215,7 @@ class _Folding:
             self._pending,
             self._finished,
             tuple(self._plan),
+            self._grounds,
             self._renew,
             tuple(self._undo),
             self._last,
@@ -220,7 +227,7 @@ class _Folding:
         if isinstance(event, Created):
             self._created = event
         elif isinstance(event, Planned):
-            self._plan, self._renew = list(event.places), False
+            self._plan, self._grounds, self._renew = list(event.places), event.grounds, False
         elif isinstance(event, Asked):
             self._ask(event)
         elif isinstance(event, Undone):
@@ -247,6 +254,7 @@ class _Folding:
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
             self._readings.append(event.reading)
+            self._renew = self._renew or not self._asked_for(event)
         elif isinstance(event, Finished):
             self._finished = event.because
         elif self._pending is None:
@@ -256,6 +264,12 @@ class _Folding:
             self._skipped.append(gap)
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
+
+    def _asked_for(self, event: Recorded) -> bool:
+        """Whether a reading was taken where one was wanted, and from there."""
+        asked = self._pending
+        taken = (event.setup, event.position, event.approach)
+        return asked is not None and taken == (asked.setup, asked.position, asked.approach)
 
     def _take_back(self, event: Undone) -> None:
         if not self._undo or self._undo[-1].number != event.event:
@@ -267,4 +281,4 @@ class _Folding:
             self._skipped.pop()
         else:
             self._finished = None
-        self._pending = step.pending
+        self._pending, self._renew = step.pending, True

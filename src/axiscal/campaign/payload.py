@@ -80,7 +80,8 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "created": _created,
     "planned": lambda fields: Planned(
-        tuple(Place(_text(place["setup"]), *_position(place)) for place in fields["places"])
+        tuple(Place(_text(place["setup"]), *_position(place)) for place in fields["places"]),
+        _text(fields.get("grounds", "")),  # records of before plans said what they rest on
     ),
     "asked": lambda fields: Asked(_whole(fields["reading"]), _text(fields["setup"]), *_position(fields)),
     "recorded": _recorded,

@@ -7,19 +7,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.campaign.engine import Visit
 from axiscal.campaign.events import Gap, Place
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.room import with_room
+from axiscal.campaign.standing import at_gap, in_gap
 from axiscal.campaign.target import Target
 from axiscal.design import criterion
 from axiscal.design import problem as design
 from axiscal.design.lattice import spread
 from axiscal.design.plan import Plan, make_plan
 from axiscal.design.problem import Limits
+from axiscal.design.renewal import renewed
 from axiscal.design.state import Point
 from axiscal.exceptions import PlanError
 from axiscal.measurement.observation import Observation
@@ -27,7 +28,6 @@ from axiscal.numerics import Array
 
 _CANDIDATES = 2000
 _AT_ONCE = 150
-_NEAR = 0.01
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -51,12 +51,18 @@ def planned_places(
     if not len(problem.lattice):
         return ()
     patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
-    begin = [Point(case.index(p.setup), np.array(p.position), np.array(p.approach, dtype=float)) for p in left] or None
+    points = [_point(case, place) for place in left if not in_gap(case, place, gaps)]
+    coming = renewed(problem, limits, points, patience) if points else _begun(problem, limits, patience)
+    places = [_placed(case, point) for point in coming]
+    return tuple(place for place in places if not in_gap(case, place, gaps))
+
+
+def _begun(problem: design.Problem, limits: Limits, patience: float) -> list[Point]:
+    """Return the readings of a new plan."""
     try:
-        plan = make_plan(problem, limits, patience=patience, bounded=False, begin=begin)
+        return make_plan(problem, limits, patience=patience, bounded=False).points
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
-        plan = make_plan(problem, Limits(1), patience=patience, bounded=False)
-    return tuple(place for place in placed(case, plan) if not _in_gap(case, place, gaps))
+        return make_plan(problem, Limits(1), patience=patience, bounded=False).points
 
 
 def whole_plan(
@@ -78,12 +84,17 @@ def _patience(observation: Observation) -> float:
 
 def placed(case: Problem, plan: Plan) -> tuple[Place, ...]:
     """Return the places of a plan, each with room to come to it from its side."""
-    places = []
-    for reading in plan.readings:
-        setup = case.description.setups[reading.setup]
-        pose, approach = tuple(map(float, reading.pose)), tuple(int(sign) for sign in reading.approach)
-        places.append(Place(setup.name, *with_room(case.errors, setup, pose, approach)))
-    return tuple(places)
+    return tuple(_placed(case, point) for point in plan.points)
+
+
+def _placed(case: Problem, point: Point) -> Place:
+    setup = case.description.setups[point.setup]
+    pose, approach = tuple(map(float, point.pose)), tuple(int(sign) for sign in point.approach)
+    return Place(setup.name, *with_room(case.errors, setup, pose, approach))
+
+
+def _point(case: Problem, place: Place) -> Point:
+    return Point(case.index(place.setup), np.array(place.position), np.array(place.approach, dtype=float))
 
 
 def posed(
@@ -103,7 +114,7 @@ def posed(
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
-        keep[mine] = ~_at_gap(case, int(setup), lattice.poses[mine], gaps)
+        keep[mine] = ~at_gap(case, int(setup), lattice.poses[mine], gaps)
     return design.Problem(observation, belief, weight_of(case, belief), case.yardstick, lattice.within(keep), here)
 
 
@@ -124,17 +135,3 @@ def weight_of(case: Problem, belief: Belief) -> Array:
     if name == "joint":
         return criterion.joint_root(case.errors)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_rows(belief)
-
-
-def _in_gap(case: Problem, place: Place, gaps: Sequence[Gap]) -> bool:
-    return bool(_at_gap(case, case.index(place.setup), np.array([place.position]), gaps)[0])
-
-
-def _at_gap(case: Problem, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
-    """Return which poses (m, q) of a set-up are where a reading could not be taken."""
-    lengths = np.array([axis.length for axis in case.description.machine.axes])
-    result = np.zeros(len(poses), dtype=bool)
-    for gap in gaps:
-        if case.index(gap.setup) == setup:
-            result |= np.all(np.abs(poses - np.array(gap.position)) < _NEAR * lengths, axis=1)
-    return result

@@ -18,7 +18,7 @@ from axiscal.design.meter import Meter
 from axiscal.design.order import arriving, in_order
 from axiscal.design.plan import Patience
 from axiscal.design.pool import Pool
-from axiscal.design.problem import Clock, Limits, Problem, clock
+from axiscal.design.problem import Clock, Limits, Problem, clock, way_seconds
 from axiscal.design.scoring import Scores
 from axiscal.design.state import Point
 
@@ -26,7 +26,7 @@ _SWEEPS = 3
 _WORTH = 0.01
 """An exchange must bring a hundredth more than the reading it replaces: less is not worth another way."""
 _ROUNDS = 2
-_MORE = 12
+_MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
 
 
@@ -36,13 +36,31 @@ def renewed(problem: Problem, limits: Limits, left: list[Point], patience: float
     limits : what is left of them; patience : seconds for climbing off the lattice
     """
     times, setups = clock(problem), _setups(problem, left)
-    pool = Pool(problem.observation, problem.lattice.within(np.isin(problem.lattice.setups, setups)), problem.memory)
-    trial = _filled(problem, limits, times, _begun(problem, limits, times, pool, setups, left))
-    exchange(trial.scores, affordable(times, setups, 0.0 if limits.timed else np.inf), _SWEEPS, _WORTH)
-    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-    points = in_order(problem, fitted(problem, limits, times, trial).scores.points)
-    before = [problem.here, *points[:-1]]
-    return [p._replace(approach=arriving(problem, b, p)) for b, p in zip(before, points, strict=True)]
+    lattice = problem.lattice.within(np.isin(problem.lattice.setups, setups))
+    points = left
+    if len(lattice):
+        trial = _begun(problem, limits, times, Pool(problem.observation, lattice, problem.memory), setups, left)
+        trial = _filled(problem, limits, times, trial)
+        exchange(trial.scores, affordable(times, setups, 0.0 if limits.timed else np.inf), _SWEEPS, _WORTH)
+        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+        points = fitted(problem, limits, times, trial).scores.points
+    order = _shorter(problem, in_order(problem, points), left)
+    return [
+        p._replace(approach=arriving(problem, before, p))
+        for before, p in zip([problem.here, *order[:-1]], order, strict=True)
+    ]
+
+
+def _shorter(problem: Problem, order: list[Point], left: list[Point]) -> list[Point]:
+    """Return the order as it was, where it holds the same readings and takes no longer."""
+    same = {id(point) for point in order} == {id(point) for point in left}
+    return left if same and _seconds(problem, left) <= _seconds(problem, order) else order
+
+
+def _seconds(problem: Problem, points: list[Point]) -> float:
+    return sum(
+        way_seconds(problem, before, point) for before, point in zip([problem.here, *points[:-1]], points, strict=True)
+    )
 
 
 def _setups(problem: Problem, left: list[Point]) -> Setups:
@@ -50,9 +68,7 @@ def _setups(problem: Problem, left: list[Point]) -> Setups:
     return tuple(sorted({*mounted, *(point.setup for point in left)}))
 
 
-def _begun(
-    problem: Problem, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: list[Point]
-) -> Trial:
+def _begun(problem: Problem, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: list[Point]) -> Trial:
     """Return the plan that is left, of no more readings than there may be."""
     scores = Scores(pool, problem.state)
     for point in left:
@@ -65,11 +81,10 @@ def _begun(
 def _filled(problem: Problem, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Return the plan with a few readings more where it falls short of what is asked for; a budget is filled later."""
     scores, cost = trial.scores, times.reading[trial.scores.pool.lattice.setups]
-    meter = Meter.of(problem.yardstick, scores.state.factor)
     for _ in range(_MORE):
+        met = limits.met(Meter.of(problem.yardstick, scores.state.factor).accuracy)
         full = limits.readings is not None and len(scores.members) >= limits.readings
-        if full or limits.met(meter.accuracy) or (limits.budget is not None and not limits.accurate):
+        if met or full or (limits.budget is not None and not limits.accurate):
             break
         scores.enter(int((scores.gains / (cost if limits.timed else 1.0)).argmax()))
-        meter = meter.after(scores.last)
-    return replace(trial, met=limits.met(meter.accuracy))
+    return replace(trial, met=met)

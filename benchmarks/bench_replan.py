@@ -1,0 +1,71 @@
+"""How long the rest of a plan takes to be renewed while the five-axis machine of the demo is measured.
+
+    python benchmarks/bench_replan.py
+
+Prints medians over the readings of the demo's campaign: processor time from a reading to the next question while the
+plan stands, and while it does not because the reading is not believed; and what the machine takes to the next point.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.engine import Visit
+from axiscal.campaign.events import Asked
+from axiscal.campaign.problem import Problem
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.demo.five_axis import SEED, description, hidden_machine
+from axiscal.design.cost import travel_seconds
+
+
+def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, float, float, float]]:
+    """Yield for each reading: processor seconds of the next question, and of renewing its plan; way, whole visit."""
+    machine = campaign.description.machine
+    asked = campaign.next()
+    while isinstance(asked, Asked):
+        answer = source.read(campaign.request(asked))
+        campaign.record(answer.value, answer.std, others=answer.others)
+        before, begun = asked, time.process_time()
+        asked, taken = campaign.next(), time.process_time() - begun
+        if isinstance(asked, Asked) and asked.setup == before.setup:
+            begun = time.process_time()
+            visits = [Visit(reading.setup, reading.pose) for reading in campaign.state.readings]
+            campaign.engine.plan((), visits, campaign.state.plan)
+            renewed = time.process_time() - begun
+            way = float(travel_seconds(machine, np.array(before.position), np.array(asked.position)))
+            setup = campaign.description.setup(asked.setup)
+            yield taken, renewed, way, way + setup.settle + setup.reading_time
+
+
+def main() -> None:
+    """Print the figures."""
+    problem = Problem(description())
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Campaign.create(Path(folder) / "demo.axiscal", problem.description, lambda _: Calibration(problem)) as campaign,
+    ):
+        found = list(steps(campaign, SimulatedSource(hidden_machine(problem), SEED)))
+    names = (
+        "next question, the plan stands",
+        "next question, the plan is renewed",
+        "way to the next point",
+        "whole visit",
+    )
+    print(f"five-axis machine of the demo, median of {len(found)} readings")
+    for name, times in zip(names, zip(*found, strict=True), strict=True):
+        print(f"{name:36} {statistics.median(times):6.3f} s   at most {max(times):6.3f} s")
+
+
+if __name__ == "__main__":
+    main()
