@@ -21,7 +21,7 @@ _STEP = 3e-5
 _NEWTON = 40
 _SETTLED = 1e-9
 """Newton's step converges quadratically: what is left after a rise of this share is below rounding."""
-_SCALES = np.array([1.0, 0.5, 0.25, 0.1, 0.03, 0.01, 0.001])
+_SHORTER = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.001])
 _APART = 1e-5
 _INNER = 4
 
@@ -102,15 +102,17 @@ class Climb:
     def newton(self, steps: int) -> None:
         """Move all continuous axes at once, by damped Newton steps with differences for derivatives."""
         axes = [k for k in self.moves if not self.scorer.observation.setups[self.setup].raster[k] > 0]
-        if not axes:
+        if not axes or not len(self.poses):
             return
-        ends = np.array([self.scorer.observation.errors.machine.axes[k].travel for k in axes])
+        observation = self.scorer.observation
+        mounted, machine = observation.setups[self.setup], observation.errors.machine
+        ends = np.array([mounted.span(machine.axes[k], k) for k in axes])
         going = np.arange(len(self.poses))
         for _ in range(steps):
-            gained = self._newton_step(axes, ends, going)
-            going = going[gained > _SETTLED * self.gains[going]]
             if not len(going):
                 return
+            gained = self._newton_step(axes, ends, going)
+            going = going[gained > _SETTLED * self.gains[going]]
 
     def _newton_step(self, axes: list[int], ends: Array, going: NDArray[np.intp]) -> Array:
         """Return by how much the gains of those on the way have risen."""
@@ -119,12 +121,20 @@ class Climb:
         values = self._gains_at(axes, here[:, None] + offsets * spans, going)
         slope, bend = _derivatives(values, len(axes))
         steps = _ascent(slope, bend, (here - ends[:, 0]) / spans) * spans
-        tries = np.clip(here[:, None] + _SCALES[:, None] * steps[:, None], ends[:, 0], ends[:, 1])
+        rise = self._try(axes, np.clip(here + steps, *ends.T)[:, None], going)
+        short = np.flatnonzero(rise <= 0)
+        if len(short):
+            tries = np.clip(here[short, None] + _SHORTER[:, None] * steps[short, None], *ends.T)
+            rise[short] = self._try(axes, tries, going[short])
+        return rise
+
+    def _try(self, axes: list[int], tries: Array, going: NDArray[np.intp]) -> Array:
+        """Go to the best of several positions (n, p, axes) each where it gains more; return by how much it does."""
         gains = self._gains_at(axes, tries, going)
         best = gains.argmax(axis=1)
         found, gain = tries[np.arange(len(going)), best], gains[np.arange(len(going)), best]
-        better = gain > self.gains[going]
         rise: Array = gain - self.gains[going]
+        better = rise > 0
         self.poses[going[better][:, None], axes] = found[better]
         self.gains[going[better]] = gain[better]
         return rise
@@ -163,7 +173,7 @@ class Climb:
         mounted, machine = observation.setups[self.setup], observation.errors.machine
         if mounted.raster[axis] > 0:
             return raster_positions(machine, mounted, axis)
-        return knot_lattice(observation, axis, _INNER)
+        return knot_lattice(observation, self.setup, axis, _INNER)
 
     def _move_best_axis(self) -> None:
         """Look along every axis exactly, and move the one that gains most."""
@@ -197,8 +207,8 @@ class Climb:
         All lines are one search. An axis on which nothing better can be found for a pose may come out a little low.
         """
         observation, count = self.scorer.observation, len(self.poses)
-        bundle = _Bundle([self._lines(k) for k in axes], [observation.breaks(k) for k in axes], count)
-        degree = max(node_count(*observation.smoothness(k)) for k in axes)
+        bundle = _Bundle([self._lines(k) for k in axes], [observation.breaks(k, self.setup) for k in axes], count)
+        degree = max(node_count(*observation.smoothness(k, self.setup)) for k in axes)
         position, value = maximise_along(bundle.forms, bundle.left, bundle.right, degree, bundle.pose)
         return [(axis, *bundle.best(i, position, value)) for i, axis in enumerate(axes)]
 

@@ -19,8 +19,8 @@ from axiscal.design.scorer import Scorer
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
-_PER_INTERVAL = 4
-_EVERY_POINT = 60_000
+_PER_INTERVAL = 8
+_EVERY_POINT = 300_000
 _CLIMBERS = 64
 _SWEEPS = 30
 _ADDS_UP = 1e-12
@@ -135,19 +135,16 @@ def _positions(observation: Observation, setup: int, axis: int) -> Array:
     mounted = observation.setups[setup]
     if mounted.raster[axis] > 0:
         return raster_positions(observation.errors.machine, mounted, axis)
-    return knot_lattice(observation, axis, _PER_INTERVAL)
+    return knot_lattice(observation, setup, axis, _PER_INTERVAL)
 
 
 def peaks(gains: Array) -> tuple[NDArray[np.intp], Array]:
     """Return the lattice points (n, axes) that gain no less than the points beside them, and their gains."""
     beaten = np.zeros(gains.shape, dtype=bool)
     for axis in range(gains.ndim):
-        rise = np.diff(gains, axis=axis)
-        edge = [(0, 0)] * gains.ndim
-        edge[axis] = (0, 1)
-        beaten |= np.pad(rise > 0, edge)
-        edge[axis] = (1, 0)
-        beaten |= np.pad(rise < 0, edge)
+        along, covered = np.moveaxis(gains, axis, 0), np.moveaxis(beaten, axis, 0)
+        covered[:-1] |= along[1:] > along[:-1]
+        covered[1:] |= along[:-1] > along[1:]
     where = np.argwhere(~beaten)
     return where, gains[tuple(where.T)]
 

@@ -9,6 +9,7 @@ eq. 27; over all joints B&H eq. 37), until no joint improves it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,33 +19,27 @@ from axiscal.design.dense import dense_starts
 from axiscal.design.lattice import Lattice
 from axiscal.design.scorer import Scorer
 from axiscal.design.stacked import adds_up, starts
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.exact_step import gain_forms
 
 _APART = 0.12
 _STARTS = 16
 _LOOKED_AT = 400
-_FIRST_STEPS = 3
 
 
-@dataclass(frozen=True, slots=True)
-class _Effort:
-    """How hard to look, so that no narrow ridge is missed.
+class _Sieve(NamedTuple):
+    """So many readings, if they gain at least this share of the best, go so many of Newton's steps on."""
 
-    peaks, share : so many go on to Newton's steps, if they gain at least this share of the best
-    exact, hopeful : so many of these go on to exact lines, if they gain at least this share of the best
-    """
-
-    peaks: int
+    most: int
     share: float
-    exact: int
-    hopeful: float
+    steps: int
 
 
-_STACKED = _Effort(24, 0.92, 8, 1 - 1e-5)
-_FEW_AXES = _Effort(240, 0.5, 40, 0.75)
-_MANY_AXES = _Effort(32, 0.92, 6, 0.97)
+_STACKED = (_Sieve(100, 0.6, 1), _Sieve(60, 0.9, 2), _Sieve(12, 0.99, 6), _Sieve(2, 0.9999, 0))
+_FEW_AXES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve(4, 0.9999, 0))
+_MANY_AXES = (_Sieve(32, 0.92, 3), _Sieve(6, 0.97, 0))
+"""How hard to look, so that no narrow ridge is missed: those that pass the last sieve go on to exact lines."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,14 +47,14 @@ class Step:
     """The reading that gains most.
 
     setup : index; pose, approach : (q,); gain : fall of J; variance : of the reading's noise and fresh rests
-    row : (size,) what the reading sees
+    row : (size,) what the reading sees; of one that has several numbers (k, size), and (k,) variances
     """
 
     setup: int
     pose: Array
     approach: Array
     gain: float
-    variance: float
+    variance: float | Array
     row: Array
 
 
@@ -73,9 +68,10 @@ def best_step(observation: Observation, belief: Belief, weight: Array, lattice: 
 
 def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     """Return the reading with the largest gain of a scorer."""
-    efforts = {int(s): _effort(scorer.observation, int(s)) for s in np.unique(lattice.setups)}
-    climbs = [_prepared(scorer, setup, effort) for setup, effort in efforts.items() if effort is not _MANY_AXES]
-    others = np.isin(lattice.setups, [setup for setup, effort in efforts.items() if effort is _MANY_AXES])
+    setups = [int(setup) for setup in np.unique(lattice.setups)]
+    many = [setup for setup in setups if _sieves(scorer.observation, setup) is _MANY_AXES]
+    climbs = [_prepared(scorer, setup) for setup in setups if setup not in many]
+    others = np.isin(lattice.setups, many)
     if others.any():
         climbs += _from_lattice(scorer, lattice.within(others))
     finalists = _finalists(climbs)
@@ -85,19 +81,21 @@ def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     return max((_step(climb) for climb in finalists), key=lambda step: step.gain)
 
 
-def _effort(observation: Observation, setup: int) -> _Effort:
-    if adds_up(observation, setup):
+def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
+    """Return what starts of a set-up have to pass; tables and dense lattices are for readings of one number."""
+    moves, alone = observation.setups[setup].moves, len(directions_of(observation.setups[setup])) == 1
+    if len(moves) == 1 or (alone and adds_up(observation, setup)):
         return _STACKED
-    return _FEW_AXES if len(observation.setups[setup].moves) <= 3 else _MANY_AXES
+    return _FEW_AXES if alone and len(moves) <= 3 else _MANY_AXES
 
 
-def _prepared(scorer: Scorer, setup: int, effort: _Effort) -> Climb:
+def _prepared(scorer: Scorer, setup: int) -> Climb:
     """Return the peaks of a fine lattice; where one axis moves, its exact line needs no start."""
     if len(scorer.observation.setups[setup].moves) == 1:
         return _parked(scorer, setup)
-    found = starts(scorer, setup) if effort is _STACKED else dense_starts(scorer, setup)
-    climb = Climb(scorer, setup, found.poses, found.approaches, found.gains)
-    return climb.best(effort.peaks, effort.share, found.gains.max())
+    stacked = _sieves(scorer.observation, setup) is _STACKED
+    found = starts(scorer, setup) if stacked else dense_starts(scorer, setup)
+    return Climb(scorer, setup, found.poses, found.approaches, found.gains)
 
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
@@ -128,22 +126,29 @@ def _from_lattice(scorer: Scorer, lattice: Lattice) -> list[Climb]:
 
 def _finalists(climbs: list[Climb]) -> list[Climb]:
     """Return the distinct best after Newton's steps, few enough for exact lines."""
-    best = max(climb.gains.max() for climb in climbs)
-    efforts = [_effort(climb.scorer.observation, climb.setup) for climb in climbs]
-    pairs = [(c.distinct().best(e.peaks, e.share, best), e) for c, e in zip(climbs, efforts, strict=True)]
-    pairs = [(climb, effort) for climb, effort in pairs if len(climb.gains)]
-    for climb, _ in pairs:
-        if len(climb.moves) > 1:
-            climb.newton(_FIRST_STEPS)
-    best = max(climb.gains.max() for climb, _ in pairs)
-    final = [climb.distinct().best(effort.exact, effort.hopeful, best) for climb, effort in pairs]
-    return [climb for climb in final if len(climb.gains)]
+    for stage in range(max(len(sieves) for sieves in (_STACKED, _FEW_AXES, _MANY_AXES))):
+        best = max(climb.gains.max() for climb in climbs)
+        climbs = [passed for climb in climbs if len((passed := _sifted(climb, stage, best)).gains)]
+    return climbs
+
+
+def _sifted(climb: Climb, stage: int, best: float) -> Climb:
+    """Return those that pass a sieve of their set-up, its Newton steps on."""
+    sieves = _sieves(climb.scorer.observation, climb.setup)
+    if stage >= len(sieves) or len(climb.moves) == 1:
+        return climb
+    passed = climb.best(sieves[stage].most, sieves[stage].share, best)
+    passed.newton(sieves[stage].steps)
+    return passed.distinct()
 
 
 def _step(climb: Climb) -> Step:
     best = int(climb.gains.argmax())
     pose, approach = climb.poses[best], climb.approaches[best]
     scorer = climb.scorer
-    seen = scorer.observation.rows(climb.setup, pose[None], approach[None])
-    above, below = gain_forms(seen.rows, scorer.factor, scorer.weighted, seen.variances)
-    return Step(climb.setup, pose, approach, float(above[0] / below[0]), float(seen.variances[0]), seen.rows[0])
+    rows, covariances = (part[0] for part in scorer.observation.numbers(climb.setup, pose[None], approach[None]))
+    if len(rows) == 1:
+        above, below = gain_forms(rows, scorer.factor, scorer.weighted, covariances[0])
+        return Step(climb.setup, pose, approach, float(above[0] / below[0]), float(covariances[0, 0]), rows[0])
+    gain = float(scorer.at(climb.setup, pose[None], approach[None])[0])
+    return Step(climb.setup, pose, approach, gain, np.diagonal(covariances).copy(), rows)
