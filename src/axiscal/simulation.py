@@ -7,8 +7,10 @@ estimates it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,15 +20,24 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import SmallMotions, tool_motion
 from axiscal.machine.names import parse_error_name
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.drift import MEMORY
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.model import Actual, Place
 from axiscal.measurement.readers.truth import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import Motion
 
+_SHORTEST = 1e-4
+"""A base without length, m: the slope of a chord so short is that of the curve."""
 Curve = Callable[[Array], Array]
 """Positions (m,) of the error's axis -> values (m,), m or rad."""
+
+Wander = Callable[[float], tuple[float, float, float]]
+"""Seconds since the campaign began -> how far the zeros (the only one, or along x, y, z) have moved, m or rad."""
+
+
+_MINUTE, _DAY = 60.0, 1440
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,11 +45,13 @@ class VirtualMachine:
     """A machine whose errors are known to the simulation only.
 
     model : names the errors it has; curves : one for each; offsets : per set-up name the values of its own unknowns
+    drifts : per set-up name how far its zeros have moved by then
     """
 
     model: ErrorModel
     curves: tuple[Curve, ...]
     offsets: Mapping[str, Mapping[str, float]]
+    drifts: Mapping[str, Wander] = field(default_factory=lambda: MappingProxyType({}))
 
     def values(self, poses: Array) -> Array:
         """Return the value of every error at poses (m, q): (functions, m)."""
@@ -60,21 +73,60 @@ class VirtualMachine:
         skew = (turn - np.swapaxes(turn, 1, 2)) / 2
         return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 
-    def read(self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator) -> float:
+    def read(
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
+    ) -> float:
         """Return the first number of what the set-up would show."""
-        return self.read_all(setup, pose, approach, rng)[0]
+        return self.read_all(setup, pose, approach, rng, seconds)[0]
 
     def read_all(
-        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
     ) -> tuple[float, ...]:
-        """Return what the set-up would show: the truth, its own unknowns, nothing linearised, and noise."""
+        """Return what the set-up would show: the truth, its own unknowns, nothing linearised, its drift and noise.
+
+        seconds : since the campaign began
+        """
         at, come = np.array([pose]), np.array([approach], dtype=float)
-        model, place = INSTRUMENTS[setup.instrument].model, Place(self.model.machine, at, setup.moves)
-        actual = Actual(self.deviation(at, come), self.rotation(at, come))
+        model, place = model_of(setup), Place(self.model.machine, at, setup.moves)
+        stepped = setup.base is not None
+        actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
         directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
         own = self.offsets.get(setup.name, {})
         shown = [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
-        return tuple(value + setup.noise * rng.standard_normal() for value in shown)
+        moved = self.drifts.get(setup.name, _still)(seconds)
+        return tuple(v + d + setup.noise * rng.standard_normal() for v, d in zip(shown, moved, strict=False))
+
+    def _chord(self, setup: Setup, poses: Array) -> Actual:
+        """Return how the way lies under one foot of a level against the other, per length between them."""
+        (axis,) = setup.moves
+        low, high = self.model.machine.axes[axis].travel
+        half = max(setup.base or 0.0, _SHORTEST) / 2
+        ends = [poses.copy(), poses.copy()]
+        for end, sign in zip(ends, (1, -1), strict=True):
+            end[:, axis] = np.clip(poses[:, axis] + sign * half, low, high)
+        far, near = (self._way(axis, end) for end in ends)
+        slope: Array = (far - near) / (ends[0] - ends[1])[:, axis, None]
+        return Actual(slope, np.zeros_like(slope))
+
+    def _way(self, axis: int, poses: Array) -> Array:
+        """Return where the TCP would be displaced to by the shape of the way of one axis alone, (m, 3), m."""
+        small = self.model.compose(self.values(poses), np.zeros_like(poses))
+        own = np.arange(len(poses[0]))[:, None, None] == axis
+        way = SmallMotions(small.displacement * own, np.zeros_like(small.rotation), small.tilt * own)
+        still = SmallMotions(*(np.zeros_like(part) for part in small))
+        actual, nominal = (tool_motion(self.model.machine, poses, part) for part in (way, still))
+        shift: Array = actual.translation - nominal.translation
+        return shift
 
     def _motions(self, poses: Array, approaches: Array) -> tuple[Motion, Motion]:
         small = self.model.compose(self.values(poses), approaches)
@@ -92,7 +144,7 @@ class Simulator:
     def drawn(self, seed: int) -> VirtualMachine:
         """Return a machine whose errors, rests included, are drawn from the prior."""
         model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
-        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.functions), self._offsets(seed))
+        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.functions), *self._mounted(seed))
 
     def from_curves(self, path: Path, seed: int) -> VirtualMachine:
         """Return a machine whose errors are the curves of a file, linear between the points given.
@@ -110,11 +162,37 @@ class Simulator:
                 what = f'"{name}" is an error of axis {axis}, which "{self.machine.name}" does not have'
                 raise ReadingError(what, f"Take the curve out; the axes are {', '.join(sorted(names))}", path)
         model = ErrorModel(replace(self.machine, errors=tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)))
-        return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), self._offsets(seed))
+        return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))
 
-    def _offsets(self, seed: int) -> Mapping[str, Mapping[str, float]]:
+    def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
+        """Return the unknowns of the set-ups and the drifts of their zeros."""
         rng = np.random.default_rng((seed, 2))
-        return {s.name: {u.name: u.std * rng.standard_normal() for u in s.unknowns} for s in self.setups}
+        offsets = {s.name: {u.name: u.std * rng.standard_normal() for u in s.unknowns} for s in self.setups}
+        rng = np.random.default_rng((seed, 3))
+        return offsets, {s.name: _wandering(s.drift, rng) for s in self.setups if s.drift > 0}
+
+
+def _still(_: float) -> tuple[float, float, float]:
+    return 0.0, 0.0, 0.0
+
+
+def _wandering(rate: float, rng: np.random.Generator) -> Wander:
+    """Return a drift drawn minute by minute over a day, and standing still thereafter: its rate is an
+    autoregressive process.
+    """
+    kept = np.exp(-_MINUTE / MEMORY)
+    paces = rng.standard_normal((_DAY + 1, 3))
+    for before, now in pairwise(paces):
+        now *= np.sqrt(1 - kept**2)
+        now += kept * before
+    places = np.vstack([np.zeros(3), np.cumsum(rate * _MINUTE * (paces[:-1] + paces[1:]) / 2, axis=0)])
+    minutes = _MINUTE * np.arange(_DAY + 1)
+
+    def moved(seconds: float) -> tuple[float, float, float]:
+        x, y, z = (float(np.interp(seconds, minutes, places[:, k])) for k in range(3))
+        return x, y, z
+
+    return moved
 
 
 def _through(curve: TruthCurve) -> Curve:

@@ -210,7 +210,7 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
     weighted = rng.standard_normal((3, 4))
     inside = rng.uniform(-1, 1, 7)
     for axis in range(len(machine.axes)):
-        count, breaks = node_count(*observation.smoothness(axis)), observation.breaks(axis)
+        count, breaks = node_count(*observation.smoothness(axis, 0)), observation.breaks(axis, 0)
         assert breaks[0] == machine.axes[axis].travel[0]
         assert breaks[-1] == machine.axes[axis].travel[1]
         for left, right in pairwise(breaks):
@@ -232,8 +232,8 @@ def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
         (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
     )
     factor = np.random.default_rng(1).standard_normal((16, 4))
-    count, inside = node_count(*observation.smoothness(0)), np.linspace(-1, 1, 101)
-    for left, right in pairwise(observation.breaks(0)):
+    count, inside = node_count(*observation.smoothness(0, 0)), np.linspace(-1, 1, 101)
+    for left, right in pairwise(observation.breaks(0, 0)):
         at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
         seen = observation.rows(0, at, np.zeros_like(at))
         form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
@@ -245,5 +245,5 @@ def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
     axis = Axis.named("X", False, (0.0, 0.4))
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
     observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
-    assert observation.breaks(0) == pytest.approx([0.0, 0.2, 0.4])
-    assert observation.visited(np.array([0.06])).breaks(0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])
+    assert observation.breaks(0, 0) == pytest.approx([0.0, 0.2, 0.4])
+    assert observation.visited(np.array([0.06])).breaks(0, 0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])

@@ -13,8 +13,7 @@ from tests.unit.design_cases import levered, random_poses, read
 
 def _fresh(scores: Scores, start: State) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     state = start.with_points(scores.points)
-    above, below = scores.pool.forms(state.scorer())
-    return np.asarray(above / below)
+    return scores.pool.gains(*scores.pool.forms(state.scorer()))
 
 
 @pytest.mark.parametrize("memory", [1e9, 0.0])
@@ -66,7 +65,8 @@ def test_a_fork_goes_its_own_way() -> None:
 def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     asked = levered(100)
     state = asked.state.opened([Point(0, asked.lattice.poses[0], asked.lattice.approaches[0])])
-    row, variance = state.row(Point(0, asked.lattice.poses[0], asked.lattice.approaches[0]))
+    rows, variances, _ = state.rows([Point(0, asked.lattice.poses[0], asked.lattice.approaches[0])])
+    row, variance = rows[0], float(variances[0])
     value = state.value
     for _ in range(80):
         state = state.after(row, variance, state.change(row, variance))

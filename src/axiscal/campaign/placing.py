@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NoReturn
 
 from axiscal.campaign.description import CampaignDescription
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
@@ -65,6 +66,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         what = f'the {setup.instrument} of the set-up "{setup.name}" reads {_noun(reads)}, not {_noun(row.dimension)}'
         raise ReadingError(what, f"Give the value as value_{reading_unit(setup)}")
     _refuse_other_count(row, setup)
+    _refuse_other_base(row, setup)
     position, approach = row.position, row.approach
     if "" in position:
         moving = campaign.machine.axes[setup.moves[0]].name
@@ -72,7 +74,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
-    return Reading(setup.name, pose, directions, sign * row.value, row.std, row.line, others=row.others)
+    return Reading(setup.name, pose, directions, sign * row.value, row.std, row.line, others=row.others, time=row.time)
 
 
 def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
@@ -81,6 +83,8 @@ def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, in
         return campaign.setup(row.setup), 1
     if not row.error:
         return _only_setup(campaign), 1
+    if row.error == "slope":
+        return _levelled(row, campaign), 1
     component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
     fitting = [
@@ -96,6 +100,31 @@ def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, in
         remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
         raise ReadingError(f"{many} a {what} {axis} while {', '.join(row.position)} moves", remedy)
     return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
+
+
+def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
+    (axis,) = row.position
+    moving = (campaign.machine.index(axis),)
+    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].reads == "angle"]
+    fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
+    if len(fitting) != 1:
+        what = f"{'several set-ups' if fitting else 'no set-up'} of this campaign read an angle while only {axis} moves"
+        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one")
+    return fitting[0]
+
+
+def _same_base(row: RawReading, setup: Setup) -> bool:
+    if row.base is None or setup.base is None:
+        return row.base is setup.base
+    return abs(row.base - setup.base) <= _STILL[False]
+
+
+def _refuse_other_base(row: RawReading, setup: Setup) -> None:
+    if row.base is not None and not _same_base(row, setup):
+        own = "rides on what moves" if setup.base is None else f"has a base of {format_quantity(setup.base, 'mm', 6)}"
+        what = f'the level stood on a base of {format_quantity(row.base, "mm", 6)}, and that of "{setup.name}" {own}'
+        raise ReadingError(what, "Let # base in the file and base in the campaign be the same")
 
 
 def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
@@ -137,12 +166,22 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
             raise ReadingError(what, f"Say where it stood, anywhere from {axis.travel_text}")
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
-    slack = 1e-9 * axis.length
-    if not axis.travel[0] - slack <= value <= axis.travel[1] + slack:
-        what = f"{axis.name} = {format_quantity(value, unit, 9)} is outside the travel"
-        raise ReadingError(what, f"{axis.name} goes from {axis.travel_text}")
+    slack, (low, high) = 1e-9 * axis.length, setup.span(axis, index)
+    if not low - slack <= value <= high + slack:
+        _refuse_outside(setup, axis, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
         park = format_quantity(setup.park[index], unit, 9)
         what = f'{axis.name} = {format_quantity(value, unit, 9)}, but the set-up "{setup.name}" parks it at {park}'
         raise ReadingError(what, f"Park it there in the description, or add {axis.name} to its moves")
-    return min(max(value, axis.travel[0]), axis.travel[1])
+    return min(max(value, low), high)
+
+
+def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
+    shown, unit = format_quantity(value, axis.unit, 9), axis.unit
+    if not axis.travel[0] <= value <= axis.travel[1]:
+        raise ReadingError(f"{axis.name} = {shown} is outside the travel", f"{axis.name} goes from {axis.travel_text}")
+    what = f"at {axis.name} = {shown} a foot of the {setup.instrument} stands outside the travel"
+    base = format_quantity(setup.base or 0.0, unit, 9)
+    raise ReadingError(
+        what, f"Give where the middle of its base of {base} stood; {axis.name} goes from {axis.travel_text}"
+    )

@@ -16,7 +16,7 @@ from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
@@ -123,7 +123,7 @@ class Problem:
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""
-        reads = INSTRUMENTS[setup.instrument].model.unknown_reads[unknown.name]
+        reads = model_of(setup).unknown_reads[unknown.name]
         return "um" if reads == "length" else "urad"
 
     def index(self, setup: str) -> int:

@@ -39,6 +39,7 @@ class SetupTable(Table):
     temperature_std: QuantityText | None = Field(None, examples=['"0.2 K"'])
     expansion: QuantityText | None = Field(None, examples=['"11.7 um/m/K"'])
     expansion_std: QuantityText | None = Field(None, examples=['"1 um/m/K"'])
+    base: QuantityText | None = Field(None, examples=['"100 mm"'])
     station: list[QuantityText] | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
     moves: list[str] | None = Field(None, examples=['["X"]'])
     park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
@@ -49,6 +50,7 @@ class SetupTable(Table):
     reading_time: Time | None = Field(None, examples=['"3 s"'])
     raster: dict[str, QuantityText] = Field(default={}, examples=['{ X = "10 mm" }'])
     approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
+    drift: QuantityText | None = Field(None, examples=['"2 um/h"'])
 
 
 class CampaignTable(Table):

@@ -12,7 +12,8 @@ from axiscal.campaign.target import coordinate
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
-from axiscal.measurement.instrument import INSTRUMENTS, Instrument
+from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
+from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
@@ -20,6 +21,8 @@ LONGEST_NAME = 80
 _REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
+_FASTEST = 1e-3 / 60
+"""A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
 _DIAGONAL = 1 / math.sqrt(3)
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 
@@ -63,6 +66,7 @@ class _Reader:
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
         growth, spread = self._growth(usual, direction, moves)
+        base = self._base(usual)
         setup = Setup(
             name=name,
             instrument=usual.name,
@@ -74,14 +78,29 @@ class _Reader:
             setup_time=self._time("setup_time", usual.setup_time),
             settle=self._time("settle", usual.settle),
             reading_time=self._time("reading_time", usual.reading_time),
-            raster=self._raster(moves),
+            raster=self._raster(moves, base or 0.0),
             approach=table.approach,
             station=station,
             growth=growth,
+            base=base,
+            drift=self._drift(usual),
         )
-        with self._at("instrument"):
-            usual.model.check(setup)
+        with self._at("instrument" if base is None else "base"):
+            model_of(setup).check(setup, self._machine)
         return setup
+
+    def _base(self, usual: Instrument) -> float | None:
+        text = self._table.base
+        if text is None:
+            return None
+        with self._at("base"):
+            if not isinstance(usual.model, Rotation):
+                what = f"a {usual.name} has no feet that are stepped along a way"
+                raise DescriptionError(what, "Take base out; a level and the mirror of an autocollimator have one")
+            base = parse_quantity(text, "length")
+            if base < 0:
+                raise DescriptionError(f"{shown(text)} is not a length", 'Give one such as "100 mm"')
+        return base
 
     def _growth(
         self, usual: Instrument, direction: Vector, moves: tuple[int, ...]
@@ -153,14 +172,14 @@ class _Reader:
         self._each_axis("park", self._table.park, read, places)
         return tuple(places)
 
-    def _raster(self, moves: tuple[int, ...]) -> tuple[float, ...]:
+    def _raster(self, moves: tuple[int, ...], base: float) -> tuple[float, ...]:
         steps = [0.0] * len(self._machine.axes)
 
         def read(text: str, axis: Axis, index: int) -> float:
             if index not in moves:
                 what = f"{axis.name} has a raster, but does not move in this set-up"
                 raise DescriptionError(what, f"Take it out here, or add {axis.name} to moves")
-            return _step(text, axis)
+            return _step(text, axis, base / 2)
 
         self._each_axis("raster", self._table.raster, read, steps)
         return tuple(steps)
@@ -179,6 +198,19 @@ class _Reader:
             with self._at(key):
                 raise DescriptionError(f"{format_quantity(value, 's')} is negative", 'Give a time such as "3 s"')
         return usual if value is None else value
+
+    def _drift(self, usual: Instrument) -> float:
+        text = self._table.drift
+        if text is None:
+            return 0.0
+        with self._at("drift"):
+            angular = usual.reads == "angle"
+            rate = parse_quantity(text, "rotation_speed" if angular else "speed")
+            if not 0 <= rate <= _FASTEST:
+                example = "2 urad/h" if angular else "2 um/h"
+                what = f"{shown(text)} is no rate at which a zero wanders"
+                raise DescriptionError(what, f'Give one such as "{example}"')
+            return rate
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:
         given = self._table.unknowns
@@ -261,9 +293,9 @@ def _positive(text: str, reads: str) -> float:
     return value
 
 
-def _step(text: str, axis: Axis) -> float:
+def _step(text: str, axis: Axis, margin: float) -> float:
     value = parse_quantity(text, axis.dimension)
-    low, high = axis.travel
+    low, high = axis.travel[0] + margin, axis.travel[1] - margin
     if value <= 0:
         raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
     if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:

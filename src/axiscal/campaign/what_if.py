@@ -111,12 +111,13 @@ def traditional_readings(case: Problem, count: int) -> list[Reading]:
 def _line(case: Problem, setup: Setup, axis: int, count: int) -> list[Reading]:
     moved = case.description.machine.axes[axis]
     middle = [sum(a.travel) / 2 if k in setup.moves else setup.park[k] for k, a in enumerate(case.errors.machine.axes)]
-    step = moved.length / max(count, 1)
+    low, high = setup.span(moved, axis)
+    step = (high - low) / max(count, 1)
     side = -1 if setup.approach == "-" else 1
     readings = []
     for i in range(count):
         pose = list(middle)
-        pose[axis] = moved.travel[0] + (i + 0.5) * step
+        pose[axis] = low + (i + 0.5) * step
         approach = tuple((side if k in setup.moves else 0) for k in range(len(pose)))
         others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
         readings.append(Reading(setup.name, tuple(pose), approach, 0.0, others=others))

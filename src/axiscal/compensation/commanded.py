@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,12 +20,12 @@ Sent = Callable[[Array, Array], Array]
 class CommandedMachine(VirtualMachine):
     """The machine as an instrument sees it that knows the commands only.  sent : what its control makes of them."""
 
-    sent: Sent
+    sent: Sent = field(kw_only=True)
 
     @classmethod
     def behind(cls, truth: VirtualMachine, sent: Sent) -> CommandedMachine:
         """Return the machine of a truth behind a control."""
-        return cls(truth.model, truth.curves, truth.offsets, sent)
+        return cls(truth.model, truth.curves, truth.offsets, truth.drifts, sent=sent)
 
     @classmethod
     def corrected(cls, truth: VirtualMachine, control: Control) -> CommandedMachine:

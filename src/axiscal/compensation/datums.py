@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.model import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -90,7 +90,7 @@ def datums_of(
 
 def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return how the unknowns of a set-up show in its readings, (m, unknowns)."""
-    model, place = INSTRUMENTS[setup.instrument].model, Place(machine, poses, setup.moves)
+    model, place = model_of(setup), Place(machine, poses, setup.moves)
     direction = np.array(setup.direction)
     columns = [model.own(setup, unknown.name, direction, place) for unknown in setup.unknowns]
     return np.array(columns).reshape(len(columns), len(poses)).T

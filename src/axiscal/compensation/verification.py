@@ -19,7 +19,7 @@ from axiscal.compensation.datums import GUARD, Datum, Datums, datums_of
 from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.model import Place
 from axiscal.measurement.reading import Reading
@@ -249,7 +249,7 @@ def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings:
     for index in np.unique(places.setups):
         mine, setup = places.setups == index, setups[index]
         place = Place(estimate.machine, places.poses[mine], setup.moves)
-        values[mine] -= INSTRUMENTS[setup.instrument].model.beyond(setup, place)
+        values[mine] -= model_of(setup).beyond(setup, place)
     noise = [r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)]
     return _Seen(values, np.array(noise))
 

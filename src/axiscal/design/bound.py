@@ -1,7 +1,7 @@
 """How good any plan can be: a lower bound on J for all plans from a lattice, by convex relaxation.
 
-Readings become weights: J(x) = tr(W (C₀⁻¹ + Σ x_i g_i g_iᵀ/σ_i²)⁻¹) is convex in x, with
-−∂J/∂x_i = d_i = g_iᵀSWSg_i/σ_i².
+Readings become weights: J(x) = tr(W (C₀⁻¹ + Σ x_i G_iᵀG_i/σ_i²)⁻¹) is convex in x, with −∂J/∂x_i = d_i, the sum of
+gᵀSWSg/σ_i² over the rows of G_i: one, or as many as a reading has numbers.
 Whatever x ≥ 0, every x' ≥ 0 with Σ a_i x'_i ≤ B has  J(x') ≥ J(x) + Σ d_i x_i − B max_i d_i/a_i  (the general
 equivalence theorem, Kiefer and Wolfowitz 1960). The maximum runs over the whole lattice; x is brought to the optimum by
 an interior point method on a support that grows by the candidates that violate optimality most.
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.pool import Pool
 from axiscal.design.state import Point, State, informed
+from axiscal.measurement.observation import directions_of
 from axiscal.numerics import Array
 
 _ROUNDS = 60
@@ -47,7 +48,8 @@ def lower_bound(pool: Pool, state: State, points: list[Point], costs: Array, lim
     are counted, or seconds
     The rests of cells not visited yet are taken as known: that can only lower the bound.
     """
-    by_rank = rank_bound(state, int(limit / costs.min() + 1e-9))
+    numbers = max((len(directions_of(setup)) for setup in state.observation.setups), default=1)
+    by_rank = rank_bound(state, numbers * int(limit / costs.min() + 1e-9))
     relaxation = Relaxation(pool, state, points, costs, limit)
     best, reached = 0.0, np.inf
     for _ in range(_ROUNDS):
@@ -77,7 +79,7 @@ class Relaxation:
 
     def __init__(self, pool: Pool, state: State, points: list[Point], costs: Array, limit: float) -> None:
         self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
-        self.extra = state.rows(points)[0]
+        self.extra, _, self._of_extra = state.rows(points)
         self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
         chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
         self.factor = state.factor
@@ -98,10 +100,11 @@ class Relaxation:
 
     def solved(self) -> tuple[float, float, Array]:
         """Bring the weights to the optimum on the support; return J, its distance to the bound, and all slopes d."""
-        rows = self._support_rows() / np.sqrt(self.noise[self.support])[:, None]
+        rows, owner = self._support_rows()
+        rows = rows / np.sqrt(self.noise[self.support[owner]])[:, None]
         costs = self.costs[self.support]
-        self.weights = _optimal(rows, self.state, self.weights, costs, self.limit)
-        scaled = (rows * np.sqrt(self.weights)[:, None]) @ self.state.factor
+        self.weights = _optimal(rows, owner, self.state, self.weights, costs, self.limit)
+        scaled = (rows * np.sqrt(self.weights[owner])[:, None]) @ self.state.factor
         self.factor = informed(self.state.factor, scaled)
         slopes = self._slopes(self.factor)
         reach = self.state.weight @ self.factor[: self.state.weight.shape[1]]
@@ -140,40 +143,46 @@ class Relaxation:
         axes = max(len(setup.moves) for setup in self.state.observation.setups)
         return float(2.0 / max(len(self.pool), 2) ** (1.0 / axes))
 
-    def _support_rows(self) -> Array:
-        inside = self.support[self.support < len(self.pool)]
-        mine = self.state.rows([self.pool.point(int(i)) for i in inside])[0]
-        result = np.empty((len(self.support), self.state.observation.size))
-        result[self.support < len(self.pool)] = mine
-        beyond = self.support >= len(self.pool)
-        result[beyond] = self.extra[self.support[beyond] - len(self.pool)]
-        return result
+    def _support_rows(self) -> tuple[Array, NDArray[np.intp]]:
+        """Return the rows of all numbers (m, n), and which of the support each belongs to, (m,), in order."""
+        inside = np.flatnonzero(self.support < len(self.pool))
+        rows, _, of = self.state.rows([self.pool.point(int(i)) for i in self.support[inside]])
+        parts, owners = [rows], [inside[of]]
+        for place in np.flatnonzero(self.support >= len(self.pool)):
+            mine = np.flatnonzero(self._of_extra == self.support[place] - len(self.pool))
+            parts.append(self.extra[mine])
+            owners.append(np.full(len(mine), place))
+        owner = np.concatenate(owners)
+        order = np.argsort(owner, kind="stable")
+        return np.concatenate(parts)[order], owner[order]
 
     def _slopes(self, factor: Array) -> Array:
         """Return d of all candidates and points under C = F Fᵀ."""
         weighted = self.state.weight @ factor[: self.state.weight.shape[1]]
         reach = factor @ weighted.T
         inside = self.pool.squares(self.state.observation, reach)
-        beyond = np.sum((self.extra @ reach) ** 2, axis=1)
+        count = len(self.noise) - len(self.pool)
+        beyond = np.bincount(self._of_extra, np.sum((self.extra @ reach) ** 2, axis=1), count)
         slopes: Array = np.concatenate([inside, beyond]) / self.noise
         return slopes
 
 
-def _optimal(rows: Array, state: State, weights: Array, costs: Array, limit: float) -> Array:
-    """Return the weights that minimise J over costs·x = limit, x ≥ 0, by a primal-dual interior point method.
+def _optimal(rows: Array, owner: NDArray[np.intp], state: State, weights: Array, costs: Array, limit: float) -> Array:
+    """Return the weights (s,) that minimise J over costs·x = limit, x ≥ 0, by a primal-dual interior point method.
 
-    rows : (s, n) divided by the noise. ∂²J = 2 (G S Gᵀ) ∘ (G S W S Gᵀ), positive semidefinite as a product of such.
+    rows : (m, n) divided by the noise; owner : (m,) to which reading each belongs, in order
+    ∂²J = 2 (G S Gᵀ) ∘ (G S W S Gᵀ), summed over the rows of each reading, positive semidefinite as a product of such.
     """
     scale = limit / costs
-    along = (rows * np.sqrt(scale)[:, None]) @ state.factor
+    along = (rows * np.sqrt(scale[owner])[:, None]) @ state.factor
     weighted = state.weight @ state.factor[: state.weight.shape[1]]
     x = np.maximum(weights / scale, 1e-6 / len(weights))
     x /= x.sum()
-    slopes = _curvatures(along, weighted, x)[0]
+    slopes = _curvatures(along, owner, weighted, x)[0]
     level = float(slopes @ x)
     dual = np.maximum(level - slopes, 0.05 * level)
     for _ in range(_NEWTON):
-        slopes, bend = _curvatures(along, weighted, x)
+        slopes, bend = _curvatures(along, owner, weighted, x)
         barrier = _BARRIER * float(x @ dual) / len(x)
         residual = slopes - level + dual
         move, shift = _newton(bend + np.diag(dual / x), residual - dual + barrier / x)
@@ -187,15 +196,20 @@ def _optimal(rows: Array, state: State, weights: Array, costs: Array, limit: flo
     return result
 
 
-def _curvatures(along: Array, weighted: Array, x: Array) -> tuple[Array, Array]:
-    """Return d = −∂J/∂x (s,) and ∂²J (s, s).  along : G F (s, r); weighted : V F (w, r)."""
-    scaled = along * np.sqrt(x)[:, None]
+def _curvatures(along: Array, owner: NDArray[np.intp], weighted: Array, x: Array) -> tuple[Array, Array]:
+    """Return d = −∂J/∂x (s,) and ∂²J (s, s).  along : G F (m, r); owner : (m,) in 0…s−1; weighted : V F (w, r)."""
+    scaled = along * np.sqrt(x[owner])[:, None]
     both = informed(np.vstack([along, weighted]), scaled)
-    seen, reach = both[: len(x)], both[len(x) :]
+    seen, reach = both[: len(along)], both[len(along) :]
     towards = seen @ reach.T
     target = towards @ towards.T
+    slopes: Array = np.diagonal(target).copy()
     bend: Array = 2 * (seen @ seen.T) * target
-    return np.diagonal(target).copy(), bend
+    if len(x) < len(along):
+        first = np.searchsorted(owner, np.arange(len(x)))
+        slopes = np.add.reduceat(slopes, first)
+        bend = np.add.reduceat(np.add.reduceat(bend, first, axis=0), first, axis=1)
+    return slopes, bend
 
 
 def _newton(system: Array, right: Array) -> tuple[Array, float]:

@@ -62,7 +62,9 @@ def _lattice(scorer: Scorer, setup: int) -> list[Array]:
     mounted, machine = observation.setups[setup], observation.errors.machine
     for parts in range(_FINEST, 0, -1):
         positions = [
-            raster_positions(machine, mounted, k) if mounted.raster[k] > 0 else knot_lattice(observation, k, parts)
+            raster_positions(machine, mounted, k)
+            if mounted.raster[k] > 0
+            else knot_lattice(observation, setup, k, parts)
             for k in mounted.moves
         ]
         if np.prod([len(p) for p in positions]) <= _POINTS:

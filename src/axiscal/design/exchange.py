@@ -89,8 +89,7 @@ def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
     old = scores.members[slot].point
     own = scores.leave(slot)
     found = _climbed(scores, gains, old)
-    opened = scores.state.opened([found])
-    gain = opened.change(*opened.row(found)).gain
+    gain = sum(change.gain for change in scores.state.taken(found)[1])
     scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
 
 

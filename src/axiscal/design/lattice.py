@@ -64,8 +64,8 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
     moves = list(setup.moves)
     unit = even_points(count, 2 * len(moves))
     poses = np.tile(np.array(setup.park), (count, 1))
-    low = np.array([machine.axes[k].travel[0] for k in moves])
-    span = np.array([machine.axes[k].length for k in moves])
+    low, high = np.array([setup.span(machine.axes[k], k) for k in moves]).reshape(-1, 2).T
+    span = high - low
     poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
     return snapped(machine, setup, poses), _approaches(machine, setup, unit[:, len(moves) :] > 0.5)
 
@@ -91,7 +91,7 @@ def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
 
 def raster_range(machine: Machine, setup: Setup, axis: int) -> tuple[int, int]:
     """Return the lowest and highest multiple of the raster in the travel of an axis."""
-    low, high = (end / setup.raster[axis] for end in machine.axes[axis].travel)
+    low, high = (end / setup.raster[axis] for end in setup.span(machine.axes[axis], axis))
     return int(np.ceil(low - 1e-9)), int(np.floor(high + 1e-9))
 
 
@@ -101,14 +101,11 @@ def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
     return setup.raster[axis] * np.arange(first, last + 1, dtype=np.float64)
 
 
-def knot_lattice(observation: Observation, axis: int, parts: int) -> Array:
-    """Return the knots of an axis' functions and the ends of its travel, each stretch cut in equal parts, (p,)."""
-    low, high = observation.errors.machine.axes[axis].travel
-    own = [f.basis.knots for f in observation.errors.functions if f.axis == axis]
-    knots = np.unique(np.concatenate([np.array([low, high]), *own]))
-    kept: Array = knots[(knots >= low) & (knots <= high)]
-    inside = kept[:-1, None] + np.diff(kept)[:, None] * (np.arange(parts) / parts)
-    return np.append(inside.ravel(), kept[-1])
+def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) -> Array:
+    """Return the knots of an axis as a set-up meets them, and the ends, each stretch cut in equal parts, (p,)."""
+    knots = observation.knots(axis, setup)
+    inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
+    return np.append(inside.ravel(), knots[-1])
 
 
 def corners(box: Box) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.rests import Rests
 from axiscal.design.scorer import Scorer
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 
@@ -83,7 +83,9 @@ class Lines:
 
 
 class Crooked:
-    """The same where the lever is no such function of the axis, as for an instrument that looks towards a station."""
+    """The same where no such vector tells the gain: the lever is another function of the axis, as for an instrument
+    that looks towards a station, a reading has several numbers, or feet stand aside of the position.
+    """
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
         self._scorer, self._setup, self._axis = scorer, setup, axis
@@ -99,8 +101,7 @@ class Crooked:
         owner = np.repeat(line, positions.shape[1])
         poses = self._poses[owner]
         poses[:, self._axis] = positions.ravel()
-        seen = self._scorer.observation.rows(self._setup, poses, self._approaches[owner])
-        above, below = self._scorer.split(seen.rows @ self._scorer.both, seen.variances)
+        above, below = self._scorer.forms(self._setup, poses, self._approaches[owner])
         return above.reshape(positions.shape), below.reshape(positions.shape)
 
 
@@ -113,6 +114,8 @@ def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches:
 @lru_cache(maxsize=64)
 def _straight(observation: Observation, setup: int, axis: int) -> bool:
     """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
+    if observation.setups[setup].base is not None or len(directions_of(observation.setups[setup])) > 1:
+        return False
     nodes = _nodes(observation, axis)
     low, high = observation.errors.machine.axes[axis].travel
     probes = low + (high - low) * np.array([0.31, 0.83])

@@ -25,12 +25,14 @@ class Meter:
         root = yardstick.root
         return cls(yardstick, float(np.sum((root @ factor[: root.shape[1]]) ** 2)), yardstick.variances(factor))
 
-    def after(self, change: Change) -> Meter:
-        """Return the meter after C ← C − η h hᵀ."""
+    def after(self, *changes: Change) -> Meter:
+        """Return the meter after changes C ← C − η h hᵀ."""
         root, rows = self.yardstick.root, self.yardstick.rows
-        fall = change.eta * float(np.sum((root @ change.h[: root.shape[1]]) ** 2))
-        spread = change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
-        return Meter(self.yardstick, self.total - fall, self.variances - spread)
+        total, variances = self.total, self.variances
+        for change in changes:
+            total -= change.eta * float(np.sum((root @ change.h[: root.shape[1]]) ** 2))
+            variances = variances - change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
+        return Meter(self.yardstick, total, variances)
 
     @property
     def accuracy(self) -> Accuracy:

@@ -175,10 +175,8 @@ def _plan(problem: Problem, limits: Limits, trial: Trial, bound: Bound | None, c
     meter = Meter.of(problem.yardstick, state.factor)
     start, readings, seconds, before = meter.accuracy, [], 0.0, problem.here
     for point in in_order(problem, trial.scores.points):
-        state = state.opened([point])
-        row, variance = state.row(point)
-        change = state.change(row, variance)
-        state, meter = state.after(row, variance, change), meter.after(change)
+        state, changes = state.taken(point)
+        meter = meter.after(*changes)
         seconds += way_seconds(problem, before, point)
         arrived = arriving(problem, before, point)
         readings.append(PlannedReading(point.setup, point.pose, arrived, state.value, meter.accuracy, seconds))

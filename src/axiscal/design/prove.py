@@ -23,6 +23,7 @@ from axiscal.design.pool import Pool
 from axiscal.design.stacked import adds_up
 from axiscal.design.state import Point, State
 from axiscal.exceptions import PlanError
+from axiscal.measurement.observation import directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import nodes
 
@@ -45,8 +46,9 @@ def prove(state: State, setups: list[int], points: list[Point], readings: int, g
     state : before the first; points : a good plan; gap : share at which to stop
     Raises PlanError for a machine with lever arms.
     """
-    if not all(adds_up(state.observation, setup) for setup in setups):
-        what = "a proof for readings anywhere needs a machine whose errors simply add up, without lever arms"
+    alone = all(len(directions_of(state.observation.setups[setup])) == 1 for setup in setups)
+    if not alone or not all(adds_up(state.observation, setup) for setup in setups):
+        what = "a proof for readings anywhere needs readings of one value and errors that simply add up, without levers"
         raise PlanError(what, "The bound for the lattice holds for its candidates")
     floor, best, reached = rank_bound(state, readings), 0.0, np.inf
     lattice = _lattice(points)
@@ -119,7 +121,7 @@ def _curves(state: State, setup: int, side: Array, reach: Array) -> tuple[Array,
     inner = (1 + nodes(4)) / 2
     to_control = np.linalg.inv(_bernstein(inner))
     for axis in mounted.moves:
-        breaks = observation.breaks(axis)
+        breaks = observation.breaks(axis, setup)
         left, right = breaks[:-1], breaks[1:]
         positions = (left[:, None] + np.diff(breaks)[:, None] * inner).ravel()
         poses, approaches = np.tile(park, (len(positions), 1)), np.zeros((len(positions), len(park)))

@@ -33,7 +33,9 @@ def evenly_spaced(problem: Problem, counts: Counts) -> list[Point]:
         shares = np.array_split(np.arange(count), len(setup.moves))
         for axis, share in zip(setup.moves, shares, strict=True):
             poses = np.tile(np.array(setup.park), (len(share), 1))
-            poses[:, axis] = np.linspace(*machine.axes[axis].travel, len(share)) if len(share) > 1 else setup.park[axis]
+            poses[:, axis] = (
+                np.linspace(*setup.span(machine.axes[axis], axis), len(share)) if len(share) > 1 else setup.park[axis]
+            )
             poses = snapped(machine, setup, poses)
             result += [Point(index, pose, _approach(setup, i)) for i, pose in enumerate(poses)]
     return result

@@ -27,7 +27,7 @@ class Rests:
             return
         self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
         self._functions = [functions[i] for i in self._with]
-        self._columns = [columns_of_cells(observation, i) for i in self._with]
+        self._columns = [observation.cell_columns(i) for i in self._with]
         self._levers = observation.effects(setup, at, towards)[self._with].reshape(len(self._with), -1, levers)
         parked = at[::levers]
         cells = [f.cells(parked[:, f.axis]) for f in self._functions]
@@ -66,14 +66,3 @@ def _cells(function: ErrorFunction, positions: Array) -> NDArray[np.intp]:
 def _reach(levers: Array) -> str:
     """λ at positions that all lines share, or at each line's own."""
     return "kn,bn->bk" if levers.ndim == 2 else "bkn,bn->bk"
-
-
-def columns_of_cells(observation: Observation, index: int) -> NDArray[np.intp]:
-    """Return the column of the rest of every cell of a function, -1 where there is none."""
-    function = observation.errors.functions[index]
-    count = round((function.basis.knots[-1] - function.basis.knots[0]) / function.cell)
-    columns = np.full(count, -1)
-    for (owner, cell), column in observation.cells.items():
-        if owner == index:
-            columns[cell] = column
-    return columns

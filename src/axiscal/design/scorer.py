@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.belief import Belief
+from axiscal.design.joint import joint_forms, joint_gains
 from axiscal.design.lattice import Lattice
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Numbers, Observation
 from axiscal.numerics import Array
-from axiscal.numerics.exact_step import gain_forms
 
 _BLOCK = 4096
 
@@ -44,16 +44,25 @@ class Scorer:
         above, below = seen[..., self.rank :], seen[..., : self.rank]
         return np.einsum("...x,...x->...", above, above), variances + np.einsum("...x,...x->...", below, below)
 
+    def split_all(self, seen: Numbers) -> tuple[Array, Array]:
+        """Return N = G C W C Gᵀ and M = R + G C Gᵀ of readings with all their numbers, each (m, k, k)."""
+        count, values, size = seen.rows.shape
+        products = (seen.rows.reshape(-1, size) @ self.both).reshape(count, values, -1)
+        if values == 1:
+            above, below = self.split(products[:, 0], seen.covariances[:, 0, 0])
+            return above[:, None, None], below[:, None, None]
+        far, near = products[..., self.rank :], products[..., : self.rank]
+        return far @ far.swapaxes(1, 2), seen.covariances + near @ near.swapaxes(1, 2)
+
     def forms(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array]:
-        """Return numerator and denominator of the gain, to full accuracy.  poses, approaches : (m, q)."""
-        seen = self.observation.rows(setup, poses, approaches)
-        return gain_forms(seen.rows, self.factor, self.weighted, seen.variances)
+        """Return numerator and denominator of the gain at poses, each (m,).  poses, approaches : (m, q)."""
+        seen = self.observation.numbers(setup, poses, approaches)
+        return joint_forms(*self.split_all(seen), self.observation.setups[setup].noise ** 2)
 
     def at(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return the gain at poses, (m,).  poses, approaches : (m, q)."""
-        seen = self.observation.rows(setup, poses, approaches)
-        above, below = self.split(seen.rows @ self.both, seen.variances)
-        gains: Array = above / below
+        above, below = self.split_all(self.observation.numbers(setup, poses, approaches))
+        gains: Array = above[:, 0, 0] / below[:, 0, 0] if above.shape[1] == 1 else joint_gains(above, below)
         return gains
 
     def gains(self, lattice: Lattice) -> Array:

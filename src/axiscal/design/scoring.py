@@ -3,6 +3,8 @@
 With k = G h and t = G z for a change C ← C − η h hᵀ, the diagonals of G C Gᵀ and of G C W C Gᵀ follow as
 gᵀCg − η k² and gᵀCWCg − 2 η k t + η² ω k². The same holds for the columns G C g_l and G C W C g_l of the readings in
 the plan, which make taking one of them out, and looking at what would replace it best, cost O(M).
+
+A reading of several numbers enters and leaves number by number; its gain, and what leaving changes, are those of all.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.design.joint import Joint
 from axiscal.design.pool import Pool
 from axiscal.design.state import Change, Point, State
 from axiscal.numerics import Array
@@ -19,34 +22,36 @@ from axiscal.numerics import Array
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Member:
-    """A reading in the plan.  row : (n,) over the unknowns when it entered; variance : of its noise."""
+    """A reading in the plan.  rows : (k, n) over the unknowns when it entered; variance : of its noise."""
 
     point: Point
-    row: Array
+    rows: Array
     variance: float
 
 
 class Scores:
     """The gains of the candidates of a pool while a plan is made.
 
-    above, below : (M + m,) numerator and denominator for the candidates, then for the readings of the plan
-    last : the last change of the covariance
+    above, below : (numbers,) numerator and denominator for those of the candidates, then of the readings of the plan
+    joint : what the numbers of one candidate have in common
+    last : the last changes of the covariance
     """
 
-    last: Change
+    last: tuple[Change, ...]
 
     def __init__(self, pool: Pool, state: State) -> None:
         self.pool, self.state = pool, state
         self.members: list[Member] = []
-        self.above, self.below = pool.forms(state.scorer())
+        self.above, self.below, self.joint = pool.forms(state.scorer())
         self._cross: Array | None = None
         self._reach: Array | None = None
 
     def follow(self) -> None:
         """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
         if self._cross is None:
-            rows = np.array([self._padded(member) for member in self.members]).reshape(len(self.members), -1)
-            half = rows @ self.state.factor if len(rows) else np.zeros((0, self.state.factor.shape[1]))
+            size = self.state.observation.size
+            rows = np.array([row for m in self.members for row in self._padded(m)]).reshape(-1, size)
+            half = rows @ self.state.factor
             weighted = self.state.weight @ self.state.factor[: self.state.weight.shape[1]]
             self._cross = self._products(self.state.factor @ half.T)
             self._reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
@@ -55,7 +60,7 @@ class Scores:
         """Return a copy that goes its own way."""
         other = copy.copy(self)
         other.members = list(self.members)
-        other.above, other.below = self.above.copy(), self.below.copy()
+        other.above, other.below, other.joint = self.above.copy(), self.below.copy(), self.joint.copy()
         other._cross = None if self._cross is None else self._cross.copy()
         other._reach = None if self._reach is None else self._reach.copy()
         return other
@@ -63,9 +68,7 @@ class Scores:
     @property
     def gains(self) -> Array:
         """The gain of every candidate, (M,)."""
-        count = len(self.pool)
-        gains: Array = self.above[:count] / self.below[:count]
-        return gains
+        return self.pool.gains(self.above, self.below, self.joint)
 
     @property
     def points(self) -> list[Point]:
@@ -78,98 +81,162 @@ class Scores:
         slot : position in the plan of a reading that has left; the end if none is given
         bundle : how often it is read
         """
-        row, variance, point = self._looked_at(what)
+        rows, variance, point = self._looked_at(what)
         variance /= bundle
-        change = self.state.change(row, variance)
-        self._place(slot, Member(point, row, variance))
-        slot = len(self.members) - 1 if slot is None else slot
+        slot = len(self.members) if slot is None else slot
+        self._place(slot, Member(point, rows, variance))
+        self.last = tuple(self._entered(self._numbers(slot).start + i, row, variance) for i, row in enumerate(rows))
+        return sum(change.gain for change in self.last)
+
+    def _entered(self, here: int, row: Array, variance: float) -> Change:
+        """Take one number in.  here : its index"""
+        change, count = self.state.change(row, variance), self.pool.count
         cross, reach = self._products(np.column_stack([change.h, change.z])).T
-        here = len(self.pool) + slot
         self.above[here], self.below[here] = change.omega, variance + cross[here]
         if self._cross is not None and self._reach is not None:
-            self._cross[:, slot], self._reach[:, slot] = cross, reach
-            self._cross[here], self._reach[here] = cross[len(self.pool) :], reach[len(self.pool) :]
+            self._cross[:, here - count], self._reach[:, here - count] = cross, reach
+            self._cross[here], self._reach[here] = cross[count:], reach[count:]
         self._changed(cross.copy(), reach.copy(), change.eta, change.omega)
-        self.state, self.last = self.state.after(row, variance, change), change
-        return change.gain
+        self.state = self.state.after(row, variance, change)
+        return change
 
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
-        member, here = self.members[slot], len(self.pool) + slot
-        change = self.state.change(self._padded(member), member.variance, leaving=True)
-        cross, reach = self._columns(slot)
+        member, numbers = self.members[slot], self._numbers(slot)
+        rows = self._padded(member)
+        pairs = list(zip(range(numbers.start, numbers.stop), rows, strict=True))
+        self.last = tuple(self._left(here, row, member.variance) for here, row in reversed(pairs))
+        return -sum(change.gain for change in self.last)
+
+    def _left(self, here: int, row: Array, variance: float) -> Change:
+        change = self.state.change(row, variance, leaving=True)
+        cross, reach = self._columns(here)
         self._changed(cross, reach, change.eta, float(self.above[here]))
-        self.state, self.last = self.state.after(member.row, member.variance, change), change
-        return -change.gain
+        self.state = self.state.after(row, variance, change)
+        return change
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
-        here = len(self.pool) + slot
+        self._cut(self._numbers(slot))
         del self.members[slot]
-        self.above, self.below = np.delete(self.above, here), np.delete(self.below, here)
-        if self._cross is not None and self._reach is not None:
-            self._cross = np.delete(np.delete(self._cross, slot, axis=1), here, axis=0)
-            self._reach = np.delete(np.delete(self._reach, slot, axis=1), here, axis=0)
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
-        here, count = len(self.pool) + slot, len(self.pool)
-        eta, omega = self._eta_leaving(slot), self.above[here]
-        cross, reach = self._columns(slot)
-        above = self.above - 2 * eta * cross * reach + eta**2 * omega * cross**2
-        below = self.below - eta * cross**2
-        gains: Array = above / below
-        return gains[:count], float(gains[here])
+        numbers = self._numbers(slot)
+        grown, omega = self._leaving(slot)
+        columns = [self._columns(here) for here in range(numbers.start, numbers.stop)]
+        cross, reach = [c for c, _ in columns], [r for _, r in columns]
+        lifted = [sum(grown[i, j] * cross[j] for j in range(len(cross))) for i in range(len(cross))]
+        turned = [2 * reach[i] + sum(omega[i, j] * lifted[j] for j in range(len(cross))) for i in range(len(cross))]
+        above, below, joint = self.above.copy(), self.below.copy(), self.joint
+        for near, far, column in zip(lifted, turned, cross, strict=True):
+            above += near * far
+            below += near * column
+        if not self.pool.scalar:
+            joint = self._joint_without(cross, lifted, turned)
+        return self.pool.gains(above, below, joint), float(np.sum(grown * omega))
+
+    def _joint_without(self, cross: list[Array], lifted: list[Array], turned: list[Array]) -> Joint:
+        joint = self.joint.copy()
+        for near, far, column in zip(lifted, turned, cross, strict=True):
+            (near_a, near_b), (far_a, far_b) = joint.ends(near), joint.ends(far)
+            joint.above += (near_a * far_b + far_a * near_b) / 2
+            joint.below += near_a * joint.ends(column)[1]
+        return joint
 
     def losses(self) -> Array:
         """Return by how much J would rise were each reading of the plan not taken, (m,)."""
-        count = len(self.pool)
-        return np.array([-self._eta_leaving(s) * self.above[count + s] for s in range(len(self.members))])
+        return np.array([float(np.sum(np.multiply(*self._leaving(s)))) for s in range(len(self.members))])
 
-    def _eta_leaving(self, slot: int) -> float:
-        noise = self.members[slot].variance
-        spread = float(self.below[len(self.pool) + slot]) - noise
-        return -1.0 / max(noise - spread, 1e-9 * noise)
+    def _leaving(self, slot: int) -> tuple[Array, Array]:
+        """Return E and Ω of a reading: without it C ← C + H E Hᵀ, and J rises by tr(E Ω); each (k, k).
 
-    def _columns(self, slot: int) -> tuple[Array, Array]:
+        E = (R − G C Gᵀ)⁻¹, Ω = G C W C Gᵀ with its rows G.
+        """
+        numbers, noise = self._numbers(slot), self.members[slot].variance
+        here = numbers.start
+        if numbers.stop - here == 1:
+            spread, omega = float(self.below[here]) - noise, float(self.above[here])
+            return np.array([[1.0 / max(noise - spread, 1e-9 * noise)]]), np.array([[omega]])
         self.follow()
         if self._cross is None or self._reach is None:
             raise AssertionError("the columns are kept from here on")
-        return self._cross[:, slot].copy(), self._reach[:, slot].copy()
+        own = slice(here - self.pool.count, numbers.stop - self.pool.count)
+        values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - self._cross[numbers, own])
+        grown: Array = vectors / np.maximum(values, 1e-9 * noise) @ vectors.T
+        return grown, self._reach[numbers, own]
+
+    def _columns(self, here: int) -> tuple[Array, Array]:
+        self.follow()
+        if self._cross is None or self._reach is None:
+            raise AssertionError("the columns are kept from here on")
+        column = here - self.pool.count
+        return self._cross[:, column].copy(), self._reach[:, column].copy()
 
     def _looked_at(self, what: int | Point) -> tuple[Array, float, Point]:
         point = what if isinstance(what, Point) else self.pool.point(what)
         self.state = self.state.opened([point])
         if isinstance(what, Point):
-            return *self.state.row(point), point
-        return self.pool.row(self.state.observation, what), float(self.pool.noise[what]), point
+            rows, variances, _ = self.state.rows([point])
+            return rows, float(variances[0]), point
+        return self.pool.rows(self.state.observation, what), float(self.pool.noise[what]), point
 
-    def _place(self, slot: int | None, member: Member) -> None:
-        if slot is not None:
-            self.members[slot] = member
+    def _numbers(self, slot: int) -> slice:
+        """Return where the numbers of a reading of the plan stand."""
+        start = self.pool.count + sum(len(member.rows) for member in self.members[:slot])
+        return slice(start, start + len(self.members[slot].rows))
+
+    def _place(self, slot: int, member: Member) -> None:
+        """Put a reading into a slot, with room for as many numbers as it has."""
+        if slot == len(self.members):
+            self.members.append(member)
+            self._room(self._numbers(slot))
             return
-        self.members.append(member)
-        self.above, self.below = np.append(self.above, 0.0), np.append(self.below, 1.0)
+        same = len(self.members[slot].rows) == len(member.rows)
+        if not same:
+            self._cut(self._numbers(slot))
+        self.members[slot] = member
+        if not same:
+            self._room(self._numbers(slot))
+
+    def _room(self, numbers: slice) -> None:
+        at = np.full(numbers.stop - numbers.start, numbers.start)
+        self.above, self.below = np.insert(self.above, at, 0.0), np.insert(self.below, at, 1.0)
         if self._cross is not None and self._reach is not None:
-            self._cross = np.pad(self._cross, ((0, 1), (0, 1)))
-            self._reach = np.pad(self._reach, ((0, 1), (0, 1)))
+            self._cross, self._reach = (
+                np.insert(np.insert(table, at - self.pool.count, 0.0, axis=1), at, 0.0, axis=0)
+                for table in (self._cross, self._reach)
+            )
+
+    def _cut(self, numbers: slice) -> None:
+        at = np.arange(numbers.start, numbers.stop)
+        self.above, self.below = np.delete(self.above, at), np.delete(self.below, at)
+        if self._cross is not None and self._reach is not None:
+            self._cross, self._reach = (
+                np.delete(np.delete(table, at - self.pool.count, axis=1), at, axis=0)
+                for table in (self._cross, self._reach)
+            )
 
     def _products(self, vectors: Array) -> Array:
-        mine = [member.row @ vectors[: len(member.row)] for member in self.members]
-        table = np.array(mine).reshape(len(mine), vectors.shape[1])
-        return np.concatenate([self.pool.products(self.state.observation, vectors), table])
+        mine = [member.rows @ vectors[: member.rows.shape[1]] for member in self.members]
+        return np.concatenate([self.pool.products(self.state.observation, vectors), *mine])
 
     def _padded(self, member: Member) -> Array:
-        """The row with zeros for cells that were opened later: no earlier reading lies in them."""
-        row = np.zeros(self.state.observation.size)
-        row[: len(member.row)] = member.row
-        return row
+        """The rows with zeros for cells that were opened later: no earlier reading lies in them."""
+        rows = np.zeros((len(member.rows), self.state.observation.size))
+        rows[:, : member.rows.shape[1]] = member.rows
+        return rows
 
     def _changed(self, cross: Array, reach: Array, eta: float, omega: float) -> None:
         """Bring everything up to date after C ← C − η h hᵀ.  cross : rows times h = C g; reach : times z = C W h."""
         self.above += -2 * eta * cross * reach + eta**2 * omega * cross**2
         self.below -= eta * cross**2
+        if not self.pool.scalar:
+            (cross_a, cross_b), (reach_a, reach_b) = self.joint.ends(cross), self.joint.ends(reach)
+            both = cross_a * cross_b
+            self.joint.above += -eta * (cross_a * reach_b + reach_a * cross_b) + eta**2 * omega * both
+            self.joint.below -= eta * both
         if self._cross is not None and self._reach is not None:
-            here, there = cross[len(self.pool) :], reach[len(self.pool) :]
+            here, there = cross[self.pool.count :], reach[self.pool.count :]
             self._reach -= np.outer(eta * cross, there - eta * omega * here) + np.outer(eta * reach, here)
             self._cross -= np.outer(eta * cross, here)

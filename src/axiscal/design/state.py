@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.design.scorer import Scorer
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 
 _MODERATE = 1e13
@@ -82,20 +83,32 @@ class State:
         factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
         return replace(self, observation=after, factor=factor)
 
-    def row(self, point: Point) -> tuple[Array, float]:
-        """Return row (n,) and variance of a reading."""
-        seen = self.observation.rows(point.setup, point.pose[None], point.approach[None])
-        return seen.rows[0], float(seen.variances[0])
+    def rows(self, points: list[Point]) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Return rows (m, n) and variances (m,) of all numbers of readings, and whose each is (m,), in order.
 
-    def rows(self, points: list[Point]) -> tuple[Array, Array]:
-        """Return rows (m, n) and variances (m,) of readings; cells without columns count as noise."""
-        rows, variances = np.zeros((len(points), self.observation.size)), np.zeros(len(points))
+        Cells without columns count as noise.
+        """
+        parts = []
         setups = np.array([point.setup for point in points], dtype=np.intp)
         for setup in np.unique(setups):
             mine = np.flatnonzero(setups == setup)
             poses, approaches = (np.array([points[i][k] for i in mine]) for k in (1, 2))
-            rows[mine], variances[mine] = self.observation.rows(int(setup), poses, approaches)
-        return rows, variances
+            directions = directions_of(self.observation.setups[setup])
+            parts += [(mine, *self.observation.rows(int(setup), poses, approaches, d)) for d in directions]
+        if not parts:
+            return np.zeros((0, self.observation.size)), np.zeros(0), np.zeros(0, dtype=np.intp)
+        owner, rows, variances = (np.concatenate([part[k] for part in parts]) for k in range(3))
+        order = np.argsort(owner, kind="stable")
+        return rows[order], variances[order], owner[order]
+
+    def taken(self, point: Point) -> tuple[State, tuple[Change, ...]]:
+        """Return the state after a reading, and what its numbers changed, one after another."""
+        state, changes = self.opened([point]), list[Change]()
+        rows, variances, _ = state.rows([point])
+        for row, variance in zip(rows, variances.tolist(), strict=True):
+            changes.append(state.change(row, variance))
+            state = state.after(row, variance, changes[-1])
+        return state, tuple(changes)
 
     def change(self, row: Array, variance: float, leaving: bool = False) -> Change:
         """Return what a reading with this row does when it enters, or leaves."""
@@ -122,7 +135,7 @@ class State:
         state = self.opened(points)
         if not points:
             return state
-        rows, variances = state.rows(points)
+        rows, variances, _ = state.rows(points)
         scaled = (rows / np.sqrt(variances)[:, None]) @ state.factor
         return replace(state, factor=informed(state.factor, scaled))
 

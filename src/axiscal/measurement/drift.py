@@ -45,7 +45,7 @@ class Course:
     def row(self, time: float | None = None) -> Array:
         """Return the row (n,) of the distance at a time, s; without one, at the last node."""
         if time is None:
-            return self.places[-1]
+            time = self.times[-1]
         node = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         row: Array = self.places[node] + (time - self.times[node]) * self.paces[node]
         return row

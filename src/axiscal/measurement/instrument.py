@@ -11,8 +11,9 @@ from axiscal.measurement.instruments.distance import SHIFTS, Distance
 from axiscal.measurement.instruments.model import Model, Reads
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.rotation import Rotation
+from axiscal.measurement.instruments.stepped import Stepped
 from axiscal.measurement.instruments.tracker import Tracker
-from axiscal.measurement.setup import Unknown
+from axiscal.measurement.setup import Setup, Unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +79,10 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
 """The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
 level is an electronic one; the tracer is a length-only interferometer that follows the tool from a station nobody knows
 well."""
+
+_STEPPED = Stepped()
+
+
+def model_of(setup: Setup) -> Model:
+    """Return what a set-up sees: a level whose feet are stepped along a way sees another thing than one that rides."""
+    return INSTRUMENTS[setup.instrument].model if setup.base is None else _STEPPED

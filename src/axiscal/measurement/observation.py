@@ -1,29 +1,35 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
 y = g(t)ᵀ A + f(t)ᵀ b + v  (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns
-of every set-up, then the rests of the cells that have been visited: readings in one cell share its rest, so repeating
-there does not average it away.
+of every set-up, then, as they come, the rests of the cells that have been visited and the drifts of zeros that wander:
+readings in one cell share its rest, so repeating there does not average it away.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.drift import Course
+from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.model import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.way import Way, feet
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
 """Index of an error function with a rest, and the number of the cell along its axis."""
+
+Zero = tuple[int, int]
+"""Index of a set-up, and the number of its zero: 0, or 0 to 2 where it reads along x, y and z."""
 
 _NOT_FELT = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
@@ -46,31 +52,51 @@ class Seen(NamedTuple):
     values: Array
 
 
+class Numbers(NamedTuple):
+    """All numbers of readings of a set-up.  rows : (m, k, size); covariances : (m, k, k) of noise and fresh rests."""
+
+    rows: Array
+    covariances: Array
+
+
+class Felt(NamedTuple):
+    """How readings feel the rest of one error function.
+
+    reach : (m,) what a unit of it adds; cells : (m,) the number of the cell that they are in
+    """
+
+    function: int
+    reach: Array
+    cells: NDArray[np.int64]
+
+
 @dataclass(frozen=True, eq=False)
 class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
-    cells : column of the rest of each visited cell
+    cells : column of the rest of each visited cell; courses : how each zero has wandered that may
     """
 
     errors: ErrorModel
     setups: tuple[Setup, ...]
     cells: Mapping[Cell, int] = field(default_factory=lambda: MappingProxyType({}))
+    courses: Mapping[Zero, Course] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return self.errors.size + sum(len(s.unknowns) for s in self.setups) + len(self.cells)
+        wandering = sum(len(course.columns) for course in self.courses.values())
+        return self.errors.size + sum(len(s.unknowns) for s in self.setups) + len(self.cells) + wandering
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
         result = np.zeros((self.size, self.size))
         result[: self.errors.size, : self.errors.size] = self.errors.prior_covariance()
         own = [u.std**2 for s in self.setups for u in s.unknowns]
-        rests = [self.errors.functions[function].rest ** 2 for function, _ in self.cells]
         tail = np.arange(self.errors.size, self.size)
-        result[tail, tail] = own + rests
+        bare = replace(self, cells=MappingProxyType({}), courses=MappingProxyType({}))
+        result[tail, tail] = [*own, *bare.rest_variances(self)]
         return result
 
     def unknowns_of(self, setup: int) -> slice:
@@ -78,31 +104,63 @@ class Observation:
         start = self.errors.size + sum(len(s.unknowns) for s in self.setups[:setup])
         return slice(start, start + len(self.setups[setup].unknowns))
 
-    def rows(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Rows:
+    def rows(
+        self,
+        setup: int,
+        poses: Array,
+        approaches: Array,
+        direction: Array | None = None,
+        time: float | None = None,
+    ) -> Rows:
         """Return what readings of a set-up would tell (B&H eq. 29-30).
 
         poses, approaches : (m, q); direction : (3,) of one number of a reading that has three; None for the set-up's
+        time : of the reading, s; None is the last time that was met
         """
         mounted = self.setups[setup]
         levers = self._levers(mounted, poses, direction)
         result = np.zeros((len(poses), self.size))
-        result[:, : self.errors.size] = self.errors.along(levers, poses, approaches)
-        model, place = INSTRUMENTS[mounted.instrument].model, self._place(mounted, poses)
+        result[:, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
+        model, place = model_of(mounted), self._place(mounted, poses)
         at = np.array(mounted.direction) if direction is None else direction
         for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
             result[:, column] = model.own(mounted, unknown.name, at, place)
+        for course, share in self.wandering(setup, at):
+            result[:, list(course.columns)] = share * course.row(time)
         variances = mounted.noise**2 + self._untold_sides(mounted, levers, poses, approaches)
-        effects = self.errors.effects(levers, approaches) if self._with_rest else levers
-        for index in self._with_rest:
-            self._add_rest(index, effects[index], poses, result, variances)
+        for felt in self._felt(mounted, levers, poses, approaches):
+            self._add_rest(felt, result, variances)
         return Rows(result, variances)
+
+    def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
+        if mounted.base is None:
+            return self.errors.along(levers, poses, approaches)
+        return Way(self.errors, mounted, mounted.base).rows(poses)
+
+    def numbers(self, setup: int, poses: Array, approaches: Array) -> Numbers:
+        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
+
+        The rest of a cell not visited yet shows in all numbers of a reading at once.
+        """
+        directions = directions_of(self.setups[setup])
+        parts = [self.rows(setup, poses, approaches, direction) for direction in directions]
+        covariances = np.zeros((len(poses), len(parts), len(parts)))
+        if len(parts) > 1:
+            each = [self.felt(setup, poses, approaches, direction) for direction in directions]
+            for felt in zip(*each, strict=True):
+                fresh = self.cell_columns(felt[0].function)[felt[0].cells] < 0
+                reach = np.stack([f.reach for f in felt], axis=1) * self.errors.functions[felt[0].function].rest
+                covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
+        every = np.arange(len(parts))
+        covariances[:, every, every] = np.stack([part.variances for part in parts], axis=1)
+        return Numbers(np.stack([part.rows for part in parts], axis=1), covariances)
 
     def reading(self, reading: Reading) -> Seen:
         """Return rows, variances and values of all numbers of a reading, of cells that are visited or not."""
         setup = next(i for i, mounted in enumerate(self.setups) if mounted.name == reading.setup)
         mounted, poses = self.setups[setup], np.array([reading.pose])
         approaches = np.array([reading.approach], dtype=float)
-        parts = [self.rows(setup, poses, approaches, direction) for direction in directions_of(mounted)]
+        parts = [self.rows(setup, poses, approaches, d, reading.time) for d in directions_of(mounted)]
         rows, variances = np.concatenate([p.rows for p in parts]), np.concatenate([p.variances for p in parts])
         if reading.std is not None:
             variances = variances + (reading.std**2 - mounted.noise**2)
@@ -126,66 +184,135 @@ class Observation:
     def beyond(self, setup: int, poses: Array) -> Array:
         """Return what readings show beyond rows times unknowns, where an instrument is not linear, (m,)."""
         mounted = self.setups[setup]
-        return INSTRUMENTS[mounted.instrument].model.beyond(mounted, self._place(mounted, poses))
+        return model_of(mounted).beyond(mounted, self._place(mounted, poses))
 
     def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
-        """Return what a unit of each error adds to readings, (functions, m); arguments as for `rows`."""
-        return self.errors.effects(self._levers(self.setups[setup], poses, direction), approaches)
+        """Return what a unit of each error adds to readings, (functions, m); arguments as for `rows`.
 
-    def visited(self, pose: Array, setup: int | None = None) -> Observation:
+        Where two feet stand on a way: of two units, one at each of them and independent.
+        """
+        mounted = self.setups[setup]
+        effects = self.errors.effects(self._levers(mounted, poses, direction), approaches)
+        if mounted.base:
+            straight = [f.kind == "motion" for f in self.errors.functions]
+            effects[straight] *= float(np.sqrt(2.0)) / mounted.base
+        return effects
+
+    def felt(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> list[Felt]:
+        """Return how readings feel the rests, of cells that were visited or not; arguments as for `rows`."""
+        mounted = self.setups[setup]
+        return self._felt(mounted, self._levers(mounted, poses, direction), poses, approaches)
+
+    def _felt(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> list[Felt]:
+        functions, found = self.errors.functions, list[Felt]()
+        effects = self.errors.effects(levers, approaches) if self._with_rest else levers
+        for i in self._with_rest:
+            at = poses[:, functions[i].axis]
+            if mounted.base is None:
+                found.append(Felt(i, effects[i], functions[i].cells(at)))
+            elif mounted.base and np.any(effects[i]):  # a base without length is refused where its way has a rest
+                stands = feet(mounted.base)
+                found += [Felt(i, foot.weight * effects[i], functions[i].cells(at + foot.shift)) for foot in stands]
+        return found
+
+    def visited(self, pose: Array, setup: int | None = None, time: float | None = None) -> Observation:
         """Return the map with columns for the cells of a pose that had none, in the order of the functions.
 
         pose : (q,); setup : cells whose rest this set-up does not feel at the pose are left out
+        time : of the reading, s, up to which the zeros of the set-up may have wandered
         """
-        felt = self._with_rest if setup is None else self._felt(setup, pose)
-        functions = self.errors.functions
-        found = [(i, int(functions[i].cells(pose[functions[i].axis, None])[0])) for i in felt]
-        fresh = [cell for cell in found if cell not in self.cells]
+        if setup is not None and time is not None and self.setups[setup].drift > 0:
+            return self._wandered(setup, time).visited(pose, setup)
+        fresh = [cell for cell in self._cells_at(pose, setup) if cell not in self.cells]
         added = {cell: self.size + position for position, cell in enumerate(fresh)}
         return replace(self, cells=MappingProxyType({**self.cells, **added}))
 
-    def _felt(self, setup: int, pose: Array) -> tuple[int, ...]:
-        mounted = self.setups[setup]
-        each = [np.abs(self._levers(mounted, pose[None], d)[:, 0]) for d in directions_of(mounted)]
-        levers = np.max(each, axis=0)
-        return tuple(i for i in self._with_rest if levers[i] > _NOT_FELT)
+    def _cells_at(self, pose: Array, setup: int | None) -> Iterable[Cell]:
+        """Return the cells that a pose lies in, of those rests that the set-up feels there."""
+        functions = self.errors.functions
+        if setup is None:
+            return [(i, int(functions[i].cells(pose[functions[i].axis, None])[0])) for i in self._with_rest]
+        mounted, poses = self.setups[setup], pose[None]
+        levers = [self._levers(mounted, poses, direction) for direction in directions_of(mounted)]
+        felt = self._felt(mounted, np.max(np.abs(levers), axis=0), poses, np.ones_like(poses))
+        return dict.fromkeys((f.function, int(f.cells[0])) for f in felt if abs(f.reach[0]) > _NOT_FELT)
+
+    def _wandered(self, setup: int, time: float) -> Observation:
+        """Return the map with columns for what a set-up's zeros may have drifted until a time, s."""
+        mounted, courses, size = self.setups[setup], dict(self.courses), self.size
+        for number in range(INSTRUMENTS[mounted.instrument].values):
+            before = courses.get((setup, number))
+            if before is None:
+                courses[setup, number] = Course.begun(mounted.drift, time, size)
+                size += 1
+            elif before.needs_node(time):
+                courses[setup, number] = before.with_node(time, size)
+                size += 2
+        return replace(self, courses=MappingProxyType(courses))
+
+    def wandering(self, setup: int, direction: Array) -> Iterator[tuple[Course, float]]:
+        """Yield the drifts that a reading along a direction shows, each with its share."""
+        three = INSTRUMENTS[self.setups[setup].instrument].values > 1
+        for (owner, number), course in self.courses.items():
+            if owner == setup:
+                yield course, float(direction[number]) if three else 1.0
 
     def rest_variances(self, after: Observation) -> Array:
-        """Return the prior variances of the columns that `after` has beyond this map."""
-        fresh = [cell for cell in after.cells if cell not in self.cells]
-        return np.array([self.errors.functions[function].rest ** 2 for function, _ in fresh])
+        """Return the prior variances of the columns that `after` has beyond this map: rests, and drifts of 1."""
+        result = np.ones(after.size - self.size)
+        for cell, column in after.cells.items():
+            if cell not in self.cells:
+                result[column - self.size] = self.errors.functions[cell[0]].rest ** 2
+        return result
 
-    def breaks(self, axis: int) -> Array:
-        """Return the coordinates between which rows are smooth along an axis: knots, and edges of visited cells."""
-        edges = [np.array(self.errors.machine.axes[axis].travel)]
-        edges += [f.basis.knots for f in self.errors.functions if f.axis == axis]
+    def breaks(self, axis: int, setup: int) -> Array:
+        """Return the coordinates between which a set-up's rows are smooth along an axis: knots, edges of visited cells.
+
+        Where it has feet they stand on these, aside of its position.
+        """
+        edges = [f.basis.knots for f in self.errors.functions if f.axis == axis]
         for index, cell in self.cells:
             function = self.errors.functions[index]
             if function.axis == axis:
                 edges.append(function.basis.knots[0] + function.cell * np.array([cell, cell + 1]))
-        low, high = edges[0]
-        everywhere, shortest = np.unique(np.concatenate(edges)), _COINCIDE * (high - low)
+        return self._between(axis, setup, edges)
+
+    def knots(self, axis: int, setup: int) -> Array:
+        """Return the same without the edges of cells."""
+        return self._between(axis, setup, [f.basis.knots for f in self.errors.functions if f.axis == axis])
+
+    def _between(self, axis: int, setup: int, edges: list[Array]) -> Array:
+        """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
+        mounted, shifts = self.setups[setup], np.zeros(1)
+        low, high = mounted.span(self.errors.machine.axes[axis], axis)
+        if mounted.base and axis in mounted.moves:
+            shifts = np.array([foot.shift for foot in feet(mounted.base)])
+        everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - shifts)
+        shortest = _COINCIDE * (high - low)
         inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
         apart = np.diff(inside, prepend=low) > shortest
         return np.concatenate([[low], inside[apart], [high]])
 
-    def smoothness(self, axis: int) -> tuple[int, float]:
+    def smoothness(self, axis: int, setup: int) -> tuple[int, float]:
         """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
 
         Rows are cubic; a lever arm adds one degree along a linear axis, and sine and cosine along a rotary one. Forms
-        are squares.
+        are squares, and products of as many as a reading has numbers.
         """
+        times = INSTRUMENTS[self.setups[setup].instrument].values
         if not self.errors.machine.axes[axis].rotary:
             angular = any(f.angular for f in self.errors.functions)
-            return (8 if angular else 6), 0.0
-        return 6, 2 * float(np.max(np.diff(self.breaks(axis))))
+            return times * (8 if angular else 6), 0.0
+        return 6 * times, 2 * times * float(np.max(np.diff(self.breaks(axis, setup))))
 
     @cached_property
     def _with_rest(self) -> tuple[int, ...]:
         return tuple(i for i, function in enumerate(self.errors.functions) if function.rest > 0)
 
     def _levers(self, mounted: Setup, poses: Array, direction: Array | None = None) -> Array:
-        model, place = INSTRUMENTS[mounted.instrument].model, self._place(mounted, poses)
+        if mounted.base is not None:
+            return Way(self.errors, mounted, mounted.base).levers(poses)
+        model, place = model_of(mounted), self._place(mounted, poses)
         towards = model.towards(mounted, np.array(mounted.direction) if direction is None else direction, place)
         levers = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
         along: Array = np.einsum("fmc,mc->fm", levers, towards)
@@ -194,16 +321,26 @@ class Observation:
     def _place(self, mounted: Setup, poses: Array) -> Place:
         return Place(self.errors.machine, poses, mounted.moves)
 
-    def _add_rest(self, index: int, lever: Array, poses: Array, result: Array, variances: Array) -> None:
-        function = self.errors.functions[index]
-        cells = function.cells(poses[:, function.axis])
-        known = np.zeros(len(poses), dtype=bool)
+    def cell_columns(self, function: int) -> NDArray[np.intp]:
+        """Return the column of the rest of every cell of a function, -1 where there is none."""
+        return self._columns_of_cells[function]
+
+    @cached_property
+    def _columns_of_cells(self) -> dict[int, NDArray[np.intp]]:
+        functions, columns = self.errors.functions, dict[int, NDArray[np.intp]]()
+        for i in self._with_rest:
+            knots = functions[i].basis.knots
+            columns[i] = np.full(round((knots[-1] - knots[0]) / functions[i].cell), -1)
         for (owner, cell), column in self.cells.items():
-            if owner == index:
-                here = cells == cell
-                result[here, column] = lever[here]
-                known |= here
-        variances[~known] += (lever[~known] * function.rest) ** 2
+            columns[owner][cell] = column
+        return columns
+
+    def _add_rest(self, felt: Felt, result: Array, variances: Array) -> None:
+        columns = self.cell_columns(felt.function)[felt.cells]
+        known = np.flatnonzero(columns >= 0)
+        result[known, columns[known]] += felt.reach[known]
+        rest = self.errors.functions[felt.function].rest
+        variances += np.where(columns >= 0, 0.0, (felt.reach * rest) ** 2)
 
 
 def directions_of(setup: Setup) -> list[Array | None]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from axiscal.machine.axis import Axis
+
 Approach = Literal["both", "+", "-"]
 Vector = tuple[float, float, float]
 
@@ -36,6 +38,9 @@ class Setup:
     station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
     growth : thermal expansion of the measured material at its temperature against 20 °C, a strain
     found : how far from there its station has been found so far, m; None is nowhere else
+    base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
+        are those of the middle; None where it rides on what moves
+    drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
     """
 
     name: str
@@ -53,3 +58,11 @@ class Setup:
     station: Vector | None = None
     found: Vector | None = None
     growth: float = 0.0
+    base: float | None = None
+    drift: float = 0.0
+
+    def span(self, axis: Axis, index: int) -> tuple[float, float]:
+        """Return from where to where it can be read along an axis, m or rad: the travel, for feet that stand within."""
+        low, high = axis.travel
+        half = (self.base or 0.0) / 2 if index in self.moves else 0.0
+        return low + half, high - half

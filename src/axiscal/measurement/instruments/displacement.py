@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.model import Actual, Place, Reads, along
 from axiscal.measurement.setup import Setup
@@ -47,7 +48,7 @@ class Displacement:
         """Return the growth that is known, (m,)."""
         return _grown(setup.growth, np.array(setup.direction), place)
 
-    def check(self, setup: Setup) -> None:
+    def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""
 
 

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.model import Actual, Place, Reads, need_station
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -56,7 +57,7 @@ class Distance:
         beyond: Array = now - first + self.towards(setup, shift, place) @ shift
         return beyond
 
-    def check(self, setup: Setup) -> None:
+    def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, f"the {setup.instrument}'s other end")
 

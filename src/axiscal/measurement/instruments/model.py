@@ -82,8 +82,8 @@ class Model(Protocol):
     def beyond(self, setup: Setup, place: Place) -> Array:
         """Return what a reading shows beyond its rows times the unknowns, where it is not linear in them, (m,)."""
 
-    def check(self, setup: Setup) -> None:
-        """Raise DescriptionError for a set-up that makes no sense."""
+    def check(self, setup: Setup, machine: Machine) -> None:
+        """Raise DescriptionError for a set-up that makes no sense on a machine."""
 
 
 def along(direction: Array, count: int) -> Array:

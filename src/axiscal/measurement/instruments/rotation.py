@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.model import Actual, Place, Reads, along
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -40,5 +41,5 @@ class Rotation:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(place.count)
 
-    def check(self, setup: Setup) -> None:
+    def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.model import Actual, Place, Reads, along, need_station
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, rigid
@@ -52,7 +53,7 @@ class Tracker:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(place.count)
 
-    def check(self, setup: Setup) -> None:
+    def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, "the tracker")
 

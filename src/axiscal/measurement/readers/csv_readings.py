@@ -1,4 +1,4 @@
-"""READINGS.csv: `setup,X_mm,…,B_deg,approach,value_um[,std_um]`, or the columns of an ISO 230-2 test.
+"""READINGS.csv: `setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
 
 `value_x_um,value_y_um,value_z_um` for an instrument that reads three directions.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
@@ -8,18 +8,20 @@ does know it checks the names of set-ups and axes, and whether a position lies w
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
 from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
+from axiscal.measurement.readers.times import read_times
 
 _THREE = ("value_x", "value_y", "value_z")
 _LAYOUT = {
     "setup": TEXT,
     "approach": TEXT,
+    "time": TEXT,
     **dict.fromkeys(("value", "std", *_THREE), LENGTHS + ANGLES),
 }
 
@@ -36,7 +38,9 @@ class RawReading:
     std : standard deviation of the value, None if not said
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`
-    error : where a file names no set-up but the error that was read, such as "EXX"; "z" for a height
+    error : where a file names no set-up but the error that was read, such as "EXX"; "z" for a height, "slope" for a level
+    time : s after the first reading of the file; None where it does not say
+    base : how far apart the feet of a level stood, m
     """
 
     setup: str
@@ -48,6 +52,8 @@ class RawReading:
     line: int
     others: tuple[float, ...] = ()
     error: str = ""
+    time: float | None = None
+    base: float | None = None
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
@@ -59,7 +65,8 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
     setup = table.one_of("setup", "setup")
     if not table.all_of("value") and not table.all_of("value_x"):
         table.one_of("value", "value_um")
-    return tuple(_reading(table, row, setup) for row in table.rows)
+    times = read_times(table.rows, next(iter(table.all_of("time")), None))
+    return tuple(replace(_reading(table, row, setup), time=t) for row, t in zip(table.rows, times, strict=True))
 
 
 def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:

@@ -1,10 +1,12 @@
-"""Any file of readings, told by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps."""
+"""Any file of readings, told by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps,
+level surveys.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from axiscal.measurement.readers import bed_map, own_csv, renishaw
+from axiscal.measurement.readers import bed_map, level_survey, own_csv, renishaw
 from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_readings
 from axiscal.measurement.readers.positioning import PositioningRows, read_positioning
 from axiscal.measurement.readers.text import TextFile, read_text
@@ -17,6 +19,8 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
         return of_positioning(renishaw.rtl_positioning(file))
     if own_csv.is_own(file):
         return tuple(_own(reading) for reading in own_csv.own_readings(file))
+    if level_survey.is_survey(file):
+        return tuple(_levelled(reading) for reading in level_survey.survey_readings(file))
     if bed_map.is_height_map(file):
         return tuple(_node(node) for node in bed_map.height_map(file))
     if bed_map.is_mesh(file):
@@ -28,6 +32,23 @@ def read_any_positioning(path: str | Path) -> PositioningRows:
     """Read an ISO 230-2 test, a table or a `.rtl` file; raises ReadingError."""
     file: TextFile = read_text(path)
     return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else read_positioning(path)
+
+
+def _levelled(reading: level_survey.LevelReading) -> RawReading:
+    at, towards = {reading.axis: reading.station}, {reading.axis: reading.direction}
+    error = "" if reading.setup else "slope"
+    return RawReading(
+        reading.setup,
+        at,
+        towards,
+        reading.value,
+        None,
+        "angle",
+        reading.line,
+        error=error,
+        time=reading.time,
+        base=reading.base,
+    )
 
 
 def _own(reading: own_csv.OwnReading) -> RawReading:

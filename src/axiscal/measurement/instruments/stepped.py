@@ -1,0 +1,93 @@
+"""A level, or the mirror of an autocollimator, that is stepped along a way on feet a base apart.
+
+y = atan( (d × a)ᵀ (w(t + L/2) − w(t − L/2)) / L ) + zero, w the shape of the way and a its direction: to first order
+the slope of a chord, the derivative of the straightness where L goes to nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.exceptions import DescriptionError
+from axiscal.machine.description import Machine
+from axiscal.measurement.instruments.model import Actual, Place, Reads, along
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.way import Way, across
+from axiscal.numerics import Array
+from axiscal.units import format_quantity
+
+_ALONG = 1e-6
+_UNFELT = 1e-9
+
+
+class Stepped:
+    """One slope, as an angle about the set-up's direction."""
+
+    reads: Reads = "angle"
+    values = 1
+    directed = True
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+
+    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+        """Return d for every reading, (m, 3)."""
+        return along(direction, place.count)
+
+    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+        """Return 1 for the zero, (m,)."""
+        return np.ones(place.count)
+
+    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+        """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
+        slope = np.sum(across(place.machine, setup, place.poses) * actual.displacement, axis=1)
+        shown: Array = np.arctan(slope) + own.get("zero", 0.0)
+        return shown
+
+    def beyond(self, setup: Setup, place: Place) -> Array:
+        """Return nothing: it is linear to first order, (m,)."""
+        return np.zeros(place.count)
+
+    def check(self, setup: Setup, machine: Machine) -> None:
+        """Raise DescriptionError where there is no slope to be read."""
+        _refuse_other_moves(setup, machine)
+        base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
+        if base >= axis.length:
+            what = f"a base of {format_quantity(base, 'mm', 6)} is not shorter than the travel of {axis.name}"
+            raise DescriptionError(what, f"Both feet stand within the travel, which is {axis.travel_text}")
+        towards = across(machine, setup, np.array([setup.park]))[0]
+        if abs(np.linalg.norm(towards) - 1) > _ALONG:
+            what = f"feet that are stepped along {axis.name} show its slope, and that is no turn about this direction"
+            raise DescriptionError(
+                what, "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
+            )
+        _refuse_unseen(setup, machine)
+
+
+def _refuse_other_moves(setup: Setup, machine: Machine) -> None:
+    moving = [machine.axes[index] for index in setup.moves]
+    if len(moving) != 1 or moving[0].rotary:
+        named = ", ".join(axis.name for axis in moving)
+        what = f"a base is stepped along one straight way, and here {named} move{'s' if len(moving) == 1 else ''}"
+        raise DescriptionError(what, 'Name the linear axis whose way it is, such as moves = ["X"]')
+
+
+def _refuse_unseen(setup: Setup, machine: Machine) -> None:
+    """Raise DescriptionError where the way has no shape, or a rest whose slope over such a short base nobody knows."""
+    errors, base = ErrorModel(machine), setup.base or 0.0
+    levers = Way(errors, setup, base).levers(np.array([setup.park]))[:, 0]
+    levelled = any(unknown.name == "zero" for unknown in setup.unknowns)
+    felt = [f for f, lever in zip(errors.functions, levers, strict=True) if abs(lever) > _UNFELT]
+    axis = machine.axes[setup.moves[0]].name
+    if all(function.kind == "location" and levelled for function in felt):
+        what = f"the machine states no straightness error of {axis} that a slope about this direction could show"
+        raise DescriptionError(what, f"Add one under [errors], such as E{'X' if axis[0] == 'Z' else 'Z'}{axis}")
+    for function in felt:
+        if function.rest > 0 and base < function.cell * (1 - 1e-9):
+            short, long = format_quantity(base, "mm", 6), format_quantity(function.cell, "mm", 4)
+            what = (
+                f"a base of {short} is shorter than {long}, within which the rest of {function.name} has no known slope"
+            )
+            raise DescriptionError(what, "Use a longer base, give that error more knots, or take its rest out")

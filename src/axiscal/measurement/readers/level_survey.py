@@ -1,0 +1,169 @@
+"""A level survey as it is written down at the machine: stations, and what the level showed there and back.
+
+    # level survey
+    # base = 100 mm
+    # division = 0.02 mm/m
+    X_mm,forward_div,back_div
+    50,12.0,12.5
+    150,11.0,11.0
+    50,12.5,
+
+The first column names the axis along which the level is stepped; a station is where the middle of its base stands.
+Readings are slopes (`um/m`, `mm/m`), angles (`arcsec`, `urad`, …) or divisions (`div`), whose value is then stated. A
+station that comes again, as the first one does at the end, is one more reading. Without base the level rides on what
+moves. `# setup = name` says which set-up it was where several could have been.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from axiscal.exceptions import UnitError
+from axiscal.machine.names import AXIS_NAME
+from axiscal.measurement.readers.table import Column, Row, Table, parse_table
+from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.times import read_times
+from axiscal.units import from_unit, parse_quantity
+
+MARK = "# level survey"
+_KEYS = ("setup", "base", "division")
+_KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
+_PASSES = ("forward", "back")
+_UNITS = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
+_STATION = re.compile(f"({AXIS_NAME})_(mm|um|m)")
+
+
+@dataclass(frozen=True, slots=True)
+class LevelReading:
+    """One reading.
+
+    setup : name, "" where the file names none; axis : along which the level is stepped; station : m
+    base : m, None where the file states none; direction : +1 or -1, the way along which it was stepped
+    value : rad; time : s after the first, None where the file does not say
+    """
+
+    setup: str
+    axis: str
+    station: float
+    base: float | None
+    direction: int
+    value: float
+    line: int
+    time: float | None = None
+
+
+class _Way(NamedTuple):
+    """A column of readings.  onward : on the way there, not back"""
+
+    column: Column
+    unit: str
+    onward: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Head:
+    """What the lines before the table say.  base : m; division : rad"""
+
+    setup: str = ""
+    base: float | None = None
+    division: float | None = None
+
+
+def is_survey(file: TextFile) -> bool:
+    """Return whether the file says that it is a level survey."""
+    return file.lines[0].strip().lower() == MARK
+
+
+def survey_readings(file: TextFile) -> tuple[LevelReading, ...]:
+    """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
+    head, table = _head(file), parse_table("\n".join(file.lines), file.name)
+    station, ways, clock = _columns(table, head)
+    _refuse_unread(table, ways, clock)
+    places = [row.quantity(station) for row in table.rows]
+    upward = places[-1 if len(places) < 3 else len(places) // 2] >= places[0]  # the last may close the circle
+    lines = list(zip(table.rows, places, read_times(table.rows, clock), strict=True))
+    found: list[LevelReading] = []
+    for way in ways:
+        for row, place, time in lines if way.onward else reversed(lines):
+            if row.text(way.column):
+                towards = 1 if upward == way.onward else -1
+                value = _angle(file, row, way, head)
+                found.append(LevelReading(head.setup, station.stem, place, head.base, towards, value, row.line, time))
+    return tuple(found)
+
+
+def _head(file: TextFile) -> _Head:
+    said: dict[str, str] = {}
+    lines: dict[str, int] = {}
+    for number, text in _remarks(file):
+        found = _KEY.fullmatch(text)
+        if found is None:
+            continue
+        key = found[1].lower()
+        if key not in _KEYS or key in said:
+            what = f"{key!r} is said twice" if key in said else f"{key!r} is not known"
+            raise file.fail(what, f"known are {', '.join(_KEYS)}; a remark goes without =", number)
+        said[key], lines[key] = found[2], number
+    try:
+        key = "base"
+        base = parse_quantity(said[key], "length") if key in said else None
+        key = "division"
+        division = parse_quantity(said[key], "angle") if key in said else None
+    except UnitError as fault:
+        raise file.fail(fault.what, fault.remedy, lines[key]) from None
+    for key, value, example in (("base", base, "100 mm"), ("division", division, "0.02 mm/m")):
+        if value is not None and value <= 0:
+            raise file.fail(f"{key} = {said[key]} is not above zero", f"write it as # {key} = {example}", lines[key])
+    return _Head(said.get("setup", ""), base, division)
+
+
+def _remarks(file: TextFile) -> Iterator[tuple[int, str]]:
+    """Yield the lines before the table that begin with #, after the first."""
+    for number, line in enumerate(file.lines[1:], 2):
+        text = line.strip()
+        if text and not text.startswith("#"):
+            return
+        if text:
+            yield number, text
+
+
+def _columns(table: Table, head: _Head) -> tuple[Column, list[_Way], Column | None]:
+    """Return the column of stations, those of readings, the way there first, and that of times."""
+    station, clock, ways = None, None, list[_Way]()
+    for column in table.columns:
+        stem, _, unit = column.name.replace("µ", "u").replace("μ", "u").rpartition("_")
+        if _STATION.fullmatch(column.name) and station is None:  # a second one is not known
+            station = column
+        elif column.name == "time":
+            clock = column
+        elif stem in _PASSES and unit in _UNITS:
+            ways.append(_Way(column, unit, stem == "forward"))
+        else:
+            remedy = f"columns are X_mm, forward_um/m, back_um/m and time; units of readings {', '.join(_UNITS)}"
+            raise table.fail(f"column {column.name!r} is not known", remedy)
+    if station is None or not ways:
+        missing = "stations, such as X_mm" if station is None else "readings, such as forward_um/m"
+        raise table.fail(f"there is no column of {missing}", f"name it in the header; found: {table.header}")
+    if len({way.onward for way in ways}) < len(ways):
+        raise table.fail("a way is named twice", "give one column forward, and one back")
+    if head.division is None and any(way.unit == "div" for way in ways):
+        raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
+    return station, sorted(ways, key=lambda way: not way.onward), clock
+
+
+def _angle(file: TextFile, row: Row, way: _Way, head: _Head) -> float:
+    shown = file.number(row.text(way.column), way.column.name, row.line)
+    return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit)
+
+
+def _refuse_unread(table: Table, ways: list[_Way], clock: Column | None) -> None:
+    for row in table.rows:
+        filled = sum(bool(row.text(way.column)) for way in ways)
+        if not filled:
+            raise row.fail("the station has no reading", "write what the level showed, or take out the line")
+        if filled > 1 and clock is not None:
+            what = "the line has two readings, and one time"
+            raise row.fail(what, "write the way back in lines of its own where times are given")

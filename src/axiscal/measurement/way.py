@@ -1,0 +1,86 @@
+"""The way that an axis runs on, as a level sees it whose feet stand on it: the slope (w(t+L/2) − w(t−L/2))/L.
+
+w is how the TCP would be displaced by the straightness and the squareness of this axis alone. What the carriage does
+beside (its rotations, its reversal), and all other axes, a level that does not ride on it cannot see.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+_HALF = 0.5
+
+
+class Foot(NamedTuple):
+    """Where a foot stands from the middle of the base, m, and how its height counts, 1/m."""
+
+    shift: float
+    weight: float
+
+
+def feet(base: float) -> tuple[Foot, Foot]:
+    """Return the feet of a base.  base : m, above zero"""
+    return Foot(base / 2, 1 / base), Foot(-base / 2, -1 / base)
+
+
+def across(machine: Machine, setup: Setup, poses: Array) -> Array:
+    """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
+    (axis,) = setup.moves
+    along = frames(machine, poses).rotations[axis] @ np.array(machine.axes[axis].direction)
+    result: Array = np.cross(np.array(setup.direction), along)
+    return result
+
+
+def belongs(function: ErrorFunction, axis: int) -> bool:
+    """Return whether an error is one of the way's shape: straightness, or squareness."""
+    return function.axis == axis and (
+        function.kind == "location" or (function.kind == "motion" and not function.angular)
+    )
+
+
+class Way:
+    """What the errors do to the slope of one set-up's chord."""
+
+    def __init__(self, errors: ErrorModel, setup: Setup, base: float) -> None:
+        self._errors, self._setup, self._base = errors, setup, base
+        (self.axis,) = setup.moves
+        self.functions = [i for i, f in enumerate(errors.functions) if belongs(f, self.axis)]
+
+    def levers(self, poses: Array) -> Array:
+        """Return what a unit of each error does, (functions, m): of a straightness, of one end; of a squareness."""
+        result = np.zeros((len(self._errors.functions), len(poses)))
+        towards = across(self._errors.machine, self._setup, poses)
+        ends = [self._displaced(poses, towards, shift) for shift in (_HALF, -_HALF)]
+        for i in self.functions:
+            tilt = self._errors.functions[i].kind == "location"
+            result[i] = (ends[0][i] - ends[1][i]) if tilt else ends[0][i]
+        return result
+
+    def rows(self, poses: Array) -> Array:
+        """Return the rows of readings, (m, size): a chord, or the derivative where the base has no length."""
+        result, levers, t = np.zeros((len(poses), self._errors.size)), self.levers(poses), poses[:, self.axis]
+        for i in self.functions:
+            function = self._errors.functions[i]
+            shape = function.basis.rows(t) if function.kind == "location" else self._slopes(function, t)
+            result[:, function.columns] = levers[i][:, None] * shape
+        return result
+
+    def _slopes(self, function: ErrorFunction, t: Array) -> Array:
+        if self._base == 0:
+            return function.basis.rows(t, derivative=1)
+        front, back = (foot.weight * function.basis.rows(t + foot.shift) for foot in feet(self._base))
+        return front + back
+
+    def _displaced(self, poses: Array, towards: Array, shift: float) -> Array:
+        moved = poses.copy()
+        moved[:, self.axis] += shift
+        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved), towards)
+        return displaced
