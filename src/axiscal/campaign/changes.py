@@ -62,7 +62,7 @@ def _change(before: Calibration, now: Calibration, function: ErrorFunction) -> C
     from scipy.special import chdtrc
 
     axis = now.problem.errors.machine.axes[function.axis]
-    knots = function.basis.knots[: function.basis.size]
+    knots = function.basis.control_positions
     (old, old_covariance), (new, new_covariance) = (
         _curve(each, each.problem.errors.names[function.name], knots) for each in (before, now)
     )

@@ -15,7 +15,7 @@ from axiscal.campaign.description import CampaignDescription, campaign_from_text
 from axiscal.campaign.events import Created, Recorded
 from axiscal.campaign.payload import PayloadError, decode
 from axiscal.campaign.problem import Inherited, Problem
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorModel
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -64,7 +64,7 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
     across, extra = np.zeros((errors.size, before.size)), np.zeros(errors.size)
     for function in known:
         other = before.names[function.name]
-        across[function.columns, other.columns] = other.basis.rows(_knots(function))
+        across[function.columns, other.columns] = other.basis.rows(function.basis.control_positions)
         extra[function.columns] = other.rest**2
     factor = across @ last.belief.factor[: before.size]
     covariance: Array = factor @ factor.T + np.diag(extra)
@@ -77,8 +77,3 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
     """Return what is left of it when each error kept a share ρ.  stated : (size, size) C₀."""
     return Inherited(kept * found.mean, kept**2 * found.covariance + (1 - kept**2) * stated)
-
-
-def _knots(function: ErrorFunction) -> Array:
-    """Return where the control values of a function stand."""
-    return function.basis.knots[: function.basis.size]

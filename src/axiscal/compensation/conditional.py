@@ -15,6 +15,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
 
 _TURN = 5
 _ARC = 8
@@ -110,10 +111,9 @@ def _nodes(model: ErrorModel, axis: int, bounds: tuple[float, float], owner: boo
         knots = np.unique(np.concatenate([f.basis.knots for f in model.functions if f.axis == axis]))
         extra = np.linspace(start, stop, 9) if rotary else np.array(bounds)
         breaks = np.unique(np.concatenate([knots[(knots > start) & (knots < stop)], extra]))
-        x, w = np.polynomial.legendre.leggauss(_GAUSS)
-        half = np.diff(breaks)[:, None] / 2
-        return (breaks[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel() / (stop - start)
-    if rotary and abs(stop - start - 2 * np.pi) < 1e-9:
+        nodes, weights = gauss(breaks, _GAUSS)
+    elif rotary and abs(stop - start - 2 * np.pi) < 1e-9:
         return start + 2 * np.pi * np.arange(_TURN) / _TURN, np.full(_TURN, 1 / _TURN)
-    x, w = np.polynomial.legendre.leggauss(_ARC if rotary else 1)
-    return (start + stop) / 2 + (stop - start) / 2 * x, w / 2
+    else:
+        nodes, weights = gauss(np.array(bounds), _ARC if rotary else 1)
+    return nodes.ravel(), weights.ravel() / (stop - start)

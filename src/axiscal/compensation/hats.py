@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
 
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-_CUBIC = np.linalg.pinv(np.vander(_GAUSS, 4, increasing=True))
+_CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 _OUTSIDE = 1e-6
 
 
@@ -36,11 +36,11 @@ class Hats:
         breaks = np.unique(np.concatenate([points, knots, bounds]))
         breaks = breaks[(breaks >= points[0]) & (breaks <= points[-1])]
         breaks = breaks[np.r_[True, np.diff(breaks) > 1e-12 * (points[-1] - points[0])]]
-        half, middle = np.diff(breaks) / 2, (breaks[1:] + breaks[:-1]) / 2
+        nodes, weights = gauss(breaks, 5)
+        middle = nodes[:, 2]
         inside = (middle > bounds[0]) & (middle < bounds[1])
         share = np.where(inside, 1.0, _OUTSIDE if inside.any() else 1.0)
-        nodes = middle[:, None] + half[:, None] * _GAUSS
-        return cls(points, nodes.ravel(), ((half * share)[:, None] * _WEIGHTS).ravel(), closed)
+        return cls(points, nodes.ravel(), (share[:, None] * weights).ravel(), closed)
 
     def best(self) -> Array:
         """Return the map (points, nodes) from a curve at the nodes to the best values at the points."""

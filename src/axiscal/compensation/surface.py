@@ -12,6 +12,7 @@ from axiscal.compensation.hats import Hats
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
 
 _GAUSS = 6
 
@@ -86,8 +87,10 @@ def _hats(estimate: Estimate, axis: int, count: int) -> Hats:
 
 
 def _heights(bounds: tuple[float, float]) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
-    return bounds[0] + (bounds[1] - bounds[0]) * (1 + nodes) / 2, weights / 2
+    if bounds[0] == bounds[1]:
+        return np.array(bounds[:1]), np.ones(1)
+    nodes, weights = gauss(np.array(bounds), _GAUSS)
+    return nodes.ravel(), weights.ravel() / (bounds[1] - bounds[0])
 
 
 def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats], height: float) -> Array:

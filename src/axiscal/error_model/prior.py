@@ -31,7 +31,7 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
 
 def distances(spline: Spline) -> Array:
     """Return how far the control values of a spline lie from each other, (size, size), m or rad."""
-    positions = spline.knots[: spline.size]
+    positions = spline.control_positions
     distance: Array = np.abs(positions[:, None] - positions[None, :])
     if isinstance(spline, CyclicSpline):
         period = spline.knots[-1] - spline.knots[0]

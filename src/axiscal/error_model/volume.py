@@ -14,6 +14,7 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
 
 Box = tuple[tuple[float, float], ...]
 
@@ -91,11 +92,8 @@ def _quadrature(knots: list[Array], bounds: tuple[float, float]) -> tuple[Array,
     start, stop = bounds
     inner = np.unique(np.concatenate([*knots, np.linspace(start, stop, 5)]))
     breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
-    x, w = np.polynomial.legendre.leggauss(_GAUSS)
-    half: Array = np.diff(breaks)[:, None] / 2
-    points: Array = (breaks[:-1, None] + half * (1 + x)).ravel()
-    weights: Array = (half * w).ravel() / (stop - start)
-    return points, weights
+    nodes, weights = gauss(breaks, _GAUSS)
+    return nodes.ravel(), weights.ravel() / (stop - start)
 
 
 def _lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from axiscal.exceptions import KnotError, ShapeError
 from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
 
 _VALUES = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 _MIXED = np.array([[-2 / 15, -7 / 60], [-7 / 60, -2 / 15]])
@@ -36,6 +37,10 @@ class Spline(Protocol):
     @property
     def size(self) -> int:
         """Number of control values."""
+
+    @property
+    def control_positions(self) -> Array:
+        """Where the control values stand, (size,), m or rad."""
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
         """Return m(t)ᵀ, or its derivative of order 0 to 3, for each position in `t`: (m, size)."""
@@ -76,6 +81,11 @@ class _Cubic:
         """
         h = np.diff(self.knots)[:, None]
         return self._steps() / h - h / 6 * (2 * self.second[:-1] + self.second[1:])
+
+    @property
+    def control_positions(self) -> Array:
+        """Where the control values stand, (size,)."""
+        return self.knots[: self.size]
 
     @property
     def curvature_matrix(self) -> Array:
@@ -239,6 +249,11 @@ class Constant:
         return 1
 
     @property
+    def control_positions(self) -> Array:
+        """The start of the stretch, (1,)."""
+        return self.knots[:1]
+
+    @property
     def slope_matrix(self) -> Array:
         """M1 of B&H eq. 11: zero."""
         return np.zeros((1, 1))
@@ -296,9 +311,8 @@ def quadrature(spline: Spline) -> tuple[Array, Array]:
     """Return nodes and weights, each (5 (n - 1),), exact for degree 9 per interval; for a constant the midpoint."""
     if isinstance(spline, Constant):
         return np.array([(spline.start + spline.stop) / 2]), np.array([spline.stop - spline.start])
-    node, weight = np.polynomial.legendre.leggauss(5)
-    half = np.diff(spline.knots)[:, None] / 2
-    return (spline.knots[:-1, None] + half * (node + 1)).ravel(), (half * weight).ravel()
+    nodes, weights = gauss(spline.knots, 5)
+    return nodes.ravel(), weights.ravel()
 
 
 def _values(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
