@@ -144,13 +144,14 @@ class Observation:
         """
         directions = directions_of(self.setups[setup])
         parts = [self.rows(setup, poses, approaches, direction) for direction in directions]
+        if len(parts) == 1:
+            return Numbers(parts[0].rows[:, None], parts[0].variances[:, None, None])
         covariances = np.zeros((len(poses), len(parts), len(parts)))
-        if len(parts) > 1:
-            each = [self.felt(setup, poses, approaches, direction) for direction in directions]
-            for felt in zip(*each, strict=True):
-                fresh = self.cell_columns(felt[0].function)[felt[0].cells] < 0
-                reach = np.stack([f.reach for f in felt], axis=1) * self.errors.functions[felt[0].function].rest
-                covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
+        each = [self.felt(setup, poses, approaches, direction) for direction in directions]
+        for felt in zip(*each, strict=True):
+            fresh = self.cell_columns(felt[0].function)[felt[0].cells] < 0
+            reach = np.stack([f.reach for f in felt], axis=1) * self.errors.functions[felt[0].function].rest
+            covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
         every = np.arange(len(parts))
         covariances[:, every, every] = np.stack([part.variances for part in parts], axis=1)
         return Numbers(np.stack([part.rows for part in parts], axis=1), covariances)

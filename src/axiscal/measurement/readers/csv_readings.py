@@ -38,7 +38,7 @@ class RawReading:
     std : standard deviation of the value, None if not said
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`
-    error : where a file names no set-up but the error that was read, such as "EXX"; "z" for a height, "slope" for a level
+    error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
     """
