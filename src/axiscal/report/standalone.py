@@ -10,16 +10,19 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from axiscal.report.figures import Figure
 
 
 def environment(package: str) -> Environment:
-    """Return what renders the templates of a package: a name that has no value is a fault, and no value is markup."""
+    """Return what renders the templates of a package, which may extend `standalone.html`.
+
+    A name that has no value is a fault, and no value is markup.
+    """
     return Environment(
-        loader=PackageLoader(package),
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader("axiscal.report")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
