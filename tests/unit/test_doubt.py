@@ -64,7 +64,7 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(see
     bad = int(np.random.default_rng(seed).integers(2, 28))
     wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
     before, after = _estimated(clean), _estimated(wrong)
-    assert [(d.reading, d.rejected) for d in after.doubts] == [(bad, True)]
+    assert [d.reading for d in after.doubts if d.rejected] == [bad]
     for function in before.problem.errors.functions:
         rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
         std = np.sqrt(np.sum((rows @ after.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)

@@ -109,7 +109,7 @@ BAD: dict[str, tuple[Reader, str, str, int]] = {
     "position without unit": (read_readings, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
     "small letter": (read_readings, "setup,x_mm,value_um\ns,1,2\n", "Did you mean 'X_mm'", 1),
     "inches": (read_readings, "setup,X_in,value_um\ns,1,2\n", "X_in' is in inches. Inches are not read.*write X_mm", 1),
-    "unknown column": (read_readings, "setup,temper,value_um\ns,1,2\n", "Known are setup, approach, value_mm", 1),
+    "unknown column": (read_readings, "setup,humidity,value_um\ns,1,2", "Known are setup, approach, time, value_mm", 1),
     "position NaN": (read_readings, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
     "value infinite": (read_readings, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
     "std zero": (read_readings, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*greater than zero", 2),

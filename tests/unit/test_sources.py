@@ -35,7 +35,12 @@ class Drawn:
         self.seed = seed
 
     def read_all(
-        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
     ) -> tuple[float, ...]:
         return (self.seed + pose[0] + float(rng.normal()),)
 

@@ -11,13 +11,14 @@ import numpy as np
 from axiscal.belief import Belief, Innovations
 from axiscal.campaign.engine import Engine, Visit
 from axiscal.campaign.events import Gap, Place
+from axiscal.campaign.markers import planned_with_markers, without_markers
 from axiscal.campaign.planning import planned_places
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.standing import grounds, twice_rejected
 from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
-from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, doubts
+from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, Verdict, verdict
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.plausibility import Plausibility, nearest_first, objection
 from axiscal.measurement.observation import Observation, Seen
@@ -50,8 +51,9 @@ class Calibration:
     def __init__(self, stated: Problem, whole: int | None = None) -> None:
         self.stated, self._whole = stated, whole
         self._readings: list[Reading] = []
+        self._seconds = 0.0
         self._learnt_from = 0
-        self._doubts: tuple[Doubt, ...] = ()
+        self._trusted = Verdict((), ())
         self._fit: Fit | None = None
         self._start(stated)
 
@@ -79,7 +81,7 @@ class Calibration:
     def doubts(self) -> tuple[Doubt, ...]:
         """The readings that are not believed: first the implausible ones, then those that the others contradict."""
         settled = self._settled()
-        return (*settled._implausible.values(), *settled._doubts)
+        return (*settled._implausible.values(), *settled._trusted.doubts)
 
     @property
     def fit(self) -> Fit | None:
@@ -88,19 +90,33 @@ class Calibration:
 
     @property
     def readings(self) -> tuple[Reading, ...]:
-        """The readings absorbed, in their order."""
+        """The readings absorbed, in their order, each with its time."""
         return tuple(self._readings)
 
+    @property
+    def seconds(self) -> float:
+        """The seconds that the readings take in this order: mounting, travel, settling, reading."""
+        return self._seconds
+
     def absorb(self, reading: Reading) -> None:
-        """Take a reading into the belief; its innovation is kept."""
-        self._readings.append(reading)
+        """Take a reading into the belief; its innovation is kept.
+
+        Where no clock was looked at it was taken when the plan has it.
+        """
+        before = self._readings[-1] if self._readings else None
+        self._seconds += self._seconds_of(before, reading)
+        self._readings.append(reading if reading.time is not None else replace(reading, time=self._seconds))
 
     def concluded(self) -> Calibration:
         """Return the calibration if no reading is to follow: bad readings found, scales learnt from all."""
         if self._whole == len(self._readings):
             return self
-        whole = Calibration(self.stated, len(self._readings))
-        whole._readings = list(self._readings)
+        return self._with(self._readings)
+
+    def _with(self, readings: Sequence[Reading]) -> Calibration:
+        whole = Calibration(self.stated, len(readings))
+        for reading in readings:
+            whole.absorb(reading)
         return whole
 
     def _start(self, problem: Problem) -> None:
@@ -139,9 +155,9 @@ class Calibration:
         """
         if count <= self._learnt_from or np.sqrt(self._innovations[-1].chi_square) < _SURPRISING:
             return
-        found = self._doubtful(self._problem, self._readings[:count])
-        if found != self._doubts:
-            self._doubts = found
+        found = self._verdict(self._problem, self._readings[:count])
+        if found.fates != self._trusted.fates:
+            self._trusted = found
             self._start(self._problem)
             self._judge()
             for index in range(count):
@@ -176,21 +192,23 @@ class Calibration:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
         self._start(self.stated)
         self._judge()
-        problem, found = self.stated, self._doubtful(self.stated, readings)
-        doubtful = {*self._implausible, *(doubt.reading for doubt in found)}
+        problem, found = self.stated, self._verdict(self.stated, readings)
+        doubtful = {*self._implausible, *(doubt.reading for doubt in found.doubts)}
         trusted = [reading for index, reading in enumerate(readings) if index not in doubtful]
         if problem.variable and len(readings) - len(self._implausible) >= FEWEST:
             self._fit = fit(problem.observation, trusted, problem.variable)
             problem = problem.rescaled(self._fit.scales)
-            found = self._doubtful(problem, readings)
-        self._doubts = found
+            found = self._verdict(problem, readings)
+        self._trusted = found
         self._start(problem)
 
-    def _doubtful(self, problem: Problem, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
-        """Return those of the first readings that the others contradict, implausible ones apart."""
+    def _verdict(self, problem: Problem, readings: Sequence[Reading]) -> Verdict:
+        """Return how much each of the first readings counts, implausible ones apart."""
         kept = [index for index in range(len(readings)) if index not in self._implausible]
-        found = doubts(problem.observation, [readings[index] for index in kept], problem.inherited)
-        return tuple(doubt._replace(reading=kept[doubt.reading]) for doubt in found)
+        found, weights = verdict(problem.observation, [readings[index] for index in kept], problem.inherited)
+        of_all = np.ones(len(readings))
+        of_all[kept] = weights
+        return Verdict(tuple(doubt._replace(reading=kept[doubt.reading]) for doubt in found), tuple(of_all.tolist()))
 
     def _locate(self) -> None:
         """Take all readings, and again about the places of stations that they show, until these stay."""
@@ -203,10 +221,9 @@ class Calibration:
             self._start(located)
 
     def _take(self, index: int) -> None:
-        reading, weight = self._readings[index], 1.0
-        for doubt in self._doubts:
-            weight = doubt.weight if doubt.reading == index else weight
-        wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup))
+        reading, weights = self._readings[index], self._trusted.weights
+        weight = weights[index] if index < len(weights) else 1.0
+        wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup), reading.time)
         belief = self._belief.extended(self._observation.rest_variances(wider))
         self._observation, self._accuracy = wider, None
         seen = self._observation.reading(reading)
@@ -237,8 +254,7 @@ class Calibration:
 
     def implausible(self, readings: Sequence[Reading]) -> tuple[Doubt, ...]:
         """Return those of readings that are all there are which cannot be."""
-        whole = Calibration(self.stated, len(readings))
-        whole._readings = list(readings)
+        whole = self._with(readings)
         whole._judge()
         return tuple(whole._implausible.values())
 
@@ -272,16 +288,24 @@ class Calibration:
     def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place] = ()) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way."""
         settled = self._settled()
-        known = settled._problem, settled._observation, settled._belief
+        known, seconds = (settled._observation, settled._belief), self.elapsed(visits)
         closed = *gaps, *twice_rejected(settled._problem, self._readings, settled.doubts)
-        return planned_places(*known, closed, visits, self.elapsed(visits), left)
+        begin = without_markers(settled._problem, self._readings, left)
+
+        def planned(problem: Problem) -> tuple[Place, ...]:
+            return planned_places(problem, *known, closed, visits, seconds, begin)
+
+        return planned_with_markers(settled._problem, self._readings, closed, planned)
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
         total, before = 0.0, None
         for visit in visits:
-            setup = self.problem.description.setup(visit.setup)
-            start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
-            total += visit_seconds(self.problem.description.machine, setup, start, np.array(visit.pose))
+            total += self._seconds_of(before, visit)
             before = visit
         return total
+
+    def _seconds_of(self, before: Visit | Reading | None, visit: Visit | Reading) -> float:
+        description = self.stated.description
+        start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
+        return visit_seconds(description.machine, description.setup(visit.setup), start, np.array(visit.pose))

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -180,12 +181,14 @@ class Campaign:
         *,
         accepted: bool = False,
         others: tuple[float, ...] = (),
+        live: bool = True,
     ) -> Reading:
         """Keep a reading, of what was asked or of another place, and return it.
 
         value, std : m or rad; at : the place, whose value and std are not looked at
         accepted : it is believed however much it surprises
         others : the values along y and z where an instrument reads three directions
+        live : it was taken just now: the clock is kept with it
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
         self._refuse_finished()
@@ -195,7 +198,8 @@ class Campaign:
         self._refuse_other_count(place.setup, 1 + len(others))
         if std is not None and not 0 < std < math.inf:
             raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
-        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted, others))
+        time = self._clock() if live else None
+        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted, others, time))
         return self.state.readings[-1]
 
     def _refuse_other_count(self, setup: str, count: int) -> None:
@@ -285,7 +289,7 @@ class Campaign:
                     in_a_row += 1
                     self._refuse_endless(in_a_row, answer)
                 else:
-                    self.record(answer.value, answer.std, others=answer.others)
+                    self.record(answer.value, answer.std, others=answer.others, live=answer.live)
                     in_a_row = 0
                     path.append(self._milestone())
                     watch(path[-1])
@@ -296,7 +300,9 @@ class Campaign:
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
         setup = self.description.setup(asked.setup)
-        return Request(asked.reading, setup, self.description.machine.axes, asked.position, asked.approach)
+        place = self.description.machine.axes, asked.position, asked.approach
+        seconds = self._seconds_until(asked) if setup.drift > 0 else 0.0
+        return Request(asked.reading, setup, *place, seconds)
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
@@ -320,6 +326,14 @@ class Campaign:
         if events:
             self._record.append(*events, after=self.state.last)
         self.state = self._record.state()
+
+    def _clock(self) -> float:
+        """Return the seconds since the record was begun; never less than at the reading before."""
+        now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
+        return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
+
+    def _seconds_until(self, asked: Asked) -> float:
+        return self.engine.elapsed([*self._visits(), Visit(asked.setup, asked.position)])
 
     def _visits(self) -> list[Visit]:
         return [Visit(reading.setup, reading.pose) for reading in self.state.readings]

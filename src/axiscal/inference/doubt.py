@@ -1,10 +1,14 @@
-"""Readings that the others do not believe: found by leaving each out, taken as Student-t instead of normal.
+"""Readings that the others do not believe: every noise is Student-t, and what stands out altogether is not used.
 
-Without reading i the others predict it with mean and variance that follow from the inverse of the covariance K of all
-readings: t_i = [K⁻¹y]_i / √[K⁻¹]_ii (Rasmussen and Williams 2006, eq. 5.12). A reading that is surprising beside the
-scatter of all t, which it may not widen itself, is down-weighted by the Student-t of `FREEDOM` degrees,
-w = (ν+1)/(ν+t²); one that stands out is not used at all. One after the other, the worst first, so that a bad reading
-does not cast doubt on its neighbours.
+The noise of a reading is normal with a variance that is itself uncertain, as Student's t of ν = `FREEDOM` degrees, so
+that a bad reading cannot bend a curve. Expectation-maximisation (Dempster, Laird and Rubin 1980) gives it the weight
+
+    w = min(1, (ν + k) / (ν + Σ (e² + v) / σ²))
+
+over its k numbers, e what the estimate leaves of them and v the variance of the estimate there. A weight is one at the
+most: a reading that happens to fit does not count for more than its noise says. Without reading i the others predict it
+with r = e/(1 − h) and variance v/(1 − h) + σ², h = v w/σ²; one that is more than `STANDS_OUT` of that away is not used
+at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
 """
 
 from __future__ import annotations
@@ -13,15 +17,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from axiscal.inference.evidence import Evidence
+from axiscal.inference.fitted import Fitted
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
-FREEDOM = 5.0
-SURPRISING = 3.0
+FREEDOM = 4.0
+SURPRISING = 3.5
 STANDS_OUT = 4.0
 """So many standard deviations, of what the others predict, are taken for a mistake and not for chance."""
 NOTHING = 1e-9
@@ -30,6 +33,7 @@ _MOST_PART = 0.2
 _ALIKE = 0.9
 _WIDENED = 1.25
 """By so much a reading may widen the measure that it is held against."""
+_ROUNDS, _SETTLED = 100, 1e-4
 
 
 class Doubt(NamedTuple):
@@ -49,55 +53,88 @@ class Doubt(NamedTuple):
         return self.weight <= NOTHING
 
 
-def doubts(
-    observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
-) -> tuple[Doubt, ...]:
-    """Return the readings that stand out, the worst first; readings that somebody vouches for are believed.
+class Verdict(NamedTuple):
+    """doubts : the readings that stand out, those that are not used first; weights : of all readings, up to 1."""
+
+    doubts: tuple[Doubt, ...]
+    weights: tuple[float, ...]
+
+    @property
+    def fates(self) -> frozenset[tuple[int, bool]]:
+        """Which readings stand out, and whether they are not used."""
+        return frozenset((doubt.reading, doubt.rejected) for doubt in self.doubts)
+
+
+def verdict(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None) -> Verdict:
+    """Return how much each reading counts; readings that somebody vouches for are believed.
 
     prior : mean and covariance of the errors, where it is not the stated one
     """
     if len(readings) < FEWEST:
-        return ()
-    evidence = Evidence(observation, readings)
-    noise, values = evidence.noise(), evidence.values
-    covariance = evidence.covariance() if prior is None else evidence.covariance_under(prior[1])
-    if prior is not None:
-        values = values - evidence.rows[:, : len(prior[0])] @ prior[0]
-    free = np.array([not reading.accepted for reading in readings])
-    weights, found = np.ones(len(readings)), list[Doubt]()
-    while len(found) < _MOST_PART * len(readings):
-        distance = _left_out(covariance, noise, weights[evidence.reading], values)
-        surprise = np.zeros(len(readings))
-        np.maximum.at(surprise, evidence.reading, np.abs(distance))
-        surprise[~free | (weights < 1.0)] = 0.0
-        worst = int(np.argmax(surprise))
-        without = _WIDENED * _usual_without(worst, evidence.reading, covariance, noise, weights, values)
-        surprise /= max(1.0, min(1.4826 * float(np.median(np.abs(distance))), without))
-        size = float(surprise[worst])
-        if size < SURPRISING or _has_twin(surprise, worst):
-            break
-        weight = (FREEDOM + 1.0) / (FREEDOM + size**2)
-        weights[worst] = NOTHING if size > STANDS_OUT else weight
-        found.append(Doubt(worst, size, float(weights[worst])))
-    return tuple(found)
+        return Verdict((), tuple(1.0 for _ in readings))
+    return _Court(Fitted.of(observation, readings, prior), readings).verdict()
 
 
-def _left_out(covariance: Array, noise: Array, weights: Array, values: Array) -> Array:
-    """Return how far each reading is from what the others predict, in standard deviations, (m,), signed."""
-    whole = covariance + np.diag(noise * (1.0 / weights - 1.0))
-    inverse = np.linalg.inv(whole)
-    distance: Array = (inverse @ values) / np.sqrt(np.diag(inverse))
-    return distance
+class _Court:
+    """fitted : the readings and the estimate by them; free : readings that nobody vouches for."""
+
+    def __init__(self, fitted: Fitted, readings: Sequence[Reading]) -> None:
+        self._fitted, self._counts = fitted, np.bincount(fitted.reading)
+        self._free = np.array([not reading.accepted for reading in readings])
+        self._weights = np.ones(len(readings))
+        self._refused: dict[int, float] = {}
+
+    def verdict(self) -> Verdict:
+        self._fitted.weigh(self._weights)
+        self._refuse()
+        usual = max(1.0, _usual(self._fitted) / _WIDENED)  # of a few readings it is not well known itself
+        self._settle(usual)
+        return Verdict(tuple(self._doubts(usual)), tuple(self._weights.tolist()))
+
+    def _refuse(self) -> None:
+        """Take out the readings that stand out, the worst first."""
+        while len(self._refused) < _MOST_PART * len(self._weights):
+            sizes = self._surprises()
+            worst = int(np.argmax(sizes))
+            without = self._fitted.without(worst)
+            sizes /= min(_usual(self._fitted), _WIDENED * _usual(without))
+            if sizes[worst] <= STANDS_OUT or _has_twin(sizes, worst):
+                return
+            self._refused[worst], self._weights[worst] = float(sizes[worst]), NOTHING
+            self._fitted = without
+
+    def _settle(self, usual: float) -> None:
+        """Bring weights and estimate into agreement.  usual : so many σ the readings scatter, whatever the reason."""
+        fitted = self._fitted
+        for _ in range(_ROUNDS):
+            squares = (fitted.left**2 + fitted.spread) / (usual**2 * fitted.noise)
+            total = np.bincount(fitted.reading, weights=squares)
+            weights = np.minimum((FREEDOM + self._counts) / (FREEDOM + total), 1.0)
+            weights[~self._free], weights[list(self._refused)] = 1.0, NOTHING
+            change, self._weights = float(np.max(np.abs(weights - self._weights))), weights
+            if change < _SETTLED:
+                return
+            fitted.weigh(weights)
+
+    def _surprises(self) -> Array:
+        """Return how far each reading is from what the others predict, in standard deviations; 0 for those refused."""
+        fitted = self._fitted
+        sizes = np.zeros(len(self._weights))
+        np.maximum.at(sizes, fitted.reading, np.abs(fitted.surprise))
+        sizes[~self._free] = 0.0
+        sizes[list(self._refused)] = 0.0
+        return sizes
+
+    def _doubts(self, usual: float) -> list[Doubt]:
+        found = [Doubt(reading, size, NOTHING) for reading, size in self._refused.items()]
+        sizes = self._surprises() / usual
+        alone = [int(i) for i in np.argsort(-sizes) if sizes[i] > SURPRISING and not _has_twin(sizes, int(i))]
+        return found + [Doubt(i, float(sizes[i]), float(self._weights[i])) for i in alone]
 
 
-def _usual_without(
-    worst: int, owners: NDArray[np.intp], covariance: Array, noise: Array, weights: Array, values: Array
-) -> float:
-    """Return the usual such distance where a reading is not used: the worst one must not widen its own measure."""
-    less = weights.copy()
-    less[worst] = NOTHING
-    distance = np.abs(_left_out(covariance, noise, less[owners], values))
-    return 1.4826 * float(np.median(distance[owners != worst]))
+def _usual(fitted: Fitted) -> float:
+    """Return how far readings usually are from what the others predict, at least 1."""
+    return max(1.0, 1.4826 * float(np.median(np.abs(fitted.surprise))))
 
 
 def _has_twin(sizes: Array, worst: int) -> bool:

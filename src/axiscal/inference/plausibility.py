@@ -11,6 +11,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.inference.doubt import Doubt
+from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.observation import Observation
@@ -60,13 +61,16 @@ class Plausibility:
         self._covariance = slack**2 * covariance
         self._stds = [unknown.std for setup in observation.setups for unknown in setup.unknowns]
         self._unknowns = Belief(np.zeros(len(self._stds)), np.diag(np.square(self._stds))) if self._stds else None
+        self._setups = {setup.name: setup for setup in observation.setups}
+        self._first: dict[str, float] = {}
         self.sizes: list[float] = []
 
     def take(self, reading: Reading) -> float:
         """Return how many standard deviations away a reading is, and learn the set-up's unknowns from it."""
         seen, errors = self._observation.reading(reading), len(self._mean)
         rows = seen.rows[:, :errors]
-        variances = seen.variances + np.einsum("mi,ij,mj->m", rows, self._covariance, rows) + self._bent(reading)
+        variances = seen.variances + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
+        variances += self._bent(reading) + self._drifted(reading)
         values, own = seen.values - rows @ self._mean, seen.rows[:, errors : errors + len(self._stds)]
         expected, spread = np.zeros(len(values)), variances
         if self._unknowns is not None:
@@ -86,9 +90,17 @@ class Plausibility:
         usual = 1.4826 * float(np.median(self.sizes))
         return IMPLAUSIBLE * min(max(usual, 1.0), _WIDEST)
 
+    def _drifted(self, reading: Reading) -> float:
+        """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
+        setup = self._setups[reading.setup]
+        if setup.drift == 0 or reading.time is None:
+            return 0.0
+        apart = abs(reading.time - self._first.setdefault(setup.name, reading.time))
+        return float(wandering(setup.drift, [apart])[0, 0])
+
     def _bent(self, reading: Reading) -> float:
         """Return the variance by which a distance bends while its station is not located, m²."""
-        setup = next(each for each in self._observation.setups if each.name == reading.setup)
+        setup = self._setups[reading.setup]
         wide = sum(unknown.std**2 for unknown in setup.unknowns if unknown.name in SHIFTS)
         return float((wide / (2 * _NEAREST)) ** 2)
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.engine import Visit
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.versions import versions
 from axiscal.campaign.what_if import traditional
@@ -19,7 +18,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.wording import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
-from axiscal.report.summary import HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
+from axiscal.report.summary import Curve, HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -51,7 +50,7 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
         usual = traditional(problem, len(campaign.state.readings)).rms
         pairs = zip(rows, usual, strict=True)
         rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
-    target = description.target
+    target, drawn = description.target, curves(calibration, campaign.state.readings, extras.truth)
     return Summary(
         title=f"Calibration of {description.machine.name}",
         machine=description.machine.name,
@@ -66,8 +65,8 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
         worst_um=rows[-1].worst_um,
         unseen_rms_um=to_unit(problem.yardstick.unseen_rms, "um"),
         history=rows,
-        curves=curves(calibration, campaign.state.readings, extras.truth),
-        reversals=(),
+        curves=[curve for curve in drawn if not _reversal(curve)],
+        reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(calibration, extras.truth),
         observability=observability(problem),
         rejected=_rejections(calibration, rows),
@@ -83,16 +82,18 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
     )
 
 
+def _reversal(curve: Curve) -> bool:
+    return curve.name.endswith("_reversal")
+
+
 def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
     """Replay the readings: how well the machine was known after each, and how much each surprised."""
     readings = campaign.state.readings
     replay = Calibration(calibration.stated, len(readings))
     rows = [_row(replay, None, 0, 0.0)]
-    visits: list[Visit] = []
     for number, reading in enumerate(readings, start=1):
         replay.absorb(reading)
-        visits.append(Visit(reading.setup, reading.pose))
-        rows.append(_row(replay, reading, number, replay.elapsed(visits)))
+        rows.append(_row(replay, reading, number, replay.seconds))
     refused = {doubt.reading + 1 for doubt in calibration.doubts if doubt.rejected}
     return [replace(row, rejected=row.reading in refused) for row in rows]
 

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.campaign.calibration import Calibration
+from axiscal.campaign.wander import paths
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.wording import reading_unit
 from axiscal.numerics import Array
 from axiscal.report.summary import Constant, Curve, CurvePoint
 from axiscal.simulation import VirtualMachine
@@ -82,7 +85,7 @@ def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> 
 def constants(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
     own = [_constant(calibration, f, truth) for f in calibration.problem.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(calibration, truth)
+    return own + _setup_unknowns(calibration, truth) + _drifts(calibration, truth)
 
 
 def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualMachine | None) -> Constant:
@@ -118,6 +121,29 @@ def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> l
                     prior_std=to_unit(unknown.std, unit),
                     unit=unit,
                     truth=None if known is None else to_unit(known, unit),
+                )
+            )
+    return result
+
+
+def _drifts(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+    """Return how far the zeros that may wander have come from the first reading of their set-up to the last."""
+    result = []
+    for setup in calibration.problem.description.setups:
+        unit = reading_unit(setup)
+        for number, path in enumerate(paths(calibration, setup)):
+            name = f"{setup.name}: drift" + (f"_{'xyz'[number]}" if len(directions_of(setup)) > 1 else "")
+            first, last = path.times[0], path.times[-1]
+            moved = truth.drifts.get(setup.name) if truth is not None else None
+            result.append(
+                Constant(
+                    name=name,
+                    words=f"how far its zero came in {to_unit(last - first, 'min'):.3g} min",
+                    mean=to_unit(float(path.mean[-1]), unit),
+                    std=to_unit(float(path.std[-1]), unit),
+                    prior_std=to_unit(float(path.prior[-1]), unit),
+                    unit=unit,
+                    truth=None if moved is None else to_unit(moved(last)[number] - moved(first)[number], unit),
                 )
             )
     return result

@@ -9,12 +9,15 @@ import numpy as np
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.changes import changes
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.wander import paths
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.undescribed import undescribed
 from axiscal.inference.aliasing import Alias, aliases
-from axiscal.inference.drift import drift
+from axiscal.inference.drift import Trend, trend
 from axiscal.inference.judgement import Misfit, misfits
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.wording import reading_unit
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
@@ -22,6 +25,7 @@ from axiscal.units import to_unit
 
 _OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
+_SHOWS, _AN_HOUR = 3.0, 3600.0
 _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
@@ -168,17 +172,49 @@ def _misfit(calibration: Calibration) -> Iterator[Finding]:
 
 
 def _drift(calibration: Calibration) -> Iterator[Finding]:
-    """Say where readings repeated in one place move steadily."""
-    for setup in calibration.problem.description.setups:
-        rate, std = drift(calibration.readings, setup)
-        if std > 0 and abs(rate) > _OUTLIER * std:
-            unit = reading_unit(setup)
-            text = (
-                f'Readings that were repeated in "{setup.name}" move by {to_unit(rate, unit):.2g} {unit} a reading, '
-                f"{abs(rate) / std:.1f} standard deviations: something drifts. The estimate takes it for noise; let "
-                "machine and instrument settle, or split the set-up in two."
-            )
-            yield Finding("drift", None, text)
+    """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
+    readings = _trusted(calibration)
+    for setup in calibration.stated.description.setups:
+        found = _stated_drift(calibration, setup) if setup.drift > 0 else _shown_drift(trend(readings, setup), setup)
+        if found:
+            yield Finding("drift", None, found)
+
+
+def _stated_drift(calibration: Calibration, setup: Setup) -> str:
+    """Return by how much a zero has drifted that may, and whether that is more than stated; empty if it hardly has."""
+    unit, said = reading_unit(setup), ""
+    for number, path in enumerate(paths(calibration, setup)):
+        worst = int(np.argmax(np.abs(path.mean)))
+        far, std = float(path.mean[worst]), float(path.std[worst])
+        if abs(far) > _SHOWS * std:
+            which = f"zero along {'xyz'[number]}" if len(directions_of(setup)) > 1 else "zero"
+            size = f"{to_unit(far, unit):.2g} ± {to_unit(std, unit):.2g} {unit}"
+            after = _lasting(float(path.times[worst] - path.times[0]))
+            said += f'The {which} of "{setup.name}" had moved by {size} after {after}; the estimate takes that off. '
+            if abs(far) > _OUTLIER * path.prior[worst]:
+                rate = abs(far) / max(float(path.times[worst] - path.times[0]), 60.0)
+                said += f"That is more than is stated: drift = {_rate_text(rate, unit)} would be. "
+    return said.strip()
+
+
+def _shown_drift(found: Trend, setup: Setup) -> str:
+    if found.std == 0 or abs(found.rate) <= _OUTLIER * found.std:
+        return ""
+    unit = reading_unit(setup)
+    return (
+        f'The zero of "{setup.name}" moved by {to_unit(found.rate * found.seconds, unit):.2g} {unit} in '
+        f"{_lasting(found.seconds)}, as readings repeated in one place show ({abs(found.rate) / found.std:.1f} "
+        "standard deviations). The estimate takes it for noise: state drift = "
+        f"{_rate_text(abs(found.rate), unit)} in the set-up."
+    )
+
+
+def _lasting(seconds: float) -> str:
+    return f"{to_unit(seconds, 'h'):.2g} h" if seconds >= _AN_HOUR else f"{to_unit(seconds, 'min'):.2g} min"
+
+
+def _rate_text(rate: float, unit: str) -> str:
+    return f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
 
 
 def _changes(calibration: Calibration) -> Iterator[Finding]:

@@ -150,12 +150,12 @@ class ExecSource:
         unit = self._unit(answer.get("unit"), line, request)
         value, *others = self._numbers(answer.get("value"), unit, line, INSTRUMENTS[request.setup.instrument].values)
         if answer.get("std") is None:
-            return Answer(value, others=tuple(others))
+            return Answer(value, others=tuple(others), live=True)
         std = self._number(answer["std"], unit, line)
         if std <= 0:
             raise self._failure(f"answered {_quoted(line)}, whose std is not positive", "Give a std above 0, or none")
         self._refuse_implausible(std, line, request.setup)
-        return Answer(value, std, tuple(others))
+        return Answer(value, std, tuple(others), live=True)
 
     def _refuse_implausible(self, std: float, line: str, setup: Setup) -> None:
         if not 1 / WIDEST <= std / setup.noise <= WIDEST:

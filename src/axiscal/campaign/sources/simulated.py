@@ -16,9 +16,17 @@ class VirtualMachine(Protocol):
     """A machine with a hidden truth."""
 
     def read_all(
-        self, setup: Setup, pose: tuple[float, ...], approach: tuple[int, ...], rng: np.random.Generator
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
     ) -> tuple[float, ...]:
-        """Return what the set-up would show, in m or rad: truth, the set-up's own unknowns, and noise from `rng`."""
+        """Return what the set-up would show, in m or rad: truth, the set-up's own unknowns, and noise from `rng`.
+
+        seconds : since the campaign began
+        """
 
 
 class Simulator(Protocol):
@@ -45,7 +53,7 @@ class SimulatedSource:
         import numpy as np
 
         rng = np.random.default_rng((self._seed, request.reading))
-        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng)
+        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng, request.seconds)
         return Answer(value, others=tuple(others))
 
     def close(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from axiscal.machine import Axis
@@ -16,6 +16,7 @@ class Request:
 
     reading : its number from 1; axes : of the machine, in chain order
     pose : (n_axes,) m or rad; approach : (n_axes,) +1, -1, or 0 where it does not matter
+    seconds : of machine time since the campaign began, where somebody counts them
     """
 
     reading: int
@@ -23,6 +24,7 @@ class Request:
     axes: tuple[Axis, ...]
     pose: tuple[float, ...]
     approach: tuple[int, ...]
+    seconds: float = 0.0
 
     def message(self) -> dict[str, object]:
         """Return the request as the document that is sent to an `exec:` command: positions in mm and deg."""
@@ -42,11 +44,13 @@ class Answer:
     """The reading: value in m or rad; its standard deviation likewise, or None for the set-up's noise.
 
     others : the values along y and z where an instrument reads three directions
+    live : it was taken just now, so that the clock tells when; else the seconds of the plan do
     """
 
     value: float
     std: float | None = None
     others: tuple[float, ...] = ()
+    live: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

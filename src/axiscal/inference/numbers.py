@@ -1,0 +1,132 @@
+"""All numbers of all readings as one linear map: what errors, unknowns of set-ups and drifts do to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.measurement.drift import Course
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Part:
+    """What one error does to the numbers.
+
+    rows : (m, k) G; distances : (k, k) of its control values
+    shared : (m, c) what a unit of the rest in each cell that was visited adds to them
+    """
+
+    function: ErrorFunction
+    rows: Array
+    distances: Array
+    shared: Array
+
+    def correlation(self, length: float | None) -> Array:
+        """R (k, k)."""
+        if length is None:
+            return np.eye(self.rows.shape[1])
+        return matern52(self.distances / length)
+
+    def by_length(self, length: float) -> Array:
+        """∂R/∂log ℓ (k, k)."""
+        return matern52_by_length(self.distances / length)
+
+    def sharing(self, matrix: Array) -> float:
+        """Σ of a matrix (m, m) over E, the products of the levers of numbers that share a cell."""
+        return float(np.sum((matrix @ self.shared) * self.shared))
+
+
+class Numbers:
+    """All numbers of all readings.
+
+    reading : (m,) index of the reading of each number; values : (m,), what is not linear taken off
+    rows : (m, size) over errors and unknowns of set-ups; noise : (m,) variances
+    own : (m,) whether a reading states its own; loose : (m,) variances of what else widens a number
+    """
+
+    def __init__(self, observation: Observation, readings: Sequence[Reading]) -> None:
+        self._observation, self._readings = observation, readings
+        counts = np.array([len(reading.values) for reading in readings])
+        self.reading = np.repeat(np.arange(len(readings)), counts)
+        self._first = np.cumsum(counts) - counts
+        size = len(self.reading)
+        self.values, self.rows = np.zeros(size), np.zeros((size, observation.size))
+        self._effects = np.zeros((len(observation.errors.functions), size))
+        self._rests = np.array([function.rest for function in observation.errors.functions])[:, None]
+        self.loose = np.zeros(size)  # such as a side that nobody told
+        for index in range(len(observation.setups)):
+            self._fill(index)
+        usual = {setup.name: setup.noise for setup in observation.setups}
+        each = [(usual[r.setup] if r.std is None else r.std) ** 2 for r in readings]
+        self.noise: Array = np.array(each)[self.reading]
+        self.own: NDArray[np.bool_] = np.array([r.std is not None for r in readings], dtype=bool)[self.reading]
+
+    def _fill(self, index: int) -> None:
+        """Fill in the numbers of one set-up."""
+        setup = self._observation.setups[index]
+        mine = self._of(setup)
+        if not mine:
+            return
+        poses = np.array([self._readings[i].pose for i in mine])
+        approaches = np.array([self._readings[i].approach for i in mine], dtype=float)
+        for number, direction in enumerate(directions_of(setup)):
+            at = self._first[mine] + number
+            seen = self._observation.rows(index, poses, approaches, direction)
+            effects = self._observation.effects(index, poses, approaches, direction)
+            self.rows[at], self._effects[:, at] = seen.rows, effects
+            self.loose[at] = seen.variances - setup.noise**2 - np.sum((self._rests * effects) ** 2, axis=0)
+            self.values[at] = [self._readings[i].values[number] for i in mine]
+            self.values[at] -= self._observation.beyond(index, poses)
+        self.loose = np.maximum(self.loose, 0.0)
+
+    def _of(self, setup: Setup) -> list[int]:
+        return [i for i, reading in enumerate(self._readings) if reading.setup == setup.name]
+
+    def parts(self) -> list[Part]:
+        """Return what each error does to the numbers, without those that none of them depends on."""
+        poses = np.array([self._readings[int(i)].pose for i in self.reading])
+        result = []
+        for function, effect in zip(self._observation.errors.functions, self._effects, strict=True):
+            if np.any(effect):
+                found, cell = np.unique(function.cells(poses[:, function.axis]), return_inverse=True)
+                shared = np.zeros((len(effect), len(found)))
+                shared[np.arange(len(effect)), cell] = effect
+                result.append(Part(function, self.rows[:, function.columns], distances(function.basis), shared))
+        return result
+
+    def unknowns(self) -> Array:
+        """Return U with U Uᵀ the covariance that unknowns and drifts of the set-ups give the numbers, (m, k)."""
+        start = self._observation.errors.size
+        stds = np.array([unknown.std for setup in self._observation.setups for unknown in setup.unknowns])
+        drifts = [self._drifts(setup) for setup in self._observation.setups if setup.drift > 0]
+        return np.hstack([self.rows[:, start : start + len(stds)] * stds, *drifts])
+
+    def _drifts(self, setup: Setup) -> Array:
+        """Return the rows of the zeros of a set-up over the unknowns of its drift, (m, k); those of three apart."""
+        mine = self._of(setup)
+        times = [self._readings[i].time or 0.0 for i in mine]
+        course = _course(setup, sorted(times))
+        parts = []
+        for number in range(len(directions_of(setup))):
+            rows = np.zeros((len(self.values), len(course.columns)))
+            rows[self._first[mine] + number] = np.array([course.row(time) for time in times]).reshape(len(mine), -1)
+            parts.append(rows)
+        return np.hstack(parts)
+
+
+def _course(setup: Setup, times: Sequence[float]) -> Course:
+    """Return the drift over times, in order, s."""
+    course = Course.begun(setup.drift, times[0] if times else 0.0, 0)
+    for time in times:
+        if course.needs_node(time):
+            course = course.with_node(time, len(course.columns))
+    return course
