@@ -60,8 +60,8 @@ class Numbers:
         self._first = np.cumsum(counts) - counts
         size = len(self.reading)
         self.values, self.rows = np.zeros(size), np.zeros((size, observation.size))
-        self._effects = np.zeros((len(observation.errors.functions), size))
-        self._rests = np.array([function.rest for function in observation.errors.functions])[:, None]
+        cells = [round((f.basis.knots[-1] - f.basis.knots[0]) / f.cell) for f in observation.errors.functions]
+        self._shared = [np.zeros((size, count)) for count in cells]
         self.loose = np.zeros(size)  # such as a side that nobody told
         for index in range(len(observation.setups)):
             self._fill(index)
@@ -81,9 +81,10 @@ class Numbers:
         for number, direction in enumerate(directions_of(setup)):
             at = self._first[mine] + number
             seen = self._observation.rows(index, poses, approaches, direction)
-            effects = self._observation.effects(index, poses, approaches, direction)
-            self.rows[at], self._effects[:, at] = seen.rows, effects
-            self.loose[at] = seen.variances - setup.noise**2 - np.sum((self._rests * effects) ** 2, axis=0)
+            self.rows[at], self.loose[at] = seen.rows, seen.variances - setup.noise**2
+            for felt in self._observation.felt_by_all(index, poses, approaches, direction):
+                np.add.at(self._shared[felt.function], (at, felt.cells), felt.reach)
+                self.loose[at] -= (felt.reach * self._observation.errors.functions[felt.function].rest) ** 2
             self.values[at] = [self._readings[i].values[number] for i in mine]
             self.values[at] -= self._observation.beyond(index, poses)
         self.loose = np.maximum(self.loose, 0.0)
@@ -93,13 +94,10 @@ class Numbers:
 
     def parts(self) -> list[Part]:
         """Return what each error does to the numbers, without those that none of them depends on."""
-        poses = np.array([self._readings[int(i)].pose for i in self.reading])
         result = []
-        for function, effect in zip(self._observation.errors.functions, self._effects, strict=True):
-            if np.any(effect):
-                found, cell = np.unique(function.cells(poses[:, function.axis]), return_inverse=True)
-                shared = np.zeros((len(effect), len(found)))
-                shared[np.arange(len(effect)), cell] = effect
+        for function, felt in zip(self._observation.errors.functions, self._shared, strict=True):
+            shared = felt[:, np.any(felt != 0, axis=0)]
+            if shared.size:
                 result.append(Part(function, self.rows[:, function.columns], distances(function.basis), shared))
         return result
 

@@ -7,7 +7,7 @@ readings in one cell share its rest, so repeating there does not average it away
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -204,10 +204,18 @@ class Observation:
         mounted = self.setups[setup]
         return self._felt(mounted, self._levers(mounted, poses, direction), poses, approaches)
 
-    def _felt(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> list[Felt]:
+    def felt_by_all(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> list[Felt]:
+        """Return how readings would feel the rests if every error had one."""
+        mounted, everyone = self.setups[setup], range(len(self.errors.functions))
+        return self._felt(mounted, self._levers(mounted, poses, direction), poses, approaches, everyone)
+
+    def _felt(
+        self, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int] | None = None
+    ) -> list[Felt]:
         functions, found = self.errors.functions, list[Felt]()
-        effects = self.errors.effects(levers, approaches) if self._with_rest else levers
-        for i in self._with_rest:
+        wanted = self._with_rest if among is None else among
+        effects = self.errors.effects(levers, approaches) if wanted else levers
+        for i in wanted:
             at = poses[:, functions[i].axis]
             if mounted.base is None:
                 found.append(Felt(i, effects[i], functions[i].cells(at)))
