@@ -4,14 +4,16 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
+PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check bench docs trust certify lock clean distclean
+.PHONY: help demo demo-linuxcnc test check bench bench-peers docs trust certify lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
 	@echo "make demo-linuxcnc  calibrate machines that a real LinuxCNC moves, load the tables, show the error before and after"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
+	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (ten minutes)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
@@ -34,6 +36,9 @@ test check: .venv/dev.stamp
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
 
+bench-peers: .venv/dev.stamp $(PEERS:%=.venv-peers/%/stamp)
+	$(BIN)/python -m benchmarks.peers $(ARGS)
+
 docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.equations
 	$(BIN)/python -m tests.docs.examples
@@ -53,7 +58,7 @@ clean:
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv src/*.egg-info
+	rm -rf .venv .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -66,6 +71,13 @@ distclean: clean
 	@$(PIP) install --require-hashes -r requirements/dev.txt
 	@$(PIP) install --no-deps --no-build-isolation -e .
 	@touch .venv/run.stamp $@
+
+# A library that cannot be installed is a sentence in the table, so it does not end the run.
+.venv-peers/%/stamp: benchmarks/peers/requirements/%.txt | .venv/bin/pip
+	@echo "axiscal: installing the other libraries of $< into .venv-peers/$*"
+	@$(BIN)/python -m venv .venv-peers/$*
+	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
+	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
 
 .venv/bin/pip-compile: | .venv/bin/pip
 	@$(PIP) install --require-hashes -r requirements/dev.txt

@@ -21,7 +21,8 @@ from axiscal.design.pool import Pool
 from axiscal.design.problem import Limits, Problem
 from axiscal.design.scoring import Scores
 from axiscal.design.step import best_step
-from benchmarks.cases import CASES, five_axis, stacked
+from benchmarks.cases import five_axis, stacked
+from benchmarks.peers.problems import CASES
 
 
 def one_at_a_time(problem: Problem, readings: int) -> tuple[float, float]:

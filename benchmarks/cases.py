@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from axiscal.belief import Belief
@@ -18,23 +16,7 @@ from axiscal.machine import Axis, Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
-
-
-class Stacked(NamedTuple):
-    """Stacked natural splines on [0, 10], C0 = I, scalar readings."""
-
-    name: str
-    axes: int
-    knots: int
-    noise: float
-    readings: int
-
-
-CASES = (
-    Stacked("(a) one spline, 7 knots", 1, 7, 0.1, 10),
-    Stacked("(b) three stacked, 7 knots", 3, 7, 0.01, 20),
-    Stacked("(c) five joints, 20 knots", 5, 20, 0.01, 20),
-)
+from benchmarks.peers.problems import Stacked
 
 
 def stacked(case: Stacked, candidates: int, volume: bool = False) -> Problem:

@@ -1,0 +1,63 @@
+"""Our own side: one reading at a time, from fixed candidates, and all together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.design.lattice import Lattice
+from axiscal.design.plan import make_plan
+from axiscal.design.pool import Pool
+from axiscal.design.problem import Limits, Problem
+from axiscal.design.scoring import Scores
+from axiscal.design.step import best_step
+from benchmarks.cases import stacked
+from benchmarks.peers.problems import CANDIDATES, Array, Posed
+
+
+def _problem(posed: Posed) -> Problem:
+    return stacked(posed.case, CANDIDATES, posed.criterion == "volume")
+
+
+def picker(posed: Posed) -> Callable[[Array], Array]:
+    """Return the next measurement, exactly; the belief follows the readings taken."""
+    problem = _problem(posed)
+    observation, belief, known = problem.observation, problem.belief, 0
+
+    def pick(taken: Array) -> Array:
+        nonlocal belief, known
+        if len(taken) > known:
+            seen = observation.rows(0, taken[known:], np.ones_like(taken[known:]))
+            belief, known = belief.update(seen.rows, 0.0, seen.variances), len(taken)
+        return best_step(observation, belief, problem.weight, problem.lattice).pose
+
+    return pick
+
+
+def candidate_picker(posed: Posed) -> Callable[[Array], Array]:
+    """Return the best of the fixed candidates; the gains follow the reading that enters."""
+    problem, poses = _problem(posed), posed.candidates
+    lattice = Lattice(np.zeros(len(poses), dtype=np.intp), poses, np.ones_like(poses))
+    problem = replace(problem, lattice=lattice)
+    scores = Scores(Pool(problem.observation, lattice), problem.state)
+
+    def pick(taken: Array) -> Array:
+        best = int(scores.gains.argmax())
+        scores.enter(best)
+        chosen: Array = poses[best]
+        return chosen
+
+    return pick
+
+
+def planner(posed: Posed) -> Callable[[], Array]:
+    """Return the whole plan, without the lower bound, which no other gives."""
+    problem = _problem(posed)
+
+    def plan() -> Array:
+        made = make_plan(problem, Limits(readings=posed.case.readings), bounded=False)
+        return np.array([reading.pose for reading in made.readings])
+
+    return plan

@@ -1,0 +1,101 @@
+"""The page: a table for each criterion, the sentences, the versions, the computer."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.peers import evaluator
+from benchmarks.peers.field import FIELD, Rival
+from benchmarks.peers.judge import Judge, Outcomes, Picker, pick_seconds
+from benchmarks.peers.problems import CASES, CRITERIA, CriterionName, Posed
+from benchmarks.peers.runner import Bounds, Outcome
+
+_LARGE = 2e9
+
+_HEAD = """# Side by side with other libraries
+
+`{command}` measures this page anew; nothing here is typed by hand. The same problems for all, in one run; every library
+in a process of its own, ended after {seconds:.0f} s or beyond {memory:.3g} GB.
+
+The problems are natural splines on [0, 10] that add up, C₀ = I, one number per reading:
+{cases}.
+Criterion `joint` is the paper's, the variances of all splines integrated; `volume` is the mean variance of their sum.
+J is computed from the positions alone by one evaluator that shares nothing with axiscal: SciPy's splines, Gauss's
+quadrature, a plain inverse.
+
+A library of Gaussian processes is given the exact kernel, the product of the splines' rows, and the quadrature nodes
+that make its integral exact, so it solves the same problem; "over fewest places" gives Trieste as few linear forms as
+J has, which its user would have to find first. Everything else is the library's default or its tutorials'. pyapprox
+and we choose from the same 2,000 random candidates; FIGAROH has its own criterion, the determinant, and 200 of them;
+pyoptex has 101 levels on each axis and J itself as its metric.
+
+Times are seconds of the processor, all threads added up, with every library held to one thread: the median of the
+picks where readings are chosen one at a time, the whole plan where they are chosen together. A cell is the time, J
+after the last reading, and the memory where it is above {large:.0f} GB.
+"""
+
+
+def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, command: str = "make bench-peers") -> Iterator[str]:
+    """Yield the lines of the page."""
+    cases = ";\n".join(f"{case.name}, σ² = {case.noise**2:g}, {case.readings} readings" for case in CASES)
+    yield _HEAD.format(
+        command=command, seconds=bounds.seconds, memory=bounds.memory / 1e9, cases=cases, large=_LARGE / 1e9
+    ).rstrip("\n")
+    for criterion in CRITERIA:
+        yield f"\n## Criterion `{criterion}`\n"
+        yield from table(outcomes, criterion)
+        yield "\nWhat was asked for:\n"
+        yield from (str(verdict) for verdict in Judge(outcomes, criterion, ours).verdicts())
+    yield "\n## Measured with\n"
+    yield f"{computer()}; {', '.join(versions(outcomes))}."
+
+
+def table(outcomes: Outcomes, criterion: CriterionName) -> Iterator[str]:
+    """Yield the table of one criterion."""
+    yield "| | | " + " | ".join(f"({case.letter})" for case in CASES) + " |"
+    yield "|---|---|" + "---|" * len(CASES)
+    for rival in FIELD:
+        found = [outcomes.get((rival.key, case.letter, criterion)) for case in CASES]
+        cells = [_cell(rival, Posed(case, criterion), outcome) for case, outcome in zip(CASES, found, strict=True)]
+        yield f"| {rival.manner} | {rival.label} | " + " | ".join(cells) + " |"
+
+
+def _cell(rival: Rival, posed: Posed, outcome: Outcome | None) -> str:
+    if outcome is None:
+        return "not asked"
+    if outcome.sorry:
+        return outcome.sorry.replace("|", "/")
+    seconds = sum(outcome.processor) if rival.together else pick_seconds(outcome)
+    large = f", {outcome.memory / 1e9:.1f} GB" if outcome.memory > _LARGE else ""
+    return f"{_spoken(seconds)}, {evaluator.value(posed, outcome.places):.5g}{large}"
+
+
+def _spoken(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+
+
+def computer() -> str:
+    """Return what the computer is, in a few words."""
+    cpu, memory = platform.machine(), ""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        cpu = next((line.split(": ", 1)[1] for line in lines if line.startswith("model name")), cpu)
+        total = Path("/proc/meminfo").read_text(encoding="utf-8").split()[1]
+        memory = f", {float(total) / 1e6:.0f} GB"
+    except OSError:
+        pass
+    return f"{cpu}, {os.cpu_count()} cores{memory}, {platform.system()}, Python {platform.python_version()}"
+
+
+def versions(outcomes: Outcomes) -> list[str]:
+    """Return the packages and versions that took part."""
+    found = {name: number for outcome in outcomes.values() for name, number in outcome.versions.items()}
+    return [f"{name} {number}" for name, number in sorted(found.items(), key=lambda pair: pair[0].lower())]
+
+
+def line(rival: Rival, posed: Posed, outcome: Outcome) -> str:
+    """Return one line about one outcome."""
+    return f"{rival.manner:14} {rival.label:34} {_cell(rival, posed, outcome)}"

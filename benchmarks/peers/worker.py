@@ -1,0 +1,72 @@
+"""Let one library solve one problem, in its own environment: prints one line of JSON, the last on its output.
+
+python -m benchmarks.peers.worker trieste a joint
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import resource
+import sys
+import time
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from benchmarks.peers.field import Rival, rival_of
+from benchmarks.peers.problems import CRITERIA, Array, Posed, case_of
+
+
+class Stopwatch:
+    """Seconds of the processor, all threads of the process together, and seconds that passed."""
+
+    def __init__(self) -> None:
+        self.processor: list[float] = []
+        self.passed: list[float] = []
+
+    def __enter__(self) -> None:
+        self._start = time.process_time(), time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.processor.append(time.process_time() - self._start[0])
+        self.passed.append(time.perf_counter() - self._start[1])
+
+
+def solve(rival: Rival, posed: Posed) -> dict[str, Any]:
+    """Return positions and times of a library on a problem."""
+    prepare = getattr(importlib.import_module(f"benchmarks.peers.rivals.{rival.module}"), rival.entry)
+    work, watch = prepare(posed), Stopwatch()
+    positions = np.zeros((0, posed.case.axes))
+    if rival.together:
+        with watch:
+            positions = work()
+    else:
+        for _ in range(posed.case.readings):
+            positions = _one_more(work, positions, watch)
+    return {
+        "positions": np.asarray(positions, dtype=float).tolist(),
+        "processor": watch.processor,
+        "passed": watch.passed,
+        "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "versions": {name: version(name) for name in rival.distributions},
+    }
+
+
+def _one_more(pick: Any, taken: Array, watch: Stopwatch) -> Array:
+    with watch:
+        position = pick(taken)
+    return np.concatenate([taken, np.asarray(position, dtype=float)[None]])
+
+
+def main() -> None:
+    """Solve what the command line names."""
+    key, letter, wanted = sys.argv[1:4]
+    criterion = next(name for name in CRITERIA if name == wanted)
+    outcome = solve(rival_of(key), Posed(case_of(letter), criterion))
+    sys.stdout.write("\n" + json.dumps(outcome) + "\n")
+
+
+if __name__ == "__main__":
+    main()
