@@ -47,7 +47,7 @@ def _asked(args: argparse.Namespace) -> Iterator[tuple[Rival, Posed]]:
 
 
 def _write(outcomes: Outcomes, bounds: Bounds, out: Path) -> None:
-    from benchmarks.peers.rivals.axiscal import picker
+    from benchmarks.peers.rivals.ours import picker
 
     out.write_text("\n".join(page(outcomes, picker, bounds)) + "\n", encoding="utf-8")
     sys.stdout.write(f"wrote {out}\n")

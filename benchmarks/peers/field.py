@@ -32,21 +32,21 @@ class Rival:
     @property
     def ours(self) -> bool:
         """Whether it is axiscal."""
-        return self.module == "axiscal"
+        return self.module == "ours"
 
 
 _TRIESTE = ("trieste", "tensorflow", "gpflow")
 
 FIELD = (
-    Rival("axiscal", "axiscal", "one at a time", "axiscal", "", ("axiscal",)),
+    Rival("axiscal", "axiscal", "one at a time", "ours", "", ("axiscal",)),
     Rival("trieste", "Trieste, integrated variance", "one at a time", "trieste", "trieste", _TRIESTE),
     Rival("trieste-fewest", "Trieste, over fewest places", "one at a time", "trieste", "trieste", (), "fewest_picker"),
     Rival("botorch", "BoTorch, integrated variance", "one at a time", "botorch", "torch", ("botorch", "torch")),
     Rival("emukit", "Emukit, integrated variance", "one at a time", "emukit", "others", ("emukit", "GPy")),
-    Rival("numpy", "NumPy, 100,000 random candidates", "one at a time", "numpy", "", ("numpy",)),
-    Rival("axiscal-candidates", "axiscal", "of 2,000", "axiscal", "", (), "candidate_picker"),
+    Rival("numpy", "NumPy, 100,000 random candidates", "one at a time", "random_candidates", "", ("numpy",)),
+    Rival("axiscal-candidates", "axiscal", "of 2,000", "ours", "", (), "candidate_picker"),
     Rival("pyapprox", "pyapprox, integrated variance", "of 2,000", "pyapprox", "torch", ("pyapprox",)),
-    Rival("axiscal-together", "axiscal", "together", "axiscal", "", (), "planner"),
+    Rival("axiscal-together", "axiscal", "together", "ours", "", (), "planner"),
     Rival("trieste-together", "Trieste, a joint batch", "together", "trieste", "trieste", (), "planner"),
     Rival("pyoptex", "pyoptex, coordinate exchange", "together", "pyoptex", "others", ("pyoptex",), "planner"),
     Rival("figaroh", "FIGAROH, D-optimal exchange", "together", "figaroh", "others", ("figaroh",), "planner"),

@@ -30,7 +30,7 @@ def picker(posed: Posed) -> Callable[[Array], Array]:
         nonlocal belief, known
         if len(taken) > known:
             seen = observation.rows(0, taken[known:], np.ones_like(taken[known:]))
-            belief, known = belief.update(seen.rows, 0.0, seen.variances), len(taken)
+            belief, known = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances), len(taken)
         return best_step(observation, belief, problem.weight, problem.lattice).pose
 
     return pick
