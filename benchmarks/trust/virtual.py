@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,6 +114,7 @@ class Moved:
 
     worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
     naive : the worst shift when every reading is believed; within : share of the trials that move by at most σ/2
+    bent : the worst shift beside the estimate without that reading; straight : share of those of at most σ/2
     """
 
     size: float
@@ -121,32 +123,45 @@ class Moved:
     rejected: float
     naive: float
     within: float
+    bent: float
+    straight: float
 
 
 def gross(size: float, trials: int, readings: int = 30) -> Moved:
     """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
     description, true = described("one-axis", 1.0, "stated")
     problem, simulator = Problem(description), Simulator(true, description.setups)
-    shifts, naive, believed = [], [], []
+    shifts, naive, believed, bent = [], [], [], []
     for seed in range(trials):
         rng = np.random.default_rng((seed, 11))
         clean = read_evenly(problem, simulator.drawn(seed), rng, readings)
-        wrong, bad = Calibration(problem), int(rng.integers(readings))
-        for index, reading in enumerate(clean.readings):
-            wrong.absorb(replace(reading, value=reading.value + size * (index == bad)))
-        judged = wrong.concluded()
+        bad, taken = int(rng.integers(readings)), clean.readings
+        wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
+        judged = _estimated(problem, wrong)
         shifts.append(_shift(clean.concluded(), judged))
-        naive.append(_shift(clean, wrong))
+        bent.append(_shift(_estimated(problem, [*wrong[:bad], *wrong[bad + 1 :]]), judged))
+        naive.append(
+            _shift(*(_estimated(problem, [replace(r, accepted=True) for r in each]) for each in (taken, wrong)))
+        )
         believed.append(not any(d.reading == bad and d.rejected for d in judged.doubts))
-    within = float(np.mean(np.array(shifts) <= 0.5))
-    return Moved(size, max(shifts), float(np.median(shifts)), 1 - float(np.mean(believed)), max(naive), within)
+    within, straight = (float(np.mean(np.array(each) <= 0.5)) for each in (shifts, bent))
+    found = 1 - float(np.mean(believed))
+    return Moved(size, max(shifts), float(np.median(shifts)), found, max(naive), within, max(bent), straight)
+
+
+def _estimated(problem: Problem, readings: Sequence[Reading]) -> Calibration:
+    calibration = Calibration(problem)
+    for reading in readings:
+        calibration.absorb(reading)
+    return calibration.concluded()
 
 
 def _shift(clean: Calibration, other: Calibration) -> float:
+    """Return the largest distance between two estimates, in units of the second one's σ."""
     largest = 0.0
     for function in clean.problem.errors.functions:
         rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
         std = np.sqrt(np.sum((rows @ other.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
-        moved = rows @ (other.belief.mean - clean.belief.mean[: other.belief.size])[function.columns]
+        moved = rows @ (other.belief.mean[function.columns] - clean.belief.mean[function.columns])
         largest = max(largest, float(np.max(np.abs(moved) / std)))
     return largest
