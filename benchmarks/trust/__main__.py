@@ -58,7 +58,7 @@ estimate*: beside what the right reading would have given, so that what is left 
 that the reading would have brought. *From the others*: beside the estimate of the other 29, which is what the error
 itself does.
 
-| error | found | from the right estimate: median | worst | at most σ/2 | from the others: worst | at most σ/2 | if believed |
+| error | found | from the right one: median | worst | at most σ/2 | from the others: worst | at most σ/2 | believed |
 |---|---|---|---|---|---|---|---|
 """
 

@@ -140,13 +140,15 @@ def gross(size: float, trials: int, readings: int = 30) -> Moved:
         judged = _estimated(problem, wrong)
         shifts.append(_shift(clean.concluded(), judged))
         bent.append(_shift(_estimated(problem, [*wrong[:bad], *wrong[bad + 1 :]]), judged))
-        naive.append(
-            _shift(*(_estimated(problem, [replace(r, accepted=True) for r in each]) for each in (taken, wrong)))
-        )
+        naive.append(_shift(*(_estimated(problem, _vouched_for(each)) for each in (taken, wrong))))
         believed.append(not any(d.reading == bad and d.rejected for d in judged.doubts))
     within, straight = (float(np.mean(np.array(each) <= 0.5)) for each in (shifts, bent))
     found = 1 - float(np.mean(believed))
     return Moved(size, max(shifts), float(np.median(shifts)), found, max(naive), within, max(bent), straight)
+
+
+def _vouched_for(readings: Sequence[Reading]) -> list[Reading]:
+    return [replace(reading, accepted=True) for reading in readings]
 
 
 def _estimated(problem: Problem, readings: Sequence[Reading]) -> Calibration:
