@@ -75,7 +75,7 @@ class Judge:
         asked = f"at every state that {rival.label} reaches, our next pick is to gain at least as much"
         if not found:
             return Verdict(f"{asked}; there is nothing to compare.", None)
-        figures = ", ".join(f"({letter}) {worst:.6f}" for letter, worst in found.items())
+        figures = ", ".join(f"({letter}) {worst:.9g}" for letter, worst in found.items())
         return Verdict(f"{asked}: at worst its gain times {figures}.", min(found.values()) >= 1.0 - _ROUNDING)
 
     def _worst(self, case: Stacked, outcome: Outcome) -> float:

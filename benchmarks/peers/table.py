@@ -17,8 +17,8 @@ _LARGE = 2e9
 
 _HEAD = """# Side by side with other libraries
 
-`{command}` measures this page anew; nothing here is typed by hand. The same problems for all, in one run; every library
-in a process of its own, ended after {seconds:.0f} s or beyond {memory:.3g} GB.
+`{command}` measures this page anew; nothing here is typed by hand. The same problems for all, in one run; every
+library in a process of its own, which is ended after {seconds:.0f} s of the processor or beyond {memory:.3g} GB.
 
 The problems are natural splines on [0, 10] that add up, C₀ = I, one number per reading:
 {cases}.
@@ -28,9 +28,9 @@ quadrature, a plain inverse.
 
 A library of Gaussian processes is given the exact kernel, the product of the splines' rows, and the quadrature nodes
 that make its integral exact, so it solves the same problem; "over fewest places" gives Trieste as few linear forms as
-J has, which its user would have to find first. Everything else is the library's default or its tutorials'. pyapprox
-and we choose from the same 2,000 random candidates; FIGAROH has its own criterion, the determinant, and 200 of them;
-pyoptex has 101 levels on each axis and J itself as its metric.
+J has, which its user would have to find first. Everything else is the library's default or its tutorials'. pyapprox,
+FIGAROH and axiscal choose from the same 2,000 random candidates, FIGAROH by its own criterion, the determinant; pyoptex
+has 101 levels on each axis and J itself as its metric.
 
 Times are seconds of the processor, all threads added up, with every library held to one thread: the median of the
 picks where readings are chosen one at a time, the whole plan where they are chosen together. A cell is the time, J

@@ -11,9 +11,6 @@ from figaroh.optimal.base_optimal_calibration import Detmax
 from benchmarks.peers import evaluator
 from benchmarks.peers.problems import Array, Posed
 
-_CANDIDATES = 2000
-"""Of the 2,000: every one of them is a determinant of its own in every round."""
-
 
 class _Remembering(Detmax):
     """The library keeps the criterion of its final choice, not the choice: the last set that it asked about."""
@@ -29,7 +26,7 @@ class _Remembering(Detmax):
 def planner(posed: Posed) -> Callable[[], Array]:
     """Return its choice; the prior's information is shared out evenly over the readings, so that it is counted once."""
     random.seed(1)
-    case, candidates = posed.case, posed.candidates[:_CANDIDATES]
+    case, candidates = posed.case, posed.candidates
     prior = np.eye(case.size) / case.readings
     pool = {i: prior + np.outer(row, row) / case.noise**2 for i, row in enumerate(evaluator.rows(case, candidates))}
 
