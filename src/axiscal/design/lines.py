@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.design.joint import joint_forms
 from axiscal.design.rests import Rests
 from axiscal.design.scorer import Scorer
 from axiscal.measurement.observation import Observation, directions_of
@@ -21,6 +22,8 @@ from axiscal.numerics.cubic import Spline
 
 _SAME = 1e-14
 _FOLLOWS = 1e-9
+_ROUNDING = 1e-12
+"""A lever of this size is none: m/rad, 1, or rad/rad."""
 
 
 class _Own(NamedTuple):
@@ -37,18 +40,56 @@ class Lines:
     """
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
+        mounted = scorer.observation.setups[setup]
+        self._scorer, self._noise = scorer, mounted.noise**2
+        self._numbers = [_Number(scorer, setup, axis, poses, approaches, d) for d in directions_of(mounted)]
+
+    def on(self, positions: Array) -> tuple[Array, Array]:
+        """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
+        return self._split([number.on(positions) for number in self._numbers])
+
+    def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
+        return self._split([number.at(positions, line) for number in self._numbers])
+
+    def _split(self, parts: list[_Part]) -> tuple[Array, Array]:
+        if len(parts) == 1:
+            return self._scorer.split(parts[0].seen, self._noise + np.sum(parts[0].loose ** 2, axis=0))
+        seen = np.stack([part.seen for part in parts], axis=2)
+        loose = np.stack([part.loose for part in parts])
+        covariances = np.einsum("ifbk,jfbk->bkij", loose, loose) + self._noise * np.eye(len(parts))
+        return joint_forms(*self._scorer.products(seen, covariances), self._noise)
+
+
+class _Part(NamedTuple):
+    """What one number of the readings sees.
+
+    seen : (b, k, r + w) its rows times [F, C Vᵀ]; loose : (functions, b, k) the rests of cells not visited, std
+    """
+
+    seen: Array
+    loose: Array
+
+
+class _Number:
+    """One number of the readings, that along a direction where there are several."""
+
+    def __init__(
+        self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array, direction: Array | None
+    ) -> None:
         observation = scorer.observation
         self._scorer, self._axis, nodes = scorer, axis, _nodes(observation, axis)
         lines, levers = len(poses), len(nodes)
         at = np.repeat(poses, levers, axis=0)
         at[:, axis] = np.tile(nodes, lines)
         towards = np.repeat(approaches, levers, axis=0)
-        rows = observation.rows(setup, at, towards).rows
+        rows = observation.rows(setup, at, towards, direction).rows
         self._own = [
             _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers)))
             for basis, columns in _own_columns(observation, axis)
         ]
-        self._rests = Rests(observation, setup, axis, at, towards, levers, scorer.both)
+        effects = observation.effects(setup, at, towards, direction)
+        self._rests = Rests(observation, axis, at, effects, levers, scorer.both)
         self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
 
     def _fixed(self, rows: Array, axis: int) -> Array:
@@ -58,18 +99,18 @@ class Lines:
         fixed: Array = rows @ self._scorer.both
         return fixed
 
-    def on(self, positions: Array) -> tuple[Array, Array]:
-        """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
+    def on(self, positions: Array) -> _Part:
+        """Return what is seen on every line at the same positions.  positions : (p,)."""
         levers = _levers(self._scorer.observation, self._axis, positions)
         seen = levers @ self._far
         for own in self._own:
             seen += _spread(levers, own, positions) @ own.vectors.reshape(len(seen), -1, seen.shape[2])
         every = np.arange(len(seen))
         self._rests.add(seen, np.broadcast_to(positions, seen.shape[:2]), every, levers)
-        return self._scorer.split(seen, self._rests.variances(positions[None], every, levers))
+        return _Part(seen, self._rests.loose(positions[None], every, levers))
 
-    def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
+    def at(self, positions: Array, line: NDArray[np.intp]) -> _Part:
+        """Return what is seen at each line's own positions.  positions : (b, k); line : (b,)."""
         shape = positions.shape
         levers = _levers(self._scorer.observation, self._axis, positions.ravel()).reshape(*shape, -1)
         seen = levers @ self._far[line]
@@ -79,12 +120,12 @@ class Lines:
                 mine = line == one
                 seen[mine] += spread[mine] @ own.vectors[one].reshape(-1, seen.shape[2])
         self._rests.add(seen, positions, line, levers)
-        return self._scorer.split(seen, self._rests.variances(positions, line, levers))
+        return _Part(seen, self._rests.loose(positions, line, levers))
 
 
 class Crooked:
-    """The same where no such vector tells the gain: the lever is another function of the axis, as for an instrument
-    that looks towards a station, a reading has several numbers, or feet stand aside of the position.
+    """The same where no such vectors tell the gain: the lever is another function of the axis, as for an instrument
+    that looks towards a station, or feet stand aside of the position.
     """
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
@@ -114,18 +155,22 @@ def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches:
 @lru_cache(maxsize=64)
 def _straight(observation: Observation, setup: int, axis: int) -> bool:
     """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
-    if observation.setups[setup].base is not None or len(directions_of(observation.setups[setup])) > 1:
+    if observation.setups[setup].base is not None:
         return False
+    return all(_follows(observation, setup, axis, direction) for direction in directions_of(observation.setups[setup]))
+
+
+def _follows(observation: Observation, setup: int, axis: int, direction: Array | None) -> bool:
     nodes = _nodes(observation, axis)
     low, high = observation.errors.machine.axes[axis].travel
     probes = low + (high - low) * np.array([0.31, 0.83])
     poses = np.tile(np.array(observation.setups[setup].park), (len(nodes) + 2, 1))
     poses[:, axis] = np.concatenate([nodes, probes])
     approaches = np.ones_like(poses)
-    own = observation.rows(setup, poses, approaches).rows[:, observation.unknowns_of(setup)]
-    seen = np.hstack([observation.effects(setup, poses, approaches).T, own])
+    own = observation.rows(setup, poses, approaches, direction).rows[:, observation.unknowns_of(setup)]
+    seen = np.hstack([observation.effects(setup, poses, approaches, direction).T, own])
     followed = _levers(observation, axis, probes) @ seen[: len(nodes)]
-    return bool(np.all(np.abs(followed - seen[len(nodes) :]) <= _FOLLOWS * np.abs(seen).max(axis=0)))
+    return bool(np.all(np.abs(followed - seen[len(nodes) :]) <= _FOLLOWS * np.abs(seen).max(axis=0) + _ROUNDING))
 
 
 def _levers(observation: Observation, axis: int, positions: Array) -> Array:

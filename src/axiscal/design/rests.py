@@ -13,14 +13,14 @@ from axiscal.numerics import Array
 class Rests:
     """What the rests add to the forms of several lines along one axis.
 
-    at, towards : (lines · levers, q), each line's pose at the nodes of λ and its approach; both : [F, C Vᵀ]
+    at : (lines · levers, q), each line's pose at the nodes of λ; effects : (functions, lines · levers) what a unit of
+    each error adds there; both : [F, C Vᵀ]
     """
 
     def __init__(
-        self, observation: Observation, setup: int, axis: int, at: Array, towards: Array, levers: int, both: Array
+        self, observation: Observation, axis: int, at: Array, effects: Array, levers: int, both: Array
     ) -> None:
         functions = observation.errors.functions
-        self._noise = observation.setups[setup].noise ** 2
         self._with = [i for i, f in enumerate(functions) if f.rest > 0]
         self.own_columns = [column for (i, _), column in observation.cells.items() if functions[i].axis == axis]
         if not self._with:
@@ -28,7 +28,7 @@ class Rests:
         self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
         self._functions = [functions[i] for i in self._with]
         self._columns = [observation.cell_columns(i) for i in self._with]
-        self._levers = observation.effects(setup, at, towards)[self._with].reshape(len(self._with), -1, levers)
+        self._levers = effects[self._with].reshape(len(self._with), -1, levers)
         parked = at[::levers]
         cells = [f.cells(parked[:, f.axis]) for f in self._functions]
         self._open = np.array([columns[cell] < 0 for columns, cell in zip(self._columns, cells, strict=True)])
@@ -45,16 +45,16 @@ class Rests:
                 reach = np.einsum(_reach(levers), levers, own[line])
                 seen += reach[..., None] * self._both[columns[_cells(f, positions)]]
 
-    def variances(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
-        """Return the noise and the rests of cells not visited, (b, k)."""
-        shape = (len(line), positions.shape[1])
-        result = np.full(shape, self._noise)
+    def loose(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
+        """Return what the rest of each function adds in cells not visited, standard deviations, (functions, b, k)."""
+        result = np.zeros((len(self._with), len(line), positions.shape[1]))
         if not self._with:
             return result
-        for f, columns, own, still_open in zip(self._functions, self._columns, self._levers, self._open, strict=True):
+        parts = zip(result, self._functions, self._columns, self._levers, self._open, strict=True)
+        for into, f, columns, own, still_open in parts:
             reach = np.einsum(_reach(levers), levers, own[line]) * f.rest
             fresh = columns[_cells(f, positions)] < 0 if f.axis == self._axis else still_open[line, None]
-            result += np.where(fresh, reach**2, 0.0)
+            into[:] = np.where(fresh, reach, 0.0)
         return result
 
 

@@ -51,8 +51,12 @@ class Scorer:
         if values == 1:
             above, below = self.split(products[:, 0], seen.covariances[:, 0, 0])
             return above[:, None, None], below[:, None, None]
-        far, near = products[..., self.rank :], products[..., : self.rank]
-        return far @ far.swapaxes(1, 2), seen.covariances + near @ near.swapaxes(1, 2)
+        return self.products(products, seen.covariances)
+
+    def products(self, seen: Array, covariances: Array) -> tuple[Array, Array]:
+        """Return N and M from rows times `both`.  seen : (..., k, r + w); covariances : (..., k, k)."""
+        far, near = seen[..., self.rank :], seen[..., : self.rank]
+        return far @ far.swapaxes(-1, -2), covariances + near @ near.swapaxes(-1, -2)
 
     def forms(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array]:
         """Return numerator and denominator of the gain at poses, each (m,).  poses, approaches : (m, q)."""

@@ -39,6 +39,7 @@ class _Sieve(NamedTuple):
 _STACKED = (_Sieve(100, 0.6, 1), _Sieve(60, 0.9, 2), _Sieve(12, 0.99, 6), _Sieve(2, 0.9999, 0))
 _FEW_AXES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve(4, 0.9999, 0))
 _MANY_AXES = (_Sieve(32, 0.92, 3), _Sieve(6, 0.97, 0))
+_THREE_VALUES = (_Sieve(32, 0.92, 3), _Sieve(8, 0.97, 6), _Sieve(1, 1.0, 0))
 """How hard to look, so that no narrow ridge is missed: those that pass the last sieve go on to exact lines."""
 
 
@@ -69,7 +70,7 @@ def best_step(observation: Observation, belief: Belief, weight: Array, lattice: 
 def best_of(scorer: Scorer, lattice: Lattice) -> Step:
     """Return the reading with the largest gain of a scorer."""
     setups = [int(setup) for setup in np.unique(lattice.setups)]
-    many = [setup for setup in setups if _sieves(scorer.observation, setup) is _MANY_AXES]
+    many = [setup for setup in setups if _sieves(scorer.observation, setup) in (_MANY_AXES, _THREE_VALUES)]
     climbs = [_prepared(scorer, setup) for setup in setups if setup not in many]
     others = np.isin(lattice.setups, many)
     if others.any():
@@ -86,7 +87,9 @@ def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
     moves, alone = observation.setups[setup].moves, len(directions_of(observation.setups[setup])) == 1
     if len(moves) == 1 or (alone and adds_up(observation, setup)):
         return _STACKED
-    return _FEW_AXES if alone and len(moves) <= 3 else _MANY_AXES
+    if not alone:
+        return _THREE_VALUES
+    return _FEW_AXES if len(moves) <= 3 else _MANY_AXES
 
 
 def _prepared(scorer: Scorer, setup: int) -> Climb:
@@ -126,7 +129,7 @@ def _from_lattice(scorer: Scorer, lattice: Lattice) -> list[Climb]:
 
 def _finalists(climbs: list[Climb]) -> list[Climb]:
     """Return the distinct best after Newton's steps, few enough for exact lines."""
-    for stage in range(max(len(sieves) for sieves in (_STACKED, _FEW_AXES, _MANY_AXES))):
+    for stage in range(max(len(sieves) for sieves in (_STACKED, _FEW_AXES, _MANY_AXES, _THREE_VALUES))):
         best = max(climb.gains.max() for climb in climbs)
         climbs = [passed for climb in climbs if len((passed := _sifted(climb, stage, best)).gains)]
     return climbs

@@ -117,9 +117,19 @@ class Observation:
         poses, approaches : (m, q); direction : (3,) of one number of a reading that has three; None for the set-up's
         time : of the reading, s; None is the last time that was met
         """
-        mounted = self.setups[setup]
-        levers = self._levers(mounted, poses, direction)
-        result = np.zeros((len(poses), self.size))
+        levers = self._levers(self.setups[setup], poses, direction)
+        return self._told(setup, poses, approaches, direction, levers, time)
+
+    def _told(
+        self,
+        setup: int,
+        poses: Array,
+        approaches: Array,
+        direction: Array | None,
+        levers: Array,
+        time: float | None = None,
+    ) -> Rows:
+        mounted, result = self.setups[setup], np.zeros((len(poses), self.size))
         result[:, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
         model, place = model_of(mounted), self._place(mounted, poses)
         at = np.array(mounted.direction) if direction is None else direction
@@ -142,12 +152,15 @@ class Observation:
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
-        directions = directions_of(self.setups[setup])
-        parts = [self.rows(setup, poses, approaches, direction) for direction in directions]
-        if len(parts) == 1:
-            return Numbers(parts[0].rows[:, None], parts[0].variances[:, None, None])
+        mounted, directions = self.setups[setup], directions_of(self.setups[setup])
+        if len(directions) == 1:
+            alone = self.rows(setup, poses, approaches)
+            return Numbers(alone.rows[:, None], alone.variances[:, None, None])
+        field = self._field(mounted, poses)
+        levers = [self._towards(mounted, poses, direction, field) for direction in directions]
+        parts = [self._told(setup, poses, approaches, d, along) for d, along in zip(directions, levers, strict=True)]
         covariances = np.zeros((len(poses), len(parts), len(parts)))
-        each = [self.felt(setup, poses, approaches, direction) for direction in directions]
+        each = [self._felt(mounted, along, poses, approaches) for along in levers]
         for felt in zip(*each, strict=True):
             fresh = self.cell_columns(felt[0].function)[felt[0].cells] < 0
             reach = np.stack([f.reach for f in felt], axis=1) * self.errors.functions[felt[0].function].rest
@@ -321,10 +334,17 @@ class Observation:
     def _levers(self, mounted: Setup, poses: Array, direction: Array | None = None) -> Array:
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)
-        model, place = model_of(mounted), self._place(mounted, poses)
-        towards = model.towards(mounted, np.array(mounted.direction) if direction is None else direction, place)
-        levers = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
-        along: Array = np.einsum("fmc,mc->fm", levers, towards)
+        return self._towards(mounted, poses, direction, self._field(mounted, poses))
+
+    def _field(self, mounted: Setup, poses: Array) -> Array:
+        """Return what a unit of each error does in all directions, (functions, m, 3)."""
+        reads = model_of(mounted).reads
+        return self.errors.levers(poses) if reads == "length" else self.errors.angular_levers(poses)
+
+    def _towards(self, mounted: Setup, poses: Array, direction: Array | None, field: Array) -> Array:
+        at = np.array(mounted.direction) if direction is None else direction
+        towards = model_of(mounted).towards(mounted, at, self._place(mounted, poses))
+        along: Array = np.einsum("fmc,mc->fm", field, towards)
         return along
 
     def _place(self, mounted: Setup, poses: Array) -> Place:

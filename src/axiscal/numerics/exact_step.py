@@ -26,6 +26,8 @@ _SPAN = 1e4
 _MISFIT = 1e-10
 """Largest relative difference of series and fresh value before an interval is halved."""
 _HALVINGS = 60
+_WITHIN = 1 - 1e-11
+"""An end is looked at from inside, where the forms may jump: beyond it another interval begins."""
 
 
 def maximise_along(
@@ -136,7 +138,7 @@ class _Search:
     def _misfits(self, work: _Work) -> NDArray[np.bool_]:
         """Offer the stationary points of the intervals; return which of them the series did not follow."""
         x, claimed = maximise_ratio(work.numerator, work.denominator)
-        numerator, denominator = self.offer(work.at(x[:, None]), work.owner)
+        numerator, denominator = self.offer(work.at(np.clip(x, -_WITHIN, _WITHIN)[:, None]), work.owner)
         fresh = numerator[:, 0] / denominator[:, 0]
         misfit: NDArray[np.bool_] = np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed))
         return misfit
