@@ -63,10 +63,10 @@ class Judge:
         asked = f"({case.letter}) a pick is to be at least {FASTER[case.letter]:.0f} times faster than Trieste's"
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
-        ratio = pick_seconds(theirs) / pick_seconds(mine)
+        ratio = call_seconds(theirs) / call_seconds(mine)
         fewest = self._of("trieste-fewest", case)
-        beside = f", {pick_seconds(fewest) / pick_seconds(mine):.0f} over the fewest places" if fewest else ""
-        figures = f"{1e3 * pick_seconds(mine):.2f} ms against {1e3 * pick_seconds(theirs):.0f} ms, {ratio:.0f} times"
+        beside = f", {call_seconds(fewest) / call_seconds(mine):.0f} over the fewest places" if fewest else ""
+        figures = f"{1e3 * call_seconds(mine):.2f} ms against {1e3 * call_seconds(theirs):.0f} ms, {ratio:.0f} times"
         return Verdict(f"{asked}: {figures}{beside}.", ratio >= FASTER[case.letter])
 
     def _gains(self, rival: Rival) -> Verdict:
@@ -110,14 +110,14 @@ class Judge:
             asked = f"({case.letter}) the whole plan is to take less than {LONGEST[case.letter]:.0f} s"
             if mine is None:
                 return Verdict(f"{asked}; there is nothing to judge.", None)
-            return Verdict(f"{asked}: {sum(mine.processor):.2f} s.", sum(mine.processor) < LONGEST[case.letter])
+            return Verdict(f"{asked}: {call_seconds(mine):.2f} s.", call_seconds(mine) < LONGEST[case.letter])
         asked = f"({case.letter}) the whole plan is to take less time than Trieste's picks one by one"
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
-        usual = pick_seconds(theirs) * case.readings
-        figures = f"{sum(mine.processor):.2f} s against {usual:.2f} s, not counting that Trieste's first pick"
-        text = f"{asked}: {figures} builds its graph ({sum(theirs.processor):.1f} s with it)."
-        return Verdict(text, sum(mine.processor) < usual)
+        usual = call_seconds(theirs) * case.readings
+        figures = f"{call_seconds(mine):.2f} s against {usual:.2f} s, not counting that Trieste's first pick"
+        text = f"{asked}: {figures} builds its graph ({sum(theirs.processor[: case.readings]):.1f} s with it)."
+        return Verdict(text, call_seconds(mine) < usual)
 
     def _listed(self, case: Stacked) -> Verdict:
         mine, theirs = self._of("axiscal-candidates", case), self._of("pyapprox", case)
@@ -126,10 +126,10 @@ class Judge:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         same = np.isclose(self._value(case, mine), self._value(case, theirs), rtol=1e-9)
         chosen = "with the same J" if same else "with another J"
-        figures = f"{1e3 * pick_seconds(mine):.2f} ms against {1e3 * pick_seconds(theirs):.2f} ms, {chosen}"
-        return Verdict(f"{asked}: {figures}.", pick_seconds(mine) <= pick_seconds(theirs))
+        figures = f"{1e3 * call_seconds(mine):.2f} ms against {1e3 * call_seconds(theirs):.2f} ms, {chosen}"
+        return Verdict(f"{asked}: {figures}.", call_seconds(mine) <= call_seconds(theirs))
 
 
-def pick_seconds(outcome: Outcome) -> float:
+def call_seconds(outcome: Outcome) -> float:
     """Return the median time of a call, s of the processor."""
     return statistics.median(outcome.processor)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchmarks.peers import evaluator
 from benchmarks.peers.field import FIELD, Rival
-from benchmarks.peers.judge import Judge, Outcomes, Picker, pick_seconds
+from benchmarks.peers.judge import Judge, Outcomes, Picker, call_seconds
 from benchmarks.peers.problems import CASES, CRITERIA, CriterionName, Posed
 from benchmarks.peers.runner import Bounds, Outcome
 
@@ -59,16 +59,16 @@ def table(outcomes: Outcomes, criterion: CriterionName) -> Iterator[str]:
     yield "|---|---|" + "---|" * len(CASES)
     for rival in FIELD:
         found = [outcomes.get((rival.key, case.letter, criterion)) for case in CASES]
-        cells = [_cell(rival, Posed(case, criterion), outcome) for case, outcome in zip(CASES, found, strict=True)]
+        cells = [_cell(Posed(case, criterion), outcome) for case, outcome in zip(CASES, found, strict=True)]
         yield f"| {rival.manner} | {rival.label} | " + " | ".join(cells) + " |"
 
 
-def _cell(rival: Rival, posed: Posed, outcome: Outcome | None) -> str:
+def _cell(posed: Posed, outcome: Outcome | None) -> str:
     if outcome is None:
         return "not asked"
     if outcome.sorry:
         return outcome.sorry.replace("|", "/")
-    seconds = sum(outcome.processor) if rival.together else pick_seconds(outcome)
+    seconds = call_seconds(outcome)
     large = f", {outcome.memory / 1e9:.1f} GB" if outcome.memory > _LARGE else ""
     return f"{_spoken(seconds)}, {evaluator.value(posed, outcome.places):.5g}{large}"
 
@@ -98,4 +98,4 @@ def versions(outcomes: Outcomes) -> list[str]:
 
 def line(rival: Rival, posed: Posed, outcome: Outcome) -> str:
     """Return one line about one outcome."""
-    return f"{rival.manner:14} {rival.label:34} {_cell(rival, posed, outcome)}"
+    return f"{rival.manner:14} {rival.label:34} {_cell(posed, outcome)}"

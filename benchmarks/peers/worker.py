@@ -19,6 +19,8 @@ import numpy as np
 from benchmarks.peers.field import Rival, rival_of
 from benchmarks.peers.problems import CRITERIA, Array, Posed, case_of
 
+_LEAST = 1.0
+
 
 class Stopwatch:
     """Seconds of the processor, all threads of the process together, and seconds that passed."""
@@ -36,16 +38,12 @@ class Stopwatch:
 
 
 def solve(rival: Rival, posed: Posed) -> dict[str, Any]:
-    """Return positions and times of a library on a problem."""
+    """Return positions and times of a library on a problem; who is quick does it again until a second has gone."""
     prepare = getattr(importlib.import_module(f"benchmarks.peers.rivals.{rival.module}"), rival.entry)
-    work, watch = prepare(posed), Stopwatch()
-    positions = np.zeros((0, posed.case.axes))
-    if rival.together:
-        with watch:
-            positions = work()
-    else:
-        for _ in range(posed.case.readings):
-            positions = _one_more(work, positions, watch)
+    watch = Stopwatch()
+    positions = _solved(prepare(posed), rival, posed, watch)
+    while sum(watch.processor) < _LEAST:
+        _solved(prepare(posed), rival, posed, watch)
     return {
         "positions": np.asarray(positions, dtype=float).tolist(),
         "processor": watch.processor,
@@ -53,6 +51,17 @@ def solve(rival: Rival, posed: Posed) -> dict[str, Any]:
         "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
         "versions": {name: version(name) for name in rival.distributions},
     }
+
+
+def _solved(work: Any, rival: Rival, posed: Posed, watch: Stopwatch) -> Array:
+    positions = np.zeros((0, posed.case.axes))
+    if rival.together:
+        with watch:
+            found: Array = work()
+        return found
+    for _ in range(posed.case.readings):
+        positions = _one_more(work, positions, watch)
+    return positions
 
 
 def _one_more(pick: Any, taken: Array, watch: Stopwatch) -> Array:

@@ -127,7 +127,9 @@ def test_the_limit_of_memory_ends_a_process(monkeypatch: pytest.MonkeyPatch) -> 
 def test_the_plain_baseline_runs_and_is_kept(tmp_path: Path) -> None:
     outcome = runner.run(rival_of("numpy"), Posed(CASES[0], "joint"), Bounds(120.0))
     assert not outcome.sorry
-    assert len(outcome.positions) == len(outcome.processor) == 10
+    assert len(outcome.positions) == 10
+    assert len(outcome.processor) % 10 == 0
+    assert sum(outcome.processor) >= 1.0
     assert outcome.versions["numpy"] == np.__version__
     runner.keep(tmp_path / "new" / "outcomes", outcome)
     assert runner.kept(tmp_path / "new" / "outcomes") == {("numpy", "a", "joint"): outcome}
