@@ -53,11 +53,11 @@ def candidate_picker(posed: Posed) -> Callable[[Array], Array]:
 
 
 def planner(posed: Posed) -> Callable[[], Array]:
-    """Return the whole plan, without the lower bound, which no other gives."""
+    """Return the whole plan as a user gets it, the lower bound included."""
     problem = _problem(posed)
 
     def plan() -> Array:
-        made = make_plan(problem, Limits(readings=posed.case.readings), bounded=False)
+        made = make_plan(problem, Limits(readings=posed.case.readings))
         return np.array([reading.pose for reading in made.readings])
 
     return plan
