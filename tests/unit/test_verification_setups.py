@@ -11,7 +11,6 @@ import pytest
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.description import CampaignDescription, campaign_from_texts
 from axiscal.campaign.problem import Problem
-from axiscal.cli.verify import _told
 from axiscal.compensation.effect import Control
 from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.options import Options
@@ -20,6 +19,7 @@ from axiscal.compensation.verification import Judgement, judge
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
+from axiscal.report.check import judgement_text
 
 MACHINE = """name = "one"
 chain = "w-b-X-t"
@@ -107,7 +107,7 @@ def test_a_line_that_is_taken_off_has_to_be_one_that_was_foreseen() -> None:
     assert judgement.lines == ("laser",)
     assert [datum.unknown for datum in judgement.strained] == ["slope"]
     assert (judgement.verdict, judgement.believed) == ("undecided", True)
-    assert 'the slope of "laser" would have to be far larger' in _told(judgement)
+    assert 'the slope of "laser" would have to be far larger' in judgement_text(judgement)
 
 
 def test_growth_adds_its_own_uncertainty() -> None:
@@ -125,14 +125,14 @@ def test_tables_that_are_not_those_are_noticed(tables: float, share: float, caus
     judgement = judged(readings(2), readings(3, tables=tables))
     assert (judgement.verdict, judgement.loaded) == ("fail", False)
     assert judgement.share == pytest.approx(share, abs=0.1)
-    assert cause in _told(judgement)
+    assert cause in judgement_text(judgement)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 1000.0, 1e-3])
 def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
     judgement = judged(readings(2, factor=factor), readings(3, tables=1.0))
     assert (judgement.verdict, judgement.believed, judgement.loaded) == ("undecided", True, False)
-    told = _told(judgement)
+    told = judgement_text(judgement)
     assert "as found minus as left is not what the tables take away" in told
     assert "UNDECIDED" in told
     assert "contradict" in told
@@ -147,5 +147,5 @@ def test_the_change_is_as_unlikely_as_it_says() -> None:
 
 def test_rounding_is_printed_as_nothing() -> None:
     same = tuple(replace(reading, value=0.1) for reading in readings(2))
-    told = _told(judged(same, same))
+    told = judgement_text(judged(same, same))
     assert "As found: largest 0 um, RMS 0 um\nAs left:  largest 0 um, RMS 0 um" in told

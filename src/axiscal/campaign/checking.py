@@ -62,7 +62,8 @@ def _taken(source: Source, wanted: Sequence[Request], first: int) -> tuple[Readi
         for number, place in enumerate(wanted, first):
             answer = source.read(Request(number, place.setup, place.axes, place.pose, place.approach))
             assert isinstance(answer, Answer)  # virtual machines do not skip
-            readings.append(Reading(place.setup.name, place.pose, place.approach, answer.value, answer.std))
+            at = (place.setup.name, place.pose, place.approach)
+            readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
     finally:
         source.close()
     return tuple(readings)

@@ -117,8 +117,8 @@ def _table(case: Problem, made: Plan) -> str:
     from axiscal.campaign.feasibility import out_of_reach
     from axiscal.campaign.plan_document import bound_sentence
     from axiscal.campaign.planning import placed
-    from axiscal.cli.wording import micrometres, place_text
-    from axiscal.measurement.wording import approach_text
+    from axiscal.cli.wording import micrometres
+    from axiscal.measurement.wording import approach_text, place_text
     from axiscal.units import to_unit
 
     axes = case.description.machine.axes

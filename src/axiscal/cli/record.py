@@ -103,8 +103,7 @@ def _keep(
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
-    from axiscal.cli.wording import place_text
-    from axiscal.measurement.wording import reading_unit
+    from axiscal.measurement.wording import place_text, reading_unit
     from axiscal.units import format_quantity
 
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes

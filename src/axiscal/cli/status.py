@@ -28,7 +28,8 @@ def status(record: RecordFile, json: Json = False) -> None:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    from axiscal.cli.wording import accuracy_text, count_text, place_text, question_text
+    from axiscal.cli.wording import accuracy_text, count_text, question_text
+    from axiscal.measurement.wording import place_text
     from axiscal.units import format_quantity
 
     status, description = campaign.status(), campaign.description

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from axiscal.campaign.campaign import Campaign, Stop
 from axiscal.campaign.engine import Known
 from axiscal.campaign.events import Asked
-from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.wording import direction_text, reading_unit, shown_coordinate
+from axiscal.measurement.wording import direction_text, place_text, reading_unit
 from axiscal.units import to_unit
 
 _COMING = {1: "from below", -1: "from above"}
@@ -20,12 +17,6 @@ def micrometres(length: float) -> str:
     """Return a length in um with three significant digits."""
     value = to_unit(length, "um")
     return f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um"
-
-
-def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] | None = None) -> str:
-    """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
-    chosen = range(len(axes)) if only is None else only
-    return ", ".join(f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {axes[k].unit}" for k in chosen)
 
 
 def way_text(setup: Setup) -> str:

@@ -23,6 +23,7 @@ from axiscal.numerics import Array
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
 _FAR = 3.0
+_LINES = ("slope", "turn")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,8 +50,8 @@ class Datums:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Names of the set-ups that are judged against their own line."""
-        return tuple(datum.setup for datum in self.taken if datum.unknown == "slope")
+        """Names of the set-ups that are judged against their own line, or as they turn out to be turned."""
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if not is_zero(datum.unknown)))
 
     def strained(self, values: Array, noise: Array, tolerance: float) -> tuple[Datum, ...]:
         """Return datums that would have to be far larger than stated, the tolerance on top, for these readings (m,)."""
@@ -63,18 +64,29 @@ class Datums:
         )
 
 
+def is_zero(unknown: str) -> bool:
+    """Return whether an unknown of a set-up is one of its zeros."""
+    return unknown.partition("_")[0] == "zero"
+
+
 def datums_of(
-    machine: Machine, setups: Sequence[Setup], indices: NDArray[np.intp], poses: Array, tolerance: float
+    machine: Machine,
+    setups: Sequence[Setup],
+    indices: NDArray[np.intp],
+    poses: Array,
+    directions: Array,
+    tolerance: float,
 ) -> Datums:
     """Return what the set-ups bring; raises ReadingError when readings are too few for the datums of their set-up.
 
-    indices : (m,) of the set-ups; poses : (m, q) m or rad; tolerance : m
+    indices : (m,) of the set-ups; poses : (m, q) m or rad; directions : (m, 3) of the values; tolerance : m
     """
     count = len(indices)
     free, spread, taken = np.eye(count), np.zeros((count, count)), list[Datum]()
     for index in np.unique(indices):
         mine, setup = np.flatnonzero(indices == index), setups[index]
-        own, stds = _own_rows(machine, setup, poses[mine]), np.array([unknown.std for unknown in setup.unknowns])
+        own = _own_rows(machine, setup, poses[mine], directions[mine])
+        stds = np.array([unknown.std for unknown in setup.unknowns])
         off = _are_datums(setup, own, stds, tolerance)
         _refuse_few(setup, len(mine), int(off.sum()))
         inverse = np.linalg.pinv(own[:, off])
@@ -88,19 +100,22 @@ def datums_of(
     return Datums(free, spread, tuple(taken))
 
 
-def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
-    """Return how the unknowns of a set-up show in its readings, (m, unknowns)."""
-    model, place = model_of(setup), Place(machine, poses, setup.moves)
-    direction = np.array(setup.direction)
-    columns = [model.own(setup, unknown.name, direction, place) for unknown in setup.unknowns]
-    return np.array(columns).reshape(len(columns), len(poses)).T
+def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:
+    """Return how the unknowns of a set-up show in its values, (m, unknowns)."""
+    model, result = model_of(setup), np.zeros((len(poses), len(setup.unknowns)))
+    for direction in np.unique(directions, axis=0):
+        mine = np.all(directions == direction, axis=1)
+        place = Place(machine, poses[mine], setup.moves)
+        for column, unknown in enumerate(setup.unknowns):
+            result[mine, column] = model.own(setup, unknown.name, direction, place)
+    return result
 
 
 def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Return which unknowns are taken off, (unknowns,): zeros, and slopes that may hide the tolerance."""
-    names = [unknown.name for unknown in setup.unknowns]
+    """Return which unknowns are taken off, (unknowns,): zeros, and slopes and turns that may hide the tolerance."""
     wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
-    return np.array([n == "zero" or (n == "slope" and bool(w)) for n, w in zip(names, wide, strict=True)], dtype=bool)
+    pairs = zip((unknown.name for unknown in setup.unknowns), wide, strict=True)
+    return np.array([is_zero(n) or (n.partition("_")[0] in _LINES and bool(w)) for n, w in pairs], dtype=bool)
 
 
 def _refuse_few(setup: Setup, readings: int, datums: int) -> None:

@@ -15,23 +15,24 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.compensation.datums import GUARD, Datum, Datums, datums_of
+from axiscal.compensation.datums import GUARD, Datum, Datums, datums_of, is_zero
 from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.model import Place
+from axiscal.measurement.instruments.nest import Nest
+from axiscal.measurement.instruments.tracker import Tracker
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
-_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, Displacement)))
-"""Instruments that read a displacement along one direction: the ones a check is made with."""
-_REMEDY = (
-    f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind; "
-    "one value of an R-test is an indicator"
-)
+_DISPLACEMENTS = (Displacement, Nest, Tracker)
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
+"""Instruments that read displacements along fixed directions: the ones a check is made with."""
+_REMEDY = f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind"
 _FRESH, _APART = 0.05, 0.15
 _PER_SETUP = 4
 _FEWEST = 2
@@ -61,11 +62,30 @@ class Places:
         return Places(self.setups[at], self.poses[at], self.approaches[at])
 
 
+class Values(NamedTuple):
+    """All values of readings, one after another.
+
+    of : (m,) index of the place; number : (m,) which one of its reading; directions : (m, 3) along which
+    """
+
+    of: NDArray[np.intp]
+    number: NDArray[np.intp]
+    directions: Array
+
+
+def values_at(setups: Sequence[Setup], places: Places) -> Values:
+    """Return the values that readings at these places have."""
+    each = [(i, s, n, d) for i, s in enumerate(places.setups) for n, d in enumerate(directions_of(setups[s]))]
+    towards = [setups[s].direction if d is None else d for _, s, _, d in each]
+    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 2))
+    return Values(of, number, np.array(towards, dtype=float).reshape(-1, 3))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Judgement:
     """What as-found and as-left readings say; m.
 
-    found, left : (m,) deviations, the datums of the set-ups taken off
+    found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
     std : (m,) of each, from the instrument and from what else is not known of its set-up
     agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
     changed : probability that the tables change readings as little like they should as these, if they are loaded
@@ -98,17 +118,20 @@ class Judgement:
 def expected(
     estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
 ) -> tuple[Array, Array]:
-    """Return the deviation along each reading that is expected under a control, (m,), and its factor (m, n), m."""
-    directions = np.array([setups[s].direction for s in places.setups])
+    """Return the deviation that is expected under a control for each value, (m,), and its factor (m, n), m.
+
+    The values of a reading stand one after another.
+    """
+    values = values_at(setups, places)
     if control is None:
         tips = estimate.deviation(places.poses, places.approaches)
     else:
         tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
-    rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches), directions)
-    levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses), directions)
+    rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches)[values.of], values.directions)
+    levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses)[:, values.of], values.directions)
     rests = levers * np.array([function.rest for function in estimate.model.functions])
     loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
-    return np.sum(tips * directions, axis=1), np.hstack([rows @ estimate.factor, loose])
+    return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
 
 
 def plan_check(
@@ -125,7 +148,8 @@ def plan_check(
     many.
     """
     mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
-    score = np.hypot(mean, np.sqrt(np.sum(factor**2, axis=1)))
+    squares = mean**2 + np.sum(factor**2, axis=1)
+    score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
     lengths = np.array([axis.length for axis in estimate.machine.axes])
     fresh = _fresh(setups, candidates, used, lengths)
     indices = np.unique(candidates.setups[fresh])
@@ -149,21 +173,22 @@ def _fewer(new: int) -> str:
 
 
 def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
-    """Return expectation and factor with the mean of each set-up that has an unknown zero taken off."""
-    mean, factor = mean.copy(), factor.copy()
+    """Return expectation and factor with the mean of each set-up that has unknown zeros taken off."""
+    mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
     for index in np.unique(places.setups):
-        mine = places.setups == index
-        if any(unknown.name == "zero" for unknown in setups[index].unknowns):
-            mean[mine] -= mean[mine].mean()
-            factor[mine] -= factor[mine].mean(axis=0)
+        if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
+            for number in range(len(directions_of(setups[index]))):
+                mine = (places.setups[values.of] == index) & (values.number == number)
+                mean[mine] -= mean[mine].mean()
+                factor[mine] -= factor[mine].mean(axis=0)
     return mean, factor
 
 
 def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
-    """Return the candidates of set-ups that read a displacement; raises ReadingError when there are none."""
+    """Return the candidates of set-ups that read displacements; raises ReadingError when there are none."""
     kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in _CHECKING]
     if not kept:
-        raise ReadingError("no set-up of this campaign reads one length along a direction", _REMEDY)
+        raise ReadingError("no set-up of this campaign reads a length along a direction", _REMEDY)
     return candidates.of(kept)
 
 
@@ -188,7 +213,8 @@ def judge(
         np.array([r.pose for r in left], dtype=float),
         np.array([r.approach for r in left], dtype=float),
     )
-    datums = datums_of(estimate.machine, setups, indices, places.poses, tolerance)
+    of, _, directions = values_at(setups, places)
+    datums = datums_of(estimate.machine, setups, indices[of], places.poses[of], directions, tolerance)
     before, after = (_seen(estimate, setups, places, readings) for readings in (found, left))
     mean, factor = expected(estimate, setups, places, control)
     change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
@@ -245,13 +271,14 @@ def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
 
 def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
     """Return what was read, less what is known of the instruments, such as their growth by temperature."""
-    values = np.array([reading.value for reading in readings])
+    of = values_at(setups, places).of
+    values = np.array([value for reading in readings for value in reading.values])
     for index in np.unique(places.setups):
-        mine, setup = places.setups == index, setups[index]
-        place = Place(estimate.machine, places.poses[mine], setup.moves)
+        mine, setup = places.setups[of] == index, setups[index]
+        place = Place(estimate.machine, places.poses[of[mine]], setup.moves)
         values[mine] -= model_of(setup).beyond(setup, place)
-    noise = [r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)]
-    return _Seen(values, np.array(noise))
+    noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
+    return _Seen(values, noise[of])
 
 
 def _likelihood(values: Array, covariance: Array) -> float:
@@ -267,7 +294,7 @@ def _likelihood(values: Array, covariance: Array) -> float:
 def _refuse_others(used: Sequence[Setup]) -> None:
     for setup in used:
         if setup.instrument not in _CHECKING:
-            what = f'"{setup.name}" reads no displacement along one direction ({setup.instrument})'
+            what = f'"{setup.name}" reads no displacement along a direction ({setup.instrument})'
             raise ReadingError(what, _REMEDY)
 
 

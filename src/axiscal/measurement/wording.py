@@ -22,6 +22,12 @@ def shown_pose(axes: Sequence[Axis], pose: Sequence[float]) -> dict[str, float]:
     return {axis.name: shown_coordinate(value, axis) for axis, value in zip(axes, pose, strict=True)}
 
 
+def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] | None = None) -> str:
+    """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
+    chosen = range(len(axes)) if only is None else only
+    return ", ".join(f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {axes[k].unit}" for k in chosen)
+
+
 def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:
     """Return "+" or "-" by axis, for the axes whose direction of the last motion counts.  approach : +1, -1, 0."""
     return {a.name: "+" if sign > 0 else "-" for a, sign in zip(axes, approach, strict=True) if sign}
