@@ -64,28 +64,30 @@ def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
     machine = Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
     options = _options(rng, axes)
     setups = [_setup(rng, axes, number) for number in range(int(rng.integers(1, 3)))]
-    visits = [_visit(rng, axes, setups[int(rng.integers(len(setups)))], options) for _ in range(rng.integers(1, 13))]
+    visits = [_visit(rng, axes, setups[int(rng.integers(len(setups)))]) for _ in range(rng.integers(1, 13))]
     return Plan(machine, tuple(visits), options)
 
 
 def _axis(rng: np.random.Generator, name: str) -> Axis:
     if name in "ABC":
         low, length = rng.choice([0.0, -math.pi, rng.uniform(-3, 1)]), rng.choice([math.tau, rng.uniform(0.2, 6)])
-        return Axis.named(name, True, (float(low), float(low + length)), speed=float(rng.uniform(0.1, 5)))
+        speed = float(rng.uniform(0.1, 5))
+        return Axis.named(name, True, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
     low, length = rng.uniform(-1, 0.3), 10 ** rng.uniform(-2, 0.5)
     low, length = (low, length) if rng.random() < 0.5 else (round(low, 3), round(length, 2))
-    return Axis.named(name, False, (float(low), float(low + length)), speed=float(rng.uniform(0.01, 3)))
+    speed = float(rng.uniform(0.01, 3))
+    return Axis.named(name, False, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
+
+
+def _overrun(rng: np.random.Generator, length: float) -> float | None:
+    return None if rng.random() < 0.5 else float(length * rng.uniform(0.001, 0.2))
 
 
 def _options(rng: np.random.Generator, axes: tuple[Axis, ...]) -> Options:
-    linear = min((axis.length for axis in axes if not axis.rotary), default=1.0)
-    rotary = min((axis.length for axis in axes if axis.rotary), default=1.0)
     families = [[a.name for a in axes if a.letter in letters] for letters in ("XYZ", "UVW", "ABC")]
     order = [tuple(group) for group in families if group]
     rng.shuffle(order)
     return Options(
-        overrun_length=None if rng.random() < 0.5 else float(linear * rng.uniform(0.001, 0.2)),
-        overrun_angle=None if rng.random() < 0.5 else float(rotary * rng.uniform(0.001, 0.2)),
         wait="stop" if rng.random() < 0.5 else "dwell",
         feed=float(rng.uniform(0.2, 1)),
         order=None if rng.random() < 0.5 else tuple(order),
@@ -100,13 +102,13 @@ def _setup(rng: np.random.Generator, axes: tuple[Axis, ...], number: int) -> Set
     return Setup(name, "probe", (1, 0, 0), every, park, 1e-6, (), 0, settle, reading, (0.0,) * len(axes), "both")
 
 
-def _visit(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup, options: Options) -> Visit:
+def _visit(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup) -> Visit:
     pose, approach = [], []
     for axis in axes:
         side = int(rng.integers(-1, 2))
-        room = 0.11 * options.overrun(axis) + 2e-6 if side else 0.0
+        room = axis.overrun if side else 0.0
         low, high = axis.travel[0] + room * (side > 0), axis.travel[1] - room * (side < 0)
-        value = float(rng.choice([rng.uniform(low, high), low, high, np.clip(low + room, low, high)]))
+        value = float(rng.choice([rng.uniform(low, high), low, high]))
         if axis.cyclic and axis.travel[0] in (0.0, -math.pi) and rng.random() < 0.1:
             value = axis.travel[0 if side > 0 else 1]
         pose.append(value)
@@ -165,7 +167,7 @@ class Judge:
                 self.faults.append(f"{axis.name} comes to {here} over {self.run.get(axis.name)} instead of {overrun}")
 
     def _overrun(self, axis: Axis) -> float:
-        asked = self.plan.options.overrun_angle if axis.rotary else self.plan.options.overrun_length
+        asked = axis.stated_overrun
         return min(math.radians(1) if axis.rotary else 1e-3, axis.length / 100) if asked is None else asked
 
     def _pause(self, events: list[Event]) -> None:

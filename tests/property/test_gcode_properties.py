@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from axiscal.gcode import approachable, controllers
+from axiscal.gcode import controllers
 from axiscal.gcode.scale import Scale
 from axiscal.gcode.wording import plain, program_name
 from axiscal.machine.axis import Axis
@@ -55,14 +55,6 @@ def test_the_list_has_every_reading_where_it_was_planned(seed: int) -> None:
 
 def _metres(row: dict[str, str], axis: Axis) -> float:
     return float(row[f"{axis.name}_mm"]) / 1000
-
-
-@given(seed=seeds)
-@settings(max_examples=60)
-def test_what_has_a_program_is_approachable(seed: int) -> None:
-    plan = plan_of(seed)
-    plan.programs("linuxcnc")
-    assert all(approachable(plan.machine, visit.pose, visit.approach, plan.options) for visit in plan.visits)
 
 
 @given(text=st.text(max_size=200))

@@ -319,6 +319,13 @@ def test_readings_that_exist_are_adopted(start: Start) -> None:
     assert campaign.status().seconds == 240
 
 
+def test_each_set_up_of_readings_in_a_file_is_mounted_once(start: Start) -> None:
+    campaign = start("readings = 9")
+    places = [("laser along Y", 0.1), ("laser along X", 0.1), ("laser along Y", 0.2), ("laser along X", 0.2)]
+    campaign.adopt(tuple(Reading(setup, (at, at, 0.2), (0, 0, 0), 0.0, None) for setup, at in places))
+    assert [(r.setup, r.pose[0]) for r in campaign.state.readings] == [places[k] for k in (0, 2, 1, 3)]
+
+
 def test_whatever_goes_wrong_is_an_axiscal_error(tmp_path: Path) -> None:
     (tmp_path / "r.axiscal").write_text("nothing")
     with pytest.raises(AxiscalError):

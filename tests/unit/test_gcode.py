@@ -14,10 +14,11 @@ import pytest
 
 from axiscal.campaign.events import Place
 from axiscal.exceptions import ProgramError
-from axiscal.gcode import Options, Program, Visit, approachable, controllers, dialect, programs, write_programs
+from axiscal.gcode import Options, Program, Visit, controllers, dialect, programs, write_programs
 from axiscal.gcode.scale import Scale
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
+from axiscal.machine.motion import inward
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.setup import Setup
 from tests.certify.gcode import HOSTILE, Judge, Plan, judged
@@ -117,9 +118,18 @@ def test_an_axis_that_comes_far_enough_does_not_turn() -> None:
     assert moves[-2:] == ["G53 G1 X100.0000 F6000", "G53 G1 X200.0000 F6000"]
 
 
-def test_the_overrun_that_still_fits_is_taken_at_the_end_of_the_travel() -> None:
-    assert "G53 G1 X0.0000 F6000" in text_of("linuxcnc", replace(UP, pose=(0.0, 0.0004)))
-    assert "G53 G1 X500.0000 F6000" in text_of("linuxcnc", replace(DOWN, pose=(0.0, 0.4995)))
+def test_the_whole_overrun_fits_up_to_the_end_of_the_travel() -> None:
+    assert "G53 G1 X0.0000 F6000" in text_of("linuxcnc", replace(UP, pose=(0.0, 0.001)))
+    assert "G53 G1 X500.0000 F6000" in text_of("linuxcnc", replace(DOWN, pose=(0.0, 0.499)))
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_what_rounding_takes_of_an_overrun_is_forgiven(controller: str) -> None:
+    axis = Axis.named("X", False, (0.00001234, 0.4), overrun=0.00123456)
+    machine = Machine("m", (axis,), 0.0, (), "", "")
+    place = inward(axis, 0.0, 1)
+    assert place == pytest.approx(0.00001234 + 0.00123456)
+    assert text_of(controller, Visit(SETUP, (place,), (1,)), machine=machine)
 
 
 def test_the_usual_overrun_of_a_short_axis_is_a_hundredth_of_its_travel() -> None:
@@ -133,14 +143,15 @@ def test_an_approach_without_room_is_refused_and_named() -> None:
     why = refusal(UP, replace(UP, pose=(0.0, 0.00005)))
     assert 'reading 2 of the set-up "laser 1" is to be approached with X+ at X = 0.0500 mm' in why
     assert "ends at 0.0 mm" in why
-    assert "from the other side, or choose a smaller overrun" in why
+    assert "less than the overrun of 1 mm" in why
+    assert "from the other side, or give the axis a smaller overrun" in why
     assert refusal(replace(DOWN, pose=(0.0, 0.5)))
-    assert "X+ at X" in refusal(replace(UP, pose=(0.0, 0.001)), options=Options(overrun_length=0.02))
+    longer = replace(MACHINE, axes=(TABLE, replace(SLIDE, stated_overrun=0.02)))
+    assert "X+ at X" in refusal(replace(UP, pose=(0.0, 0.001)), machine=longer)
 
 
 def test_poses_may_come_as_numpy_has_them() -> None:
     pose, approach = np.array(UP.pose), np.array([0.0, 1.0])
-    assert approachable(MACHINE, tuple(pose), tuple(approach))
     as_arrays = Visit(SETUP, tuple(pose), tuple(approach))
     assert text_of("linuxcnc", as_arrays, DOWN) == text_of("linuxcnc", UP, DOWN)
 
@@ -164,13 +175,15 @@ def test_long_turns_are_made_in_parts_so_that_no_control_takes_the_short_way() -
     ]
 
 
-def test_approachable_says_beforehand_what_would_be_refused() -> None:
-    assert approachable(MACHINE, (0.0, 0.1), (1, -1))
-    assert approachable(MACHINE, (0.0, 0.0), (0, 0))
-    assert not approachable(MACHINE, (0.0, 0.0), (0, 1))
-    assert not approachable(MACHINE, (0.0, 0.6), (0, 0))
-    assert approachable(MACHINE, (0.0, 0.0001), (0, 1))
-    assert not approachable(MACHINE, (0.0, 0.0001), (0, 1), Options(overrun_length=0.005))
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("place", [0.0, 0.0005, 0.001, 0.25, 0.499, 0.4999, 0.5])
+def test_what_has_no_room_for_the_planner_has_none_for_a_program(place: float, side: int) -> None:
+    visit = Visit(SETUP, (0.0, place), (0, side))
+    if inward(SLIDE, place, side) == place:
+        assert text_of("linuxcnc", visit)
+    else:
+        assert "leaves less than the overrun" in refusal(visit)
+        assert text_of("linuxcnc", replace(visit, pose=(0.0, inward(SLIDE, place, side))))
 
 
 @pytest.mark.parametrize("value", [-1e-5, 0.50001, math.nan, math.inf])
@@ -265,9 +278,7 @@ def test_the_order_of_moves_is_a_choice_and_is_said() -> None:
     assert any("C then X" in note for note in program.notes)
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"overrun_length": 0.0}, {"overrun_angle": math.nan}, {"feed": 0.0}, {"feed": 1.5}, {"wait": "pray"}]
-)
+@pytest.mark.parametrize("wrong", [{"feed": 0.0}, {"feed": math.nan}, {"feed": 1.5}, {"wait": "pray"}])
 def test_choices_that_make_no_sense_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ProgramError):
         Options(**wrong)  # type: ignore[arg-type]

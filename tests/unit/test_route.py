@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from axiscal.design.cost import OVERRUN_LENGTH, approach_seconds, travel_seconds
+from axiscal.design.cost import approach_seconds, travel_seconds
 from axiscal.design.route import route, route_seconds, travel_table
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -48,7 +48,7 @@ def test_the_wrong_side_costs_the_overrun() -> None:
     start, stop = np.array([0.1, 0.1, 0.1]), np.array([0.3, 0.1, 0.1])
     any_side, right, wrong = (approach_seconds(MILL, start, stop, np.array([s, 0.0, 0.0])) for s in (0.0, 1.0, -1.0))
     assert any_side == right == travel_seconds(MILL, start, stop)
-    past = stop + np.array([OVERRUN_LENGTH, 0.0, 0.0])
+    past = stop + np.array([MILL.axes[0].overrun, 0.0, 0.0])
     assert wrong == travel_seconds(MILL, start, past) + travel_seconds(MILL, past, stop)
 
 

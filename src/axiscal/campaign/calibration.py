@@ -308,4 +308,5 @@ class Calibration:
     def _seconds_of(self, before: Visit | Reading | None, visit: Visit | Reading) -> float:
         description = self.stated.description
         start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
-        return visit_seconds(description.machine, description.setup(visit.setup), start, np.array(visit.pose))
+        setup, pose = description.setup(visit.setup), np.array(visit.pose)
+        return visit_seconds(description.machine, setup, start, pose, visit.approach)

@@ -140,8 +140,9 @@ class Campaign:
             return Stop(because)
         if not self.prepared():
             return Stop("nothing is left to measure")
-        visits, place = self._visits(), self.state.plan[0]
-        if not beyond and self._over_budget(self.engine.elapsed([*visits, Visit(place.setup, place.position)])):
+        place = self.state.plan[0]
+        coming = Visit(place.setup, place.position, place.approach)
+        if not beyond and self._over_budget(self.engine.elapsed([*self._visits(), coming])):
             return Stop(_BUDGET)
         number = len(self.state.readings) + len(self.state.skipped) + 1
         asked = Asked(number, place.setup, place.position, place.approach)
@@ -267,9 +268,13 @@ class Campaign:
         return tuple(milestones)
 
     def adopt(self, readings: tuple[Reading, ...]) -> None:
-        """Keep readings that were taken without being asked for, in one transaction."""
+        """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
+
+        How often a set-up was mounted for them nobody has said: it counts once, whatever the order of a file's rows.
+        """
         self._refuse_finished()
-        self._append(*(Recorded.of(reading) for reading in readings))
+        setups = dict.fromkeys(reading.setup for reading in readings)
+        self._append(*(Recorded.of(reading) for setup in setups for reading in readings if reading.setup == setup))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.
@@ -336,7 +341,7 @@ class Campaign:
         return self.engine.elapsed([*self._visits(), Visit(asked.setup, asked.position)])
 
     def _visits(self) -> list[Visit]:
-        return [Visit(reading.setup, reading.pose) for reading in self.state.readings]
+        return [Visit(reading.setup, reading.pose, reading.approach) for reading in self.state.readings]
 
     def _seconds(self) -> float:
         return self.engine.elapsed(self._visits())

@@ -15,10 +15,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Visit:
-    """A set-up and a pose in it, (n_axes,) m or rad."""
+    """A set-up, a pose in it, (n_axes,) m or rad, and from where it was come to, (n_axes,) +1, -1, 0 for any side."""
 
     setup: str
     pose: tuple[float, ...]
+    approach: tuple[int, ...] = ()
 
 
 class Known(Protocol):

@@ -74,8 +74,8 @@ def _place(reading: Reading) -> Place:
 
 def _seconds(problem: Problem, before: Place | None, place: Place) -> float:
     start = np.array(before.position) if before is not None and before.setup == place.setup else None
-    description = problem.description
-    return visit_seconds(description.machine, description.setup(place.setup), start, np.array(place.position))
+    setup, pose = problem.description.setup(place.setup), np.array(place.position)
+    return visit_seconds(problem.description.machine, setup, start, pose, place.approach)
 
 
 def _smaller(problem: Problem, markers: int) -> Problem:

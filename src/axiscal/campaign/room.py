@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.gcode.options import Options
 from axiscal.machine.axis import Axis
+from axiscal.machine.motion import inward
 from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, to_unit
 
 Pose = tuple[float, ...]
 Approach = tuple[int, ...]
 
-_SLACK = 1e-9
+_SLACK = 1e-6
+_DIGITS = {False: ("mm", 3), True: ("deg", 4)}
+"""Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
 
 
 def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
@@ -25,31 +27,26 @@ def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) 
     reverses = {function.axis for function in errors.functions if function.kind == "reversal"}
     at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
     for k, axis in enumerate(errors.machine.axes):
-        inward = _inward(axis, at[k], approach[k], setup.raster[k])
-        if inward is not None and k in reverses:
-            at[k] = inward
-        elif inward is not None:
+        place = _with_room(axis, at[k], approach[k], setup.raster[k])
+        if place != at[k] and k in reverses:
+            at[k] = place
+        elif place != at[k]:
             come[k] = 0
     return tuple(at), tuple(come)
 
 
 def _readable(axis: Axis, position: float) -> float:
-    """Return a position that a person can dial in: to the micrometre, or a ten-thousandth of a degree."""
-    unit, digits = ("deg", 4) if axis.rotary else ("mm", 3)
+    """Return a position that a person can dial in."""
+    unit, digits = _DIGITS[axis.rotary]
     rounded = from_unit(round(to_unit(position, unit), digits), unit)
     return min(max(rounded, axis.travel[0]), axis.travel[1])
 
 
-def _inward(axis: Axis, position: float, side: int, raster: float) -> float | None:
-    """Return the nearest position that leaves room for the overrun; None if there is room. A full turn has no ends."""
-    if side == 0 or axis.cyclic:
-        return None
-    low, high = axis.travel
-    overrun = Options().overrun(axis)
-    nearest = low + overrun if side > 0 else high - overrun
-    if side * (position - nearest) >= -_SLACK:
-        return None
-    if raster <= 0:
-        return nearest
-    steps = nearest / raster
-    return raster * (math.ceil(steps - _SLACK) if side > 0 else math.floor(steps + _SLACK))
+def _with_room(axis: Axis, position: float, side: int, raster: float) -> float:
+    """Return the position, or the nearest one on the raster that leaves room for the overrun."""
+    nearest = inward(axis, position, side)
+    if nearest == position:
+        return position
+    unit, digits = _DIGITS[axis.rotary]
+    step = raster if raster > 0 else from_unit(10.0**-digits, unit)
+    return step * (math.ceil(nearest / step - _SLACK) if side > 0 else math.floor(nearest / step + _SLACK))

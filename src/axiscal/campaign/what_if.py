@@ -94,7 +94,7 @@ def traditional(case: Problem, count: int) -> Alternative:
 def _seconds(case: Problem, before: Reading | None, reading: Reading) -> float:
     setup = case.description.setup(reading.setup)
     start = np.array(before.pose) if before is not None and before.setup == reading.setup else None
-    return visit_seconds(case.description.machine, setup, start, np.array(reading.pose))
+    return visit_seconds(case.description.machine, setup, start, np.array(reading.pose), reading.approach)
 
 
 def traditional_readings(case: Problem, count: int) -> list[Reading]:

@@ -44,9 +44,14 @@ def in_order(problem: Problem, points: list[Point]) -> list[Point]:
 
 
 def arriving(problem: Problem, before: Point | None, point: Point) -> Array:
-    """Return the approach of a reading, with the direction of travel where any direction will do."""
+    """Return the approach of a reading, with the direction of travel where any direction will do.
+
+    There an axis that stands, or comes from nearer than its overrun, has none: nothing makes it turn.
+    """
     counted = counting(problem, point)
     if before is None or before.setup != point.setup:
         return point.approach
-    travel = np.sign(point.pose - before.pose)
-    return np.where(counted != 0, counted, np.where(travel != 0, travel, point.approach) * (point.approach != 0))
+    way = point.pose - before.pose
+    overrun = np.array([axis.overrun for axis in problem.observation.errors.machine.axes])
+    travel = np.sign(way) * (np.abs(way) >= overrun) * (point.approach != 0)
+    return np.where(counted != 0, counted, travel)

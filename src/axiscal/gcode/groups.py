@@ -10,10 +10,9 @@ from axiscal.exceptions import ProgramError
 from axiscal.gcode.options import Options
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.motion import FAMILIES, family_groups
 from axiscal.units import to_unit
 
-FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
-"""Letters that one feed counts for; LinuxCNC takes a feed for XYZ alone when U moves too."""
 FASTEST = 99_999
 """mm/min or deg/min; it is not known that every control reads a longer number."""
 
@@ -55,8 +54,7 @@ def groups(machine: Machine, options: Options) -> tuple[Group, ...]:
 
 
 def _usual(machine: Machine) -> tuple[tuple[str, ...], ...]:
-    families = [tuple(axis.name for axis in machine.axes if axis.letter in family) for family in FAMILIES]
-    return tuple(names for names in families if names)
+    return tuple(tuple(machine.axes[k].name for k in group) for group in family_groups(machine))
 
 
 def _check(order: Sequence[Sequence[str]], machine: Machine) -> None:

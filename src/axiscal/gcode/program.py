@@ -87,10 +87,7 @@ class _Writer:
         return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
 
     def _steps(self, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> Iterator[Step]:
-        targets = [
-            target(self._scales, self._options, setup.name, number, visit.pose, visit.approach)
-            for number, visit in visits
-        ]
+        targets = [target(self._scales, setup.name, number, visit.pose, visit.approach) for number, visit in visits]
         reading = setup.reading_time if self._options.wait == "dwell" else None
         return run_through(targets, self._scales, self._groups, setup.settle, reading)
 
@@ -148,9 +145,7 @@ class _Writer:
 
     def _overruns(self) -> str:
         def text(axis: Axis, step: Decimal, scale: Scale) -> str:
-            return (
-                f"{scale.above(self._options.overrun(axis)).quantize(step).normalize():f} {scale.unit} on {axis.name}"
-            )
+            return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
 
         return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
 

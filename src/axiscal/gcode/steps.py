@@ -7,17 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
+import numpy as np
+
 from axiscal.exceptions import ProgramError
 from axiscal.gcode.groups import Group
 from axiscal.gcode.scale import Scale
 from axiscal.gcode.targets import Numbers, Target
+from axiscal.machine.motion import turn_parts
 from axiscal.units import format_quantity
 
 Places = Mapping[int, Decimal]
 """Index of an axis -> where it is, mm or deg."""
 
-LARGEST_TURN = 120
-"""deg; a longer turn is made in parts, since a control may take the short way round where an axis has no end."""
 LONGEST_DWELL = 60.0
 LONGEST_WAIT = 3600.0
 
@@ -110,7 +111,7 @@ def _places(begin: Places, end: Places, scales: Sequence[Scale]) -> Iterator[Pla
     """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
     if begin == end:
         return
-    turns = [abs(end[k] - begin[k]) for k in end if scales[k].axis.rotary]
-    count = max(1, math.ceil(max(turns, default=Decimal(0)) / LARGEST_TURN))
+    turns = [math.radians(abs(end[k] - begin[k])) for k in end if scales[k].axis.rotary]
+    count = int(turn_parts(np.array(max(turns, default=0.0))))
     for part in range(1, count + 1):
         yield {k: (begin[k] + (end[k] - begin[k]) * part / count).quantize(scales[k].step) for k in end}

@@ -8,12 +8,11 @@ from decimal import Decimal
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
-from axiscal.gcode.options import LEAST, Options
 from axiscal.gcode.scale import Scale
-from axiscal.machine.description import Machine
 from axiscal.units import format_quantity
 
 Numbers = tuple[Decimal, ...]
+_ROUNDED = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +37,6 @@ class Target:
 
 def target(
     scales: Sequence[Scale],
-    options: Options,
     setup: str,
     number: int,
     pose: Sequence[float],
@@ -48,28 +46,12 @@ def target(
     where = f"reading {number} of the set-up {shown(setup)}"
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
         raise ProgramError(f"{where} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
-    placed = [_placed(s, options, where, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
+    placed = [_placed(s, where, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
     position, turning = zip(*placed, strict=True)
     return Target(number, position, turning, tuple(int(side) for side in approach))
 
 
-def approachable(
-    machine: Machine, pose: Sequence[float], approach: Sequence[int], options: Options | None = None
-) -> bool:
-    """Return whether there is room in the travel to come to a pose (m or rad) from the stated sides.
-
-    approach : +1, −1, 0 per axis.  A control that writes fewer than five decimals may round a tight place away.
-    """
-    options = options or Options()
-    for axis, value, side in zip(machine.axes, pose, approach, strict=True):
-        scale = Scale.of(axis, 6)
-        number = scale.nearest(value)
-        if number is None or (side and _sided(scale, options, number, int(side)) is None):
-            return False
-    return True
-
-
-def _placed(scale: Scale, options: Options, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
+def _placed(scale: Scale, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
     """Return position and turning point of one axis."""
     number = scale.nearest(value)
     if number is None:
@@ -77,19 +59,19 @@ def _placed(scale: Scale, options: Options, where: str, value: float, side: int)
         raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
     if side == 0:
         return number, number
-    sided = _sided(scale, options, number, side)
+    sided = _sided(scale, number, side)
     if sided is None:
-        raise _no_room(scale, options, where, number, side)
+        raise _no_room(scale, where, number, side)
     return sided
 
 
-def _sided(scale: Scale, options: Options, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
-    """Return a position and its turning point, the largest overrun that fits; the other end of a turn where none does.
+def _sided(scale: Scale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
+    """Return a position and its turning point, at the other end of a turn where this one leaves no room for it.
 
-    None where no end leaves room.
+    None where no end leaves room: what rounding to the numbers of the program takes is not asked for.
     """
-    wanted = scale.above(options.overrun(scale.axis))
-    least = scale.above(LEAST * options.overrun(scale.axis))
+    wanted = scale.above(scale.axis.overrun)
+    least = wanted - _ROUNDED * scale.step
     for place in (number, *(() if scale.turn is None else (number + side * scale.turn,))):
         room = place - scale.first if side > 0 else scale.last - place
         if scale.first <= place <= scale.last and room >= least:
@@ -97,11 +79,11 @@ def _sided(scale: Scale, options: Options, number: Decimal, side: int) -> tuple[
     return None
 
 
-def _no_room(scale: Scale, options: Options, where: str, number: Decimal, side: int) -> ProgramError:
+def _no_room(scale: Scale, where: str, number: Decimal, side: int) -> ProgramError:
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
-    least = format_quantity(LEAST * options.overrun(scale.axis), scale.unit, 3)
+    overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (
         f"{where} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
-        f"the travel, which ends at {end} {scale.unit}, leaves less than {least} to come from there"
+        f"the travel, which ends at {end} {scale.unit}, leaves less than the overrun of {overrun} to come from there"
     )
-    return ProgramError(what, "Plan it further inside or from the other side, or choose a smaller overrun")
+    return ProgramError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")

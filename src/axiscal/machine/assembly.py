@@ -17,6 +17,10 @@ from axiscal.units import Dimension, format_quantity
 
 LONGEST_TRAVEL = 1000.0
 """m; also the largest coordinate of a point on an axis line."""
+LEAST_OVERRUN = 1e-5
+"""m or rad."""
+LARGEST_OVERRUN = 0.25
+"""Share of the travel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +86,11 @@ def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
         dimension = "rotation_acceleration" if axis.rotary else "acceleration"
         acceleration = within(document, (*keys, "acceleration"), table.acceleration, dimension, 1e-9, 1e6)
     travel, origin = _travel(document, axis, table), _origin(document, axis, table)
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin)
+    overrun = None
+    if table.overrun is not None:
+        most = LARGEST_OVERRUN * (travel[1] - travel[0])
+        overrun = within(document, (*keys, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun)
 
 
 def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:

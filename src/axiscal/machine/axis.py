@@ -22,6 +22,10 @@ ROTARY_SPEED = math.radians(60.0)
 """Traverse of a rotary axis where the description names none: 10 rpm, in rad/s."""
 ROTARY_ACCELERATION = math.radians(360.0)
 """rad/s²."""
+LINEAR_OVERRUN = 1e-3
+ROTARY_OVERRUN = math.radians(1.0)
+OVERRUN_SHARE = 0.01
+"""Where the description names no overrun: 1 mm or 1 deg, but no more than a hundredth of the travel."""
 
 
 def letter_direction(letter: str) -> int:
@@ -39,6 +43,7 @@ class Axis:
     workpiece_side : primed in the chain, it carries the workpiece
     travel : (lowest, highest) coordinate, m or rad; speed m/s or rad/s; acceleration m/s² or rad/s²
     origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
+    stated_overrun : m or rad, None for the usual one
     """
 
     name: str
@@ -50,6 +55,7 @@ class Axis:
     speed: float
     acceleration: float
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stated_overrun: float | None = None
 
     @classmethod
     def named(
@@ -60,6 +66,7 @@ class Axis:
         speed: float | None = None,
         acceleration: float | None = None,
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        overrun: float | None = None,
     ) -> Axis:
         """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
 
@@ -74,7 +81,7 @@ class Axis:
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
         direction = _UNIT_VECTORS[letter_direction(letter)]
-        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin)
+        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin, overrun)
 
     @property
     def sign(self) -> int:
@@ -91,6 +98,12 @@ class Axis:
     def length(self) -> float:
         """Length of the travel, m or rad."""
         return self.travel[1] - self.travel[0]
+
+    @property
+    def overrun(self) -> float:
+        """From how far away a place is come to where the side counts, m or rad."""
+        usual = min(ROTARY_OVERRUN if self.rotary else LINEAR_OVERRUN, OVERRUN_SHARE * self.length)
+        return usual if self.stated_overrun is None else self.stated_overrun
 
     @property
     def dimension(self) -> Literal["length", "angle"]:

@@ -23,6 +23,7 @@ class AxisTable(_Table):
     travel: tuple[QuantityText, QuantityText] = Field(examples=['["0 mm", "600 mm"]'])
     speed: QuantityText | None = Field(None, examples=['"10 m/min"'])
     acceleration: QuantityText | None = Field(None, examples=['"2 m/s^2"'])
+    overrun: QuantityText | None = Field(None, examples=['"2 mm"'])
     origin: tuple[QuantityText, QuantityText, QuantityText] | None = Field(
         None, examples=['["0 mm", "0 mm", "-150 mm"]']
     )

@@ -1,0 +1,98 @@
+"""The minutes of a plan are those of its programs, as read back from their lines and run at the machine's speeds."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.description import campaign_from_texts
+from axiscal.campaign.planning import placed, whole_plan
+from axiscal.campaign.problem import Problem
+from axiscal.design.plan import Plan
+from axiscal.design.problem import Limits
+from axiscal.gcode import Options, Visit, controllers, dialect, programs
+from axiscal.machine import Machine, load_machine
+from tests.certify.gcode_traces import READERS, Event, Halt, Move, Wait
+
+CAMPAIGN = """
+machine = "{machine}"
+[target]
+readings = 14
+[[setups]]
+name = "probe x"
+instrument = "probe"
+direction = "x"
+reading_time = "{reading}"
+settle = "0.2 s"
+setup_time = "3 min"
+approach = "{approach}"
+[[setups]]
+name = "probe z"
+instrument = "probe"
+direction = "z"
+reading_time = "{reading}"
+setup_time = "4 min"
+approach = "both"
+"""
+
+
+@cache
+def planned(machine: str, approach: str) -> tuple[Problem, Plan]:
+    """Return a plan whose readings take so little time that the ways count."""
+    text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s")
+    case = Problem(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
+    return case, whole_plan(case, Limits(readings=14), 300, lambda _: None)
+
+
+def run(events: list[Event], machine: Machine) -> float:
+    """Return the seconds from the start at the mounted instrument to the end; stops take none."""
+    start = max(k for k, event in enumerate(events) if isinstance(event, Halt)) + 1
+    at: dict[str, float] = {}
+    for event in events[:start]:
+        at.update(event.to if isinstance(event, Move) else {})
+    seconds = 0.0
+    for event in events[start:]:
+        if isinstance(event, Wait):
+            seconds += event.seconds
+        elif isinstance(event, Move):
+            seconds += _move(event, at, machine)
+            at.update(event.to)
+    return seconds
+
+
+def _move(move: Move, at: dict[str, float], machine: Machine) -> float:
+    ways = {machine.axis(name): abs(to - at[name]) for name, to in move.to.items() if to != at[name]}
+    if not ways:
+        return 0.0
+    length = math.hypot(*ways.values())
+    unit = {axis: math.degrees(1) if axis.rotary else 1000.0 for axis in ways}
+    push = min(unit[axis] * axis.acceleration * length / way for axis, way in ways.items())
+    speed = min(move.feed / 60, math.sqrt(length * push))
+    return length / speed + speed / push
+
+
+@pytest.mark.parametrize("controller", controllers())
+@pytest.mark.parametrize("approach", ["+", "both"])
+@pytest.mark.parametrize("machine", ["three-axis-mill", "dmu60"])
+def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, controller: str) -> None:
+    case, plan = planned(machine, approach)
+    description = case.description
+    visits = [Visit(description.setup(p.setup), p.position, p.approach) for p in placed(case, plan)]
+    made = programs(description.machine, visits, dialect(controller), Options(wait="dwell"))
+    taken = sum(run(READERS[controller](program.text), description.machine) for program in made)
+    mounting = sum(setup.setup_time for setup in {visit.setup for visit in visits})
+    assert taken == pytest.approx(plan.seconds - mounting, rel=0.01)
+    assert len(made) == len({visit.setup for visit in visits})
+
+
+def test_the_list_of_a_program_has_the_same_seconds(tmp_path: Path) -> None:
+    case, plan = planned("dmu60", "+")
+    description = case.description
+    visits = [Visit(description.setup(p.setup), p.position, p.approach) for p in placed(case, plan)]
+    for program in programs(description.machine, visits, dialect("sinumerik"), Options(wait="dwell")):
+        last = program.readings[-1]
+        waits = last.setup.settle + last.setup.reading_time
+        assert last.seconds + waits == pytest.approx(run(READERS["sinumerik"](program.text), description.machine))
