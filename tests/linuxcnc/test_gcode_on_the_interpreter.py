@@ -13,6 +13,7 @@ from axiscal.exceptions import ControlError
 from axiscal.gcode import Visit, dialect, programs
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.motion import inward
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from tests.certify.gcode import HOSTILE, Plan, interpreted, random_plan, verdicts
@@ -94,7 +95,8 @@ def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else
     poses = [low, high, *rng.uniform(low + 0.001, high - 0.001, (6, 4))]
     sides = [(0, 0, 0, 0)] * 2 + [tuple(map(int, row)) for row in rng.integers(-1, 2, (6, 4))]
     setup = Setup("s", "probe", (1, 0, 0), (0, 1, 2, 3), tuple(low), 1e-6, (), 0, 0.001, 0, (0.0,) * 4, "both")
-    visits = [Visit(setup, tuple(map(float, pose)), side) for pose, side in zip(poses, sides, strict=True)]
+    places = [tuple(map(inward, machine.axes, map(float, pose), side)) for pose, side in zip(poses, sides, strict=True)]
+    visits = [Visit(setup, place, side) for place, side in zip(places, sides, strict=True)]
     (program,) = programs(machine, visits, dialect("linuxcnc"))
     codes = [line for line in program.text.splitlines()[:-1] if line[0] == "G"]
     joints = [Joint(axis, *((0.0, 360.0) if axis == "C" else (-12.3, 45.6))) for axis in "XYZC"]

@@ -100,13 +100,13 @@ def test_whoever_arrives_from_a_side_comes_over_the_overrun(
             assert come >= axis.overrun - 2e-9
 
 
-def test_room_is_the_whole_overrun_and_a_full_turn_has_no_ends() -> None:
+def test_room_is_the_whole_overrun_at_the_ends_of_a_full_turn_too() -> None:
     assert X.overrun == 1e-3
     assert inward(X, 0.0004, 1) == 1e-3
     assert inward(X, 0.0004, -1) == 0.0004
     assert inward(X, 0.6, -1) == pytest.approx(0.599)
     assert inward(X, 0.0, 0) == 0.0
-    assert inward(C, 0.0, 1) == 0.0
+    assert inward(C, 0.0, 1) == pytest.approx(math.radians(1.0))
 
 
 def test_the_usual_overrun_is_a_hundredth_of_a_short_travel() -> None:

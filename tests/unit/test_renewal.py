@@ -100,14 +100,22 @@ def test_what_came_to_be_too_much_is_left_out() -> None:
     assert len(enough) < 10
 
 
-def test_a_budget_is_kept() -> None:
+@pytest.mark.parametrize("share", [0.6, 0.95, 1.3])
+def test_a_budget_is_kept(share: float) -> None:
     after = taken(ASKED, PLAN[:4])
     whole = seconds_of(after, PLAN[4:])
-    rest = renewed(after, Limits(budget=0.6 * whole), PLAN[4:])
-    assert way(after, rest) <= 0.6 * whole
-    more = renewed(after, Limits(budget=1.3 * whole), PLAN[4:])
-    assert len(more) > len(PLAN[4:])
-    assert way(after, more) <= 1.3 * whole
+    rest = renewed(after, Limits(budget=share * whole), PLAN[4:])
+    assert 0.5 * share * whole < way(after, rest) <= share * whole
+    assert share < 1 or len(rest) > len(PLAN[4:])
+
+
+def test_what_there_is_no_time_to_mount_is_given_up() -> None:
+    here = replace(ASKED, here=Point(1, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    elsewhere = [point for point in PLAN if point.setup == 0]
+    rest = renewed(here, Limits(budget=300.0), elsewhere)
+    assert {point.setup for point in rest} == {1}
+    assert way(here, rest) <= 300.0
+    assert renewed(ASKED, Limits(budget=300.0), elsewhere) == []
 
 
 def test_nothing_but_what_is_left_may_be_allowed() -> None:

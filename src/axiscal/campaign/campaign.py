@@ -338,7 +338,7 @@ class Campaign:
         return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _seconds_until(self, asked: Asked) -> float:
-        return self.engine.elapsed([*self._visits(), Visit(asked.setup, asked.position)])
+        return self.engine.elapsed([*self._visits(), Visit(asked.setup, asked.position, asked.approach)])
 
     def _visits(self) -> list[Visit]:
         return [Visit(reading.setup, reading.pose, reading.approach) for reading in self.state.readings]

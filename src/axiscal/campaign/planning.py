@@ -52,8 +52,8 @@ def planned_places(
         return ()
     patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
     points = [_point(case, place) for place in left if not in_gap(case, place, gaps)]
-    coming = renewed(problem, limits, points, patience) if points else _begun(problem, limits, patience)
-    places = [_placed(case, point) for point in coming]
+    coming = renewed(problem, limits, points, patience) if points else []
+    places = [_placed(case, point) for point in coming or _begun(problem, limits, patience)]
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 

@@ -7,6 +7,7 @@ the renewed plan is no worse than the old one, and little has to be looked at.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -34,8 +35,11 @@ def renewed(problem: Problem, limits: Limits, left: list[Point], patience: float
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : seconds for climbing off the lattice
+    None are returned where there is no time for any of these set-ups.
     """
-    times, setups = clock(problem), _setups(problem, left)
+    times = clock(problem)
+    left = _mountable(limits, times, left)
+    setups = _setups(problem, left)
     lattice = problem.lattice.within(np.isin(problem.lattice.setups, setups))
     points = left
     if len(lattice):
@@ -45,10 +49,12 @@ def renewed(problem: Problem, limits: Limits, left: list[Point], patience: float
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         points = fitted(problem, limits, times, trial).scores.points
     order = _shorter(problem, in_order(problem, points), left)
-    return [
-        p._replace(approach=arriving(problem, before, p))
-        for before, p in zip([problem.here, *order[:-1]], order, strict=True)
-    ]
+    return [p._replace(approach=arriving(problem, before, p)) for before, p in _steps(problem, order)]
+
+
+def _steps(problem: Problem, order: list[Point]) -> Iterator[tuple[Point | None, Point]]:
+    """Return each reading with where the machine stands before it."""
+    return zip([problem.here, *order], order, strict=False)
 
 
 def _shorter(problem: Problem, order: list[Point], left: list[Point]) -> list[Point]:
@@ -58,9 +64,18 @@ def _shorter(problem: Problem, order: list[Point], left: list[Point]) -> list[Po
 
 
 def _seconds(problem: Problem, points: list[Point]) -> float:
-    return sum(
-        way_seconds(problem, before, point) for before, point in zip([problem.here, *points[:-1]], points, strict=True)
-    )
+    return sum(way_seconds(problem, before, point) for before, point in _steps(problem, points))
+
+
+def _mountable(limits: Limits, times: Clock, left: list[Point]) -> list[Point]:
+    """Return the readings of the set-ups that there is time to mount, one after another."""
+    spent, kept = 0.0, set[int]()
+    for setup in dict.fromkeys(point.setup for point in left):
+        first = float(times.mounting[setup] + times.reading[setup])
+        if limits.budget is None or spent + first <= limits.budget:
+            spent += first
+            kept.add(setup)
+    return [point for point in left if point.setup in kept]
 
 
 def _setups(problem: Problem, left: list[Point]) -> Setups:

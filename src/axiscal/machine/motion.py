@@ -78,9 +78,9 @@ def approach_seconds(machine: Machine, start: Array, stop: Array, approach: Arra
 def inward(axis: Axis, position: float, side: int) -> float:
     """Return the position, or the nearest one that leaves room to come to it from a side over the whole overrun.
 
-    side : +1, −1, or 0 for any.  A full turn has no ends.
+    side : +1, −1, or 0 for any.  The travel of a full turn has ends as well: programs stay within it.
     """
-    if side == 0 or axis.cyclic:
+    if side == 0:
         return position
     low, high = axis.travel
     nearest = low + axis.overrun if side > 0 else high - axis.overrun
