@@ -37,7 +37,7 @@ def route(seconds: Array, first: Array | None = None) -> Order:
     table = np.zeros((count + 1, count + 1))
     table[:count, :count] = seconds
     table[count, :count] = begin
-    starts = np.argsort(begin, kind="stable")[: _STARTS if first is None else 2]
+    starts = np.argsort(begin, kind="stable")[:_STARTS]
     if first is None:
         starts = np.unique(np.linspace(0, count - 1, min(_STARTS, count)).astype(np.intp))
     starts = starts[: max(1, _MANY // count)]
