@@ -15,7 +15,9 @@ from axiscal.design.cost import approach_seconds
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
-_STARTS = 8
+_STARTS = 4
+_KICKS = 12
+"""Parts of a way are exchanged by lot so often: what 2-opt and Or-opt cannot do in one step."""
 _ROUNDS = 400
 _WORK = 20_000_000
 _MANY = 160
@@ -42,8 +44,19 @@ def route(seconds: Array, first: Array | None = None) -> Order:
         starts = np.unique(np.linspace(0, count - 1, min(_STARTS, count)).astype(np.intp))
     starts = starts[: max(1, _MANY // count)]
     orders = [_improved(_nearest(table, int(start)), table) for start in starts]
-    best = min(orders, key=lambda order: route_seconds(order, table))
+    best = _kicked(min(orders, key=lambda order: route_seconds(order, table)), table)
     return np.array(best[1:], dtype=np.intp)
+
+
+def _kicked(order: list[int], table: Array) -> list[int]:
+    """Return the way, or a shorter one found by exchanging two neighbouring parts of it, by lot, and improving that."""
+    rng, shortest = np.random.default_rng(0), route_seconds(order, table)
+    for _ in range(min(_KICKS, _MANY // len(order) * 2) if len(order) > 4 else 0):
+        a, b, c = np.sort(rng.choice(np.arange(1, len(order) + 1), 3, replace=False)).tolist()
+        tried = _improved([*order[:a], *order[b:c], *order[a:b], *order[c:]], table)
+        if (seconds := route_seconds(tried, table)) < shortest - _GAIN:
+            order, shortest = tried, seconds
+    return order
 
 
 def route_seconds(order: list[int], table: Array) -> float:
