@@ -132,12 +132,14 @@ def read_heidenhain(text: str) -> list[Event]:
 
 def read_fanuc(text: str) -> list[Event]:
     """G54 that has been compared with the machine's zero after every stop; G4 P in whole milliseconds."""
-    percent, number, tool, modal, work, *body, end, alarm, last = text.splitlines()
-    assert (percent, tool, modal, work, end, last) == (
+    percent, number, tool, modal, work, exact, *body, cutting, end, alarm, last = text.splitlines()
+    assert (percent, tool, modal, work, exact, cutting, end, last) == (
         "%",
         "IF[#4008NE49]GOTO9000",
         "G21 G90 G94 G17 G40 G49 G80",
         "G54",
+        "G61",
+        "G64",
         "M30",
         "%",
     )

@@ -29,12 +29,16 @@ class Fanuc(Dialect):
         "The comparison takes the control's first axes, as many as the machine description has: they must be these.",
         "No rotation, scaling, mirror image, tilted plane or tool centre point control may be in force.",
         "Coordinates have three decimals (IS-B): a reading is where the list says, which may be 0.0005 off the plan.",
+        "G61 (exact stop) is in force while the program runs and G64 (cutting mode) after it.",
         "Programs are O1001, O1002 and so on, one for each set-up: rename them where these numbers are taken.",
     )
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
-        """Return number, check and safety line; G49 alone may move an axis, so it must be in force already."""
-        return ["%", f"O{_FIRST + number}", "IF[#4008NE49]GOTO9000", "G21 G90 G94 G17 G40 G49 G80", "G54"]
+        """Return number, check and safety line, and exact stop; G49 alone may move an axis, so it must be in force.
+
+        In cutting mode (G64) a block begins while the one before still brakes: an overrun would be cut short.
+        """
+        return ["%", f"O{_FIRST + number}", "IF[#4008NE49]GOTO9000", "G21 G90 G94 G17 G40 G49 G80", "G54", "G61"]
 
     def stop(self, axes: Sequence[Axis]) -> list[str]:
         """Return M0, which also ends reading ahead, and then the proof that G54 is the machine's zero.
@@ -45,8 +49,8 @@ class Fanuc(Dialect):
 
     @property
     def closing(self) -> list[str]:
-        """M30, and the alarm that the checks lead to."""
-        return ["M30", "N9000 #3000=1(NOT IN MACHINE COORDINATES)", "%"]
+        """The usual cutting mode, M30, and the alarm that the checks lead to."""
+        return ["G64", "M30", "N9000 #3000=1(NOT IN MACHINE COORDINATES)", "%"]
 
     def move(self, words: Words, feed: int) -> str:
         """Return G1 in G54, which has been proven to be the machine's zero."""
