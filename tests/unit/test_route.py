@@ -1,4 +1,4 @@
-"""Short ways, against the exact shortest by dynamic programming, and against OR-tools where that would take too long."""
+"""Short ways, against the exact shortest by dynamic programming, and against OR-tools where that takes too long."""
 
 from __future__ import annotations
 

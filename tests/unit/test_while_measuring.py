@@ -29,6 +29,17 @@ direction = "x"
 noise = "0.5 um"
 approach = "both"
 """
+MACHINE = """
+chain = "w-X'-Y'-b-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[axes.Y]
+travel = ["0 mm", "500 mm"]
+[errors]
+EXX = { std = "10 um", knots = 5 }
+EXX_reversal = { std = "3 um" }
+EXY = { std = "10 um", knots = 5 }
+"""
 OFF = 40e-6
 """How wrong a reading is that the others contradict."""
 
@@ -156,3 +167,12 @@ def test_one_rejected_reading_makes_no_gap_and_two_in_different_places_make_none
     assert twice_rejected(case, readings, rejected[1:3]) == ()
     assert [gap.position for gap in twice_rejected(case, readings, rejected)] == [(0.1001,), (0.3,)]
     assert twice_rejected(case, readings, [Doubt(0, 3.5, 0.3), Doubt(1, 3.5, 0.3)]) == ()
+
+
+@pytest.mark.parametrize(("side", "told"), [(1, frozenset()), (0, frozenset({"laser"})), (-1, frozenset({"laser"}))])
+def test_a_side_is_missed_only_where_the_axis_has_a_reversal(side: int, told: frozenset[str], tmp_path: Path) -> None:
+    (tmp_path / "m.toml").write_text(MACHINE)
+    (tmp_path / "c.toml").write_text(TEXT.replace("one-axis", "m.toml").replace('"both"', '"+"'))
+    calibration = Calibration(Problem(read_campaign(tmp_path / "c.toml")))
+    calibration.absorb(Reading("laser", (0.1, 0.0), (side, 0), 0.0, None))  # Y stands at its end: from any side
+    assert calibration.problem.both == told

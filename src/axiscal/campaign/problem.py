@@ -131,10 +131,11 @@ class Problem:
         return self.description.setups.index(self.description.setup(setup))
 
     def came_as_allowed(self, reading: Reading) -> bool:
-        """Whether the moving axes came from sides that the set-up allows."""
+        """Whether the moving axes came from sides that the set-up allows, where they have a reversal to show."""
         setup = self.description.setup(reading.setup)
         sides = {"both": (1, -1), "+": (1,), "-": (-1,)}["both" if setup.name in self.both else setup.approach]
-        return all(reading.approach[k] in sides for k in setup.moves)
+        reverses = {function.axis for function in self.errors.functions if function.kind == "reversal"}
+        return all(reading.approach[k] in sides for k in setup.moves if k in reverses)
 
     def _allowed_rows(self) -> Array:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
