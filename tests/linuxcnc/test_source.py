@@ -31,9 +31,13 @@ def result(folder: Path) -> dict[str, object]:
     return found
 
 
-def test_linuxcnc_and_the_plain_simulation_give_the_same_campaign(tmp_path: Path) -> None:
+THREE_VALUES = 'machine = "three-axis-mill"\n[target]\nreadings = 6\n[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
+
+
+@pytest.mark.parametrize("campaign", [CAMPAIGN, THREE_VALUES], ids=["laser", "rtest"])
+def test_linuxcnc_and_the_plain_simulation_give_the_same_campaign(campaign: str, tmp_path: Path) -> None:
     """Without tables LinuxCNC goes where it is told: to a nanometre the readings, and so the estimate, are the same."""
-    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    (tmp_path / "c.toml").write_text(campaign)
     for source in ("linuxcnc:5", "sim:5"):
         out = tmp_path / source.partition(":")[0]
         assert run(["run", str(tmp_path / "c.toml"), "--source", source, "--out", str(out)]) == 0
