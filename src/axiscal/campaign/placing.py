@@ -166,7 +166,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
             raise ReadingError(what, f"Say where it stood, anywhere from {axis.travel_text}")
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
-    slack, (low, high) = 1e-9 * axis.length, setup.span(axis, index)
+    slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
     if not low - slack <= value <= high + slack:
         _refuse_outside(setup, axis, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
