@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,10 +82,33 @@ def test_a_prior_that_is_no_campaign_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordError):
         read_campaign(_campaign(tmp_path, 'prior = "nothing.axiscal"'), target_needed=False)
     _record(tmp_path, _curve(8e-6), "", "last.axiscal")
-    with pytest.raises(DescriptionError, match="not learnt anew"):
-        read_campaign(_campaign(tmp_path, 'prior = "last.axiscal"\nscales = "estimate"'), target_needed=False)
     with pytest.raises(DescriptionError):
         read_campaign(_campaign(tmp_path, 'prior = "last.axiscal"\nkept = 1.5'), target_needed=False)
+
+
+def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Path) -> None:
+    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    rng, found = np.random.default_rng(5), {}
+    noisy = [_curve(8e-6) + 1.5e-6 * rng.standard_normal(len(POSITIONS)) for _ in range(3)]  # repeats show the noise
+    for scales in ("stated", "estimate"):
+        path = _record(tmp_path, noisy[0], f'prior = "last.axiscal"\nscales = "{scales}"', f"{scales}.axiscal")
+        with Campaign.open(path) as campaign:
+            for values in noisy[1:]:
+                campaign.adopt(
+                    tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
+                )
+            found[scales] = calibration_of(campaign.engine)
+    stated, learnt = found["stated"], found["estimate"]
+    size = stated.problem.errors.size
+    assert learnt.fit is not None
+    assert {scale.kind for scale in learnt.fit.scales.of} == {"noise", "rest"}
+    assert 1e-6 < learnt.problem.description.setups[0].noise < 2.5e-6
+    assert np.array_equal(learnt.problem.prior.covariance[:size, :size], stated.problem.prior.covariance[:size, :size])
+    assert np.array_equal(learnt.problem.prior.mean, stated.problem.prior.mean)
+    curve = learnt.problem.errors.names["EXX"]
+    widths = [np.linalg.norm(each.belief.factor[curve.columns]) for each in (stated, learnt)]
+    assert widths[1] > widths[0]
+    assert any("the noise of" in finding.text for finding in findings(learnt))
 
 
 def test_drift_shows_in_repeated_readings(tmp_path: Path) -> None:

@@ -53,8 +53,9 @@ class Calibration:
         self._readings: list[Reading] = []
         self._seconds = 0.0
         self._learnt_from = 0
-        self._trusted = Verdict((), ())
+        self._trusted, self._hindsight = Verdict((), ()), False
         self._fit: Fit | None = None
+        self._plausibility, self._implausible = self._fresh_plausibility(), dict[int, Doubt]()
         self._start(stated)
 
     @property
@@ -113,6 +114,17 @@ class Calibration:
             return self
         return self._with(self._readings)
 
+    def replay(self) -> Calibration:
+        """Return a calibration before its first reading that is to be fed the same readings again, one after the other.
+
+        It knows from the beginning which readings are bad; scales it learns as they come.
+        """
+        settled = self._settled()
+        moved = settled._problem.description.setups != self.stated.description.setups
+        again = Calibration(self.stated, len(self._readings) if moved or self.stated.variable else None)
+        again._trusted, again._implausible, again._hindsight = settled._trusted, dict(settled._implausible), True
+        return again
+
     def _with(self, readings: Sequence[Reading]) -> Calibration:
         whole = Calibration(self.stated, len(readings))
         for reading in readings:
@@ -123,15 +135,12 @@ class Calibration:
         self._problem, self._observation, self._belief = problem, problem.observation, problem.prior
         self._innovations: list[Innovations] = []
         self._accuracy: Accuracy | None = None
-        self._plausibility = self._fresh_plausibility()
-        self._implausible: dict[int, Doubt] = {}
 
     def _fresh_plausibility(self) -> Plausibility:
-        stated, observation = self.stated, self._problem.observation
-        inherited = stated.inherited
-        mean = np.zeros(stated.errors.size) if inherited is None else inherited.mean
+        stated = self.stated
+        mean = np.zeros(stated.errors.size) if stated.inherited is None else stated.inherited.mean
         slack = _LEARNABLE if stated.description.scales_estimated else 1.0
-        return Plausibility(observation, stated.errors.prior_covariance(), mean, slack)
+        return Plausibility(stated.observation, stated.errors.prior_covariance(), mean, slack)
 
     def _settled(self) -> Calibration:
         due = self._due()
@@ -153,22 +162,24 @@ class Calibration:
 
         Those from which the scales were learnt have been looked at.
         """
-        if count <= self._learnt_from or np.sqrt(self._innovations[-1].chi_square) < _SURPRISING:
+        known = self._hindsight or count <= self._learnt_from
+        if known or np.sqrt(self._innovations[-1].chi_square) < _SURPRISING:
             return
         found = self._verdict(self._problem, self._readings[:count])
         if found.fates != self._trusted.fates:
             self._trusted = found
             self._start(self._problem)
-            self._judge()
             for index in range(count):
                 self._take(index)
 
     def _judge(self) -> None:
         """Find the implausible among new readings: as they come, or, if they are all there, the nearest first."""
+        if self._hindsight:
+            return
         judged, start = self._plausibility, len(self._plausibility.sizes)
         if self._whole == len(self._readings) and start == 0:
             order = nearest_first(self._readings)
-            sizes = [judged.take(self._readings[index]) for index in order]
+            sizes = judged.take_all([self._readings[index] for index in order])
             self._note({i: size for i, size in sorted(zip(order, sizes, strict=True)) if size > judged.limit})
         for index in range(len(judged.sizes), len(self._readings)):
             size = judged.take(self._readings[index])
@@ -191,12 +202,14 @@ class Calibration:
     def _learn(self, readings: Sequence[Reading]) -> None:
         """Find bad readings and scales, and begin anew with them; scales first, for what stands out depends on them."""
         self._start(self.stated)
+        if self._whole == len(self._readings) and not self._hindsight:  # all together, the nearest first
+            self._plausibility, self._implausible = self._fresh_plausibility(), {}
         self._judge()
         problem, found = self.stated, self._verdict(self.stated, readings)
         doubtful = {*self._implausible, *(doubt.reading for doubt in found.doubts)}
         trusted = [reading for index, reading in enumerate(readings) if index not in doubtful]
         if problem.variable and len(readings) - len(self._implausible) >= FEWEST:
-            self._fit = fit(problem.observation, trusted, problem.variable)
+            self._fit = fit(problem.observation, trusted, problem.variable, problem.inherited)
             problem = problem.rescaled(self._fit.scales)
             found = self._verdict(problem, readings)
         self._trusted = found
@@ -232,7 +245,7 @@ class Calibration:
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
         implausible = index in self._implausible  # no weight is small enough for a value of any size
         self._belief = belief if implausible else belief.update(seen.rows, seen.values, seen.variances / weight)
-        if not self._problem.came_as_allowed(reading):
+        if reading.setup not in self._problem.both and not self._problem.came_as_allowed(reading):
             self._problem = replace(self._problem, both=self._problem.both | {reading.setup})
 
     def misfit(self) -> float:
@@ -299,11 +312,19 @@ class Calibration:
 
     def elapsed(self, visits: Sequence[Visit]) -> float:
         """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
-        total, before = 0.0, None
-        for visit in visits:
+        total, known = 0.0, 0
+        before: Visit | Reading | None = None
+        if self._readings and self._begins_with_readings(visits):
+            total, before, known = self._seconds, self._readings[-1], len(self._readings)
+        for visit in visits[known:]:
             total += self._seconds_of(before, visit)
             before = visit
         return total
+
+    def _begins_with_readings(self, visits: Sequence[Visit]) -> bool:
+        count = len(self._readings)
+        pairs = zip(visits, self._readings, strict=False)
+        return len(visits) >= count and all(v.setup == r.setup and v.pose == r.pose for v, r in pairs)
 
     def _seconds_of(self, before: Visit | Reading | None, visit: Visit | Reading) -> float:
         description = self.stated.description

@@ -87,6 +87,7 @@ class Campaign:
         self.state = record.state()
         self._engine: Engine | None = None
         self._absorbed: list[Reading] = []
+        self._begun: str | None = None
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, build: Build = build) -> Self:
@@ -114,7 +115,9 @@ class Campaign:
     @property
     def begun(self) -> str:
         """When the record was begun: ISO 8601, UTC."""
-        return self._record.events()[0].at
+        if self._begun is None:
+            self._begun = self._record.events()[0].at
+        return self._begun
 
     @property
     def engine(self) -> Engine:

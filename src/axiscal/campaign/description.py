@@ -105,9 +105,6 @@ def _described(
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
     learnt = table.scales == "estimate"
-    if learnt and table.prior is not None:
-        fault = DescriptionError("the prior of an earlier campaign is not learnt anew", 'Take scales = "estimate" out')
-        raise document.fault(fault, "scales")
     source = str(document.path)
     return CampaignDescription(
         machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept

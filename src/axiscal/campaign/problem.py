@@ -49,11 +49,15 @@ class Problem:
 
     @cached_property
     def variable(self) -> tuple[Scale, ...]:
-        """The scales that the description asks to be learnt; none where the prior was inherited."""
-        if self.inherited is not None:
-            return ()
+        """The scales that the description asks to be learnt; where the prior was inherited only noises and rests.
+
+        What an earlier campaign knew of the curves is more than their size and smoothness, and stays.
+        """
         machine, setups = self.description.machine, self.description.setups
-        return all_scales(machine, setups) if self.description.scales_estimated else wanted_rests(machine)
+        if not self.description.scales_estimated:
+            return wanted_rests(machine)
+        scales = all_scales(machine, setups)
+        return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
 
     def rescaled(self, scales: Scales) -> Problem:
         """Return the problem with priors and noise as learnt."""

@@ -24,15 +24,27 @@ class Evidence:
     """The marginal likelihood of readings as a function of the logarithms of the scales' factors.
 
     observation : the stated model; scales : those that vary; what is not among them stays as stated
+    prior : mean and covariance of the errors, where they are not the stated ones; then only noises and rests vary
     A reading of three numbers counts as three; m is the count of all numbers, `reading` (m,) the index of its reading.
     """
 
-    def __init__(self, observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...] = ()) -> None:
+    def __init__(
+        self,
+        observation: Observation,
+        readings: Sequence[Reading],
+        scales: tuple[Scale, ...] = (),
+        prior: tuple[Array, Array] | None = None,
+    ) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
         seen = Numbers(observation, readings)
         self.reading, self.values, self.rows = seen.reading, seen.values, seen.rows
         self._parts, unknowns = seen.parts(), seen.unknowns()
         self._fixed = unknowns @ unknowns.T + np.diag(seen.loose)
+        self._inherits = prior is not None
+        if prior is not None:
+            rows = self.rows[:, : len(prior[0])]
+            self.values = self.values - rows @ prior[0]
+            self._fixed = self._fixed + rows @ prior[1] @ rows.T
         self._noise, self._own_noise = seen.noise, seen.own
         self._owners = [readings[int(i)].setup for i in seen.reading]
         self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
@@ -67,13 +79,19 @@ class Evidence:
         result: Array = self._fixed + np.diag(self._variances(logs))
         for part in self._parts:
             entry = self._entries[part.function.name]
-            std = entry.std * self._factor("std", entry.name, logs)
-            correlation = part.correlation(self._length(entry.name, logs)) if len(part.rows.T) > 1 else np.ones((1, 1))
-            result += std**2 * (part.rows @ correlation @ part.rows.T)
+            if not self._inherits:
+                result += self._of_curve(part, logs)
             rest = self._scale("rest", entry.name, entry.first_rest, logs)
             if rest > 0:
                 result += rest**2 * (part.shared @ part.shared.T)
         return result
+
+    def _of_curve(self, part: Part, logs: Array) -> Array:
+        """s² G R Gᵀ."""
+        std = self._entries[part.function.name].std * self._factor("std", part.function.name, logs)
+        if len(part.rows.T) == 1:
+            return std**2 * (part.rows @ part.rows.T)
+        return std**2 * (part.rows @ part.correlation(self._length(part.function.name, logs)) @ part.rows.T)
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])

@@ -17,6 +17,7 @@ _FARTHEST = 4.6
 _STEP = 1e-3
 _STEPS, _FEW_STEPS = 200, 40
 _FLATTEST = 0.3
+_MOST = 300
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,12 +37,19 @@ class Fit:
         return 2.0 * (self.found - self.stated)
 
 
-def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...]) -> Fit:
+def fit(
+    observation: Observation,
+    readings: Sequence[Reading],
+    scales: tuple[Scale, ...],
+    prior: tuple[Array, Array] | None = None,
+) -> Fit:
     """Return the most probable scales.
 
     observation : the stated model, before any cell is visited; scales : those that vary, at least one
+    prior : mean and covariance of the errors, where they are not the stated ones
+    Of many readings a part tells them, drawn the same way each time: what the others would add is seconds of waiting.
     """
-    evidence, precision = Evidence(observation, readings, scales), log_prior_precision(scales)
+    evidence, precision = Evidence(observation, drawn(readings, _MOST), scales, prior), log_prior_precision(scales)
 
     def objective(logs: Array) -> tuple[float, Array]:
         value, slope = evidence.log_density(logs)
@@ -53,6 +61,14 @@ def fit(observation: Observation, readings: Sequence[Reading], scales: tuple[Sca
     cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
     found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(cautious)))
     return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+
+
+def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
+    """Return all readings, or so many of them, drawn the same way each time."""
+    if len(readings) <= most:
+        return list(readings)
+    chosen = np.sort(np.random.default_rng(0).choice(len(readings), most, replace=False))
+    return [readings[int(i)] for i in chosen]
 
 
 def roughly(evidence: Evidence, scales: tuple[Scale, ...]) -> Array:

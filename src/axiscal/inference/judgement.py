@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
 from axiscal.inference.evidence import Evidence
-from axiscal.inference.fit import roughly
+from axiscal.inference.fit import drawn, roughly
 from axiscal.inference.scales import Kind, Scales, all_scales
 from axiscal.machine.entry import GUESSED_REST
 from axiscal.measurement.observation import Observation
@@ -51,21 +51,13 @@ def misfits(observation: Observation, readings: Sequence[Reading]) -> tuple[Misf
     """
     if len(readings) < FEWEST:
         return ()
-    sample = _sample(readings)
+    sample = drawn(readings, _MOST)
     scales = all_scales(observation.errors.machine, observation.setups)
     evidence = Evidence(observation, sample, scales)
     logs = roughly(evidence, scales)
     found = Scales(scales, tuple(np.exp(logs)), tuple(np.exp(logs)))
     judge = _Judge(observation, evidence, found, logs, evidence.log_density(logs)[0])
     return tuple(judge.all())
-
-
-def _sample(readings: Sequence[Reading]) -> list[Reading]:
-    """Return all readings, or so many that the judgement takes seconds, drawn the same way each time."""
-    if len(readings) <= _MOST:
-        return list(readings)
-    chosen = np.sort(np.random.default_rng(0).choice(len(readings), _MOST, replace=False))
-    return [readings[int(i)] for i in chosen]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from axiscal.error_model.model import ErrorFunction
 from axiscal.error_model.prior import distances, matern52, matern52_by_length
 from axiscal.measurement.drift import Course
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation, Seen, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -105,7 +105,7 @@ class Numbers:
         """Return U with U Uᵀ the covariance that unknowns and drifts of the set-ups give the numbers, (m, k)."""
         start = self._observation.errors.size
         stds = np.array([unknown.std for setup in self._observation.setups for unknown in setup.unknowns])
-        drifts = [self._drifts(setup) for setup in self._observation.setups if setup.drift > 0]
+        drifts = [self._drifts(setup) for setup in self._observation.setups if setup.drift > 0 and self._of(setup)]
         return np.hstack([self.rows[:, start : start + len(stds)] * stds, *drifts])
 
     def _drifts(self, setup: Setup) -> Array:
@@ -116,14 +116,35 @@ class Numbers:
         parts = []
         for number in range(len(directions_of(setup))):
             rows = np.zeros((len(self.values), len(course.columns)))
-            rows[self._first[mine] + number] = np.array([course.row(time) for time in times]).reshape(len(mine), -1)
+            rows[self._first[mine] + number] = np.array([course.row(time) for time in times])
             parts.append(rows)
         return np.hstack(parts)
 
 
+def seen_together(observation: Observation, readings: Sequence[Reading]) -> list[Seen]:
+    """Return what `Observation.reading` does of each reading, of all at once; for a map that no reading has widened."""
+    found: list[Seen] = [_NOTHING] * len(readings)
+    for index, setup in enumerate(observation.setups):
+        mine = [i for i, reading in enumerate(readings) if reading.setup == setup.name]
+        if not mine:
+            continue
+        poses = np.array([readings[i].pose for i in mine])
+        approaches = np.array([readings[i].approach for i in mine], dtype=float)
+        parts = [observation.rows(index, poses, approaches, direction) for direction in directions_of(setup)]
+        beyond = observation.beyond(index, poses)
+        for at, i in enumerate(mine):
+            own = 0.0 if (std := readings[i].std) is None else std**2 - setup.noise**2
+            rows, variances = (np.array([part[which][at] for part in parts]) for which in (0, 1))
+            found[i] = Seen(rows, variances + own, np.array(readings[i].values) - beyond[at])
+    return found
+
+
+_NOTHING = Seen(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+
+
 def _course(setup: Setup, times: Sequence[float]) -> Course:
     """Return the drift over times, in order, s."""
-    course = Course.begun(setup.drift, times[0] if times else 0.0, 0)
+    course = Course.begun(setup.drift, times[0], 0)
     for time in times:
         if course.needs_node(time):
             course = course.with_node(time, len(course.columns))

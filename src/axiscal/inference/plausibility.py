@@ -7,14 +7,17 @@ times larger, makes no reading implausible. A belief about the unknowns alone do
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.inference.doubt import Doubt
+from axiscal.inference.numbers import seen_together
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.wording import reading_unit
@@ -65,9 +68,18 @@ class Plausibility:
         self._first: dict[str, float] = {}
         self.sizes: list[float] = []
 
+    def take_all(self, readings: Sequence[Reading]) -> list[float]:
+        """Return how many standard deviations away each of many readings is."""
+        return [
+            self._taken(r, seen) for r, seen in zip(readings, seen_together(self._observation, readings), strict=True)
+        ]
+
     def take(self, reading: Reading) -> float:
         """Return how many standard deviations away a reading is, and learn the set-up's unknowns from it."""
-        seen, errors = self._observation.reading(reading), len(self._mean)
+        return self._taken(reading, self._observation.reading(reading))
+
+    def _taken(self, reading: Reading, seen: Seen) -> float:
+        errors = len(self._mean)
         rows = seen.rows[:, :errors]
         variances = seen.variances + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
         variances += self._bent(reading) + self._drifted(reading)

@@ -89,7 +89,7 @@ def _reversal(curve: Curve) -> bool:
 def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
     """Replay the readings: how well the machine was known after each, and how much each surprised."""
     readings = campaign.state.readings
-    replay = Calibration(calibration.stated, len(readings))
+    replay = calibration.replay()
     rows = [_row(replay, None, 0, 0.0)]
     for number, reading in enumerate(readings, start=1):
         replay.absorb(reading)

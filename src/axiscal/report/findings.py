@@ -26,6 +26,8 @@ from axiscal.units import to_unit
 _OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
 _SHOWS, _AN_HOUR = 3.0, 3600.0
+_OTHER = 1.5
+"""By this factor a noise is another than stated."""
 _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
@@ -95,6 +97,7 @@ def _outliers(calibration: Calibration) -> Iterator[Finding]:
 def _scales(calibration: Calibration) -> Iterator[Finding]:
     """Say which stated figures do not fit: those that were learnt, and those that should be."""
     if calibration.stated.inherited is not None:
+        yield from _noises(calibration)
         return
     learnt = {(scale.kind, scale.owner) for scale in calibration.fit.scales.of} if calibration.fit else set()
     for misfit in misfits(calibration.stated.observation, _trusted(calibration)):
@@ -102,6 +105,15 @@ def _scales(calibration: Calibration) -> Iterator[Finding]:
             yield _rough(misfit, calibration, ("rest", misfit.owner) in learnt)
         else:
             yield _off(misfit, calibration, ("noise" if misfit.kind == "noise" else "std", misfit.owner) in learnt)
+
+
+def _noises(calibration: Calibration) -> Iterator[Finding]:
+    """Say which noises were learnt that are not as stated."""
+    found = calibration.fit
+    for setup in calibration.stated.description.setups if found else ():
+        noise = found.scales.value("noise", setup.name) if found else None
+        if noise is not None and not 1 / _OTHER < noise / setup.noise < _OTHER:
+            yield _off(Misfit(setup.name, "noise", setup.noise, noise), calibration, True)
 
 
 def _trusted(calibration: Calibration) -> list[Reading]:
