@@ -117,3 +117,85 @@ def test_a_target_alone_is_planned_within_what_the_campaign_allows(
 def test_an_unknown_control_is_refused_before_the_campaign_is_read(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["plan", "nowhere.toml", "--gcode", "fanux"]) == 1
     assert "Perhaps fanuc is meant" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_proof_holds_anywhere_in_the_travel(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The bound on J of seven readings is 0.0788 mm² mm (a number computed elsewhere), on and off the lattice."""
+    assert run(["plan", str(campaign), "--prove", "--gap", "0.05", "--json"]) == 0
+    printed = capsys.readouterr()
+    document = json.loads(printed.out)
+    assert document["bound_J"] == pytest.approx(0.0788e-9, rel=1e-3)
+    assert document["bound_holds_for"] == "every position in the travel"
+    assert 0 <= document["proof_gap_percent"] <= 0.05
+    assert document["percent_from_best"] == pytest.approx(100 * (document["ratio"] - 1))
+    assert "the proof, round 1" in printed.err
+    assert run(["plan", str(campaign), "--prove"]) == 0
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said.startswith("No plan of 7 readings anywhere in the travel can make J smaller than 7.8")
+    assert "% from the best possible; search stopped at a gap of " in said
+
+
+def test_a_proof_in_micrometres(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    campaign.write_text(CAMPAIGN.replace('criterion = "joint"', ""))
+    assert run(["plan", str(campaign), "--prove", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["percent_from_best"] == pytest.approx(100 * (document["rms_um"] / document["bound_rms_um"] - 1))
+    assert document["ratio"] == pytest.approx((document["rms_um"] / document["bound_rms_um"]) ** 2)
+    assert document["proof_gap_percent"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("machine", "setup", "why"),
+    [
+        ("dmu60", 'moves = ["B"]', "B turns"),
+        ("printer-gantry", "", "rotations act through lever arms"),
+        ("paper-three-stacked", 'station = ["0 mm", "0 mm", "-300 mm"]', "looks another way"),
+    ],
+)
+def test_no_proof_where_errors_do_not_add_up(
+    campaign: Path, machine: str, setup: str, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CAMPAIGN.replace("machine.toml", machine).replace("unknowns = {}", setup)
+    if "station" in setup:
+        text = text.replace('"indicator"', '"ballbar"').replace('direction = "x"', "")
+    campaign.write_text(text)
+    assert run(["plan", str(campaign), "--prove"]) == 1
+    printed = capsys.readouterr()
+    said = " ".join(printed.err.split())
+    assert why in said
+    assert "Leave --prove out" in said
+    assert printed.out == ""
+    assert "..." not in said
+
+
+def test_less_memory_makes_the_same_plan(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """4,000 candidates of 150 unknowns take 5 MB: with 1 MB their rows are made anew for each look."""
+    campaign.write_text(CAMPAIGN.replace("machine.toml", "three-axis-mill").replace('criterion = "joint"', ""))
+    documents = []
+    for memory in ("1", "1000"):
+        assert run(["plan", str(campaign), "--readings", "5", "--memory", memory, "--json"]) == 0
+        documents.append(json.loads(capsys.readouterr().out))
+    little, much = documents
+    assert [p["position"] for p in little["points"]] == [p["position"] for p in much["points"]]
+    assert little["rms_um"] == pytest.approx(much["rms_um"], rel=1e-9)
+    assert little["bound_rms_um"] == pytest.approx(much["bound_rms_um"], rel=1e-6)
+
+
+def test_a_target_out_of_reach_is_said_at_once(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CAMPAIGN.replace("readings = 7", 'rms = "500 um"').replace('criterion = "joint"', "")
+    campaign.write_text(text)
+    assert run(["plan", str(campaign), "--target", "2 um"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "1,000 readings leave at least" in said
+    assert 'With half the noise in "dial" (50 um)' in said
+    (tmp_path / "machine.toml").write_text(MACHINE.replace("knots = 7", 'knots = 7, rest = "3 um"'))
+    assert run(["plan", str(campaign), "--target", "2 um"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "endless readings would leave 3" in said
+    assert "finer knots" in said
+    campaign.write_text(text.replace('"x"', '"y"'))
+    assert run(["plan", str(campaign), "--target", "5 um"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "Another set-up would help. What cannot be seen" in said

@@ -8,6 +8,7 @@ import pytest
 
 from axiscal.campaign.description import read_campaign
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.proposal import Thoroughness
 from axiscal.campaign.what_if import PLANNED, TRADITIONAL, alternatives, traditional_readings
 from axiscal.design.problem import Limits
 from axiscal.report.what_if import render
@@ -37,7 +38,7 @@ def case(tmp_path: Path) -> Problem:
 
 def test_all_ways_start_alike_and_planning_is_not_worse(case: Problem) -> None:
     told: list[str] = []
-    found = alternatives(case, Limits(readings=6), 400, told.append)
+    found = alternatives(case, Limits(readings=6), Thoroughness(400), told.append)
     assert [each.name for each in found] == [PLANNED, "only laser", "only dial <b>", TRADITIONAL] == [
         told[0], f"only {told[1]}", f"only {told[2]}", told[3]
     ]  # fmt: skip
@@ -55,7 +56,7 @@ def test_the_traditional_way_is_evenly_spaced_and_shared_between_the_set_ups(cas
 
 
 def test_names_of_set_ups_are_no_markup_on_the_page(case: Problem) -> None:
-    page = render("Ways", alternatives(case, Limits(readings=2), 100, lambda _: None))
+    page = render("Ways", alternatives(case, Limits(readings=2), Thoroughness(100), lambda _: None))
     assert "dial <b>" not in page
     assert "dial &lt;b&gt;" in page
     assert 'src="http' not in page

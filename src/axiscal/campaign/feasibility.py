@@ -4,10 +4,24 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from axiscal.campaign.planning import posed
 from axiscal.campaign.problem import Problem
-from axiscal.units import to_unit
+from axiscal.design.accuracy import Yardstick
+from axiscal.design.pool import Pool
+from axiscal.design.problem import Limits
+from axiscal.design.relaxation import Relaxation
+from axiscal.design.state import State
+from axiscal.exceptions import TargetError
+from axiscal.measurement.wording import reading_unit
+from axiscal.units import format_quantity, to_unit
 
 _NAMED = 3
+_CANDIDATES = 1000
+_ROUNDS = 12
+MOST = 1000
+"""Readings beyond which no plan is made for an accuracy."""
 
 
 def out_of_reach(problem: Problem) -> str | None:
@@ -32,3 +46,58 @@ def out_of_reach(problem: Problem) -> str | None:
 def reachable_rms(problem: Problem) -> float:
     """Return the RMS over the volume that endless readings would leave, m."""
     return math.hypot(problem.yardstick.unseen_rms, math.sqrt(problem.yardstick.moments.rest))
+
+
+def refuse_out_of_reach(problem: Problem, limits: Limits) -> None:
+    """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
+    if limits.rms is None:
+        return
+    target, floor = to_unit(limits.rms, "um"), reachable_rms(problem)
+    if floor > limits.rms:
+        what = f"an RMS of {target:.3g} um is out of reach: endless readings would leave {to_unit(floor, 'um'):.3g} um"
+        raise TargetError(what, _what_hides(problem, limits.rms))
+    if limits.readings is None and limits.budget is None:
+        _refuse_too_noisy(problem, limits.rms)
+
+
+def _what_hides(problem: Problem, target: float) -> str:
+    rest = math.sqrt(problem.yardstick.moments.rest)
+    if rest > target:
+        return (
+            f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with finer knots they could be smaller"
+        )
+    hidden = " ".join(part.text for part in problem.hidden[:_NAMED])
+    return f"Another set-up would help. What cannot be seen: {hidden}"
+
+
+def _refuse_too_noisy(problem: Problem, target: float) -> None:
+    """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
+    yardstick = problem.yardstick
+    asked = posed(problem, problem.observation, problem.prior, candidates=_CANDIDATES)
+    pool = Pool(asked.observation, asked.lattice)
+    state = State.of(problem.observation, problem.prior, yardstick.root)
+    relaxation = Relaxation(pool, state, [], np.ones(len(pool)), float(MOST))
+    for _ in range(_ROUNDS):
+        dual = relaxation.solved()
+        slopes = relaxation.slopes(dual)
+        least = dual.whole - MOST * float(slopes.max())
+        if not _met(yardstick, target, least):
+            what = f"an RMS of {to_unit(target, 'um'):.3g} um is out of reach: {MOST:,} readings leave at least "
+            what += f"{to_unit(yardstick.rms_of(least), 'um'):.3g} um"
+            raise TargetError(what, _what_helps(problem, relaxation))
+        if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
+            return
+
+
+def _met(yardstick: Yardstick, target: float, value: float) -> bool:
+    return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
+
+
+def _what_helps(problem: Problem, relaxation: Relaxation) -> str:
+    """Say in which set-up half the noise would help most."""
+    setups, of = problem.description.setups, relaxation.setups
+    left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]
+    best = int(np.argmin(left))
+    noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
+    reached = to_unit(problem.yardstick.rms_of(left[best]), "um")
+    return f'With half the noise in "{setups[best].name}" ({noise}) it would be {reached:.3g} um; or ask for less'

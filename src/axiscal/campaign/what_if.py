@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.campaign.planning import whole_plan
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.proposal import Thoroughness, proposed
 from axiscal.design.cost import visit_seconds
 from axiscal.design.plan import Plan
 from axiscal.design.problem import Limits
@@ -37,28 +37,28 @@ class Alternative:
 
 
 def alternatives(
-    case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None]
+    case: Problem, limits: Limits, how: Thoroughness, progress: Callable[[str], None]
 ) -> tuple[Alternative, ...]:
     """Return the planned way first, then each set-up alone, then the traditional way with as many readings.
 
     Every way is judged over the same volume, with what all set-ups together could see as the yardstick.
     """
     progress(PLANNED)
-    best = whole_plan(case, limits, candidates, lambda _: None)
+    best = proposed(case, limits, how).plan
     found = [_of_plan(PLANNED, best)]
     if len(case.description.setups) > 1:
         for index, setup in enumerate(case.description.setups):
             progress(setup.name)
-            alone = _alone(case, index, limits, candidates)
+            alone = _alone(case, index, limits, how)
             found += [] if alone is None else [_of_plan(f"only {setup.name}", alone)]
     progress(TRADITIONAL)
     return (*found, traditional(case, len(best.readings)))
 
 
-def _alone(case: Problem, index: int, limits: Limits, candidates: int) -> Plan | None:
+def _alone(case: Problem, index: int, limits: Limits, how: Thoroughness) -> Plan | None:
     """Return the plan with one set-up; None where it can do nothing within the limits."""
     try:
-        return whole_plan(case, limits, candidates, lambda _: None, only=index)
+        return proposed(case, limits, how, only=index).plan
     except PlanError:
         return None
 

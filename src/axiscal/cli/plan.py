@@ -11,6 +11,7 @@ from axiscal.cli.options import CampaignFile, Json
 
 if TYPE_CHECKING:
     from axiscal.campaign.problem import Problem
+    from axiscal.campaign.proposal import Proposal, Thoroughness
     from axiscal.design.plan import Plan
     from axiscal.design.problem import Limits
 
@@ -28,6 +29,23 @@ def plan(
     compare: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
     ] = None,
+    prove: Annotated[
+        bool,
+        typer.Option(
+            "--prove",
+            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For machines whose "
+            "errors add up axis by axis; takes seconds with one axis, minutes with three.",
+        ),
+    ] = False,
+    gap: Annotated[
+        float, typer.Option(metavar="PERCENT", help="End --prove when the bound is known this well.", min=0.01)
+    ] = 0.5,
+    memory: Annotated[
+        int,
+        typer.Option(
+            metavar="MB", help="Memory for the candidates' rows; beyond it they are made anew, slower.", min=1
+        ),
+    ] = 1000,
     json: Json = False,
 ) -> None:
     """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
@@ -41,29 +59,42 @@ def plan(
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
       axiscal plan campaign.toml --readings 40 --compare what-if.html
+      axiscal plan campaign.toml --readings 12 --prove
     """
     from axiscal.campaign.description import read_campaign
+    from axiscal.campaign.feasibility import refuse_out_of_reach
     from axiscal.campaign.inheritance import problem_of
     from axiscal.campaign.plan_document import plan_document
-    from axiscal.campaign.planning import whole_plan
+    from axiscal.campaign.proposal import Thoroughness, proposed, proven, refuse_unless_provable
     from axiscal.cli.printing import say, say_document, tell
     from axiscal.gcode.registry import dialect
 
     if gcode is not None:
         dialect(gcode)
     case = problem_of(read_campaign(campaign, target_needed=False))
-    limits = _limits(case, readings, target, budget)
+    limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
+    if prove:
+        refuse_unless_provable(case)
+    if target is not None:
+        refuse_out_of_reach(case, limits)
     if compare is not None:
-        _compared(case, limits, candidates, compare, json)
+        _compared(case, limits, how, compare, json)
         return
-    made = whole_plan(case, limits, candidates, lambda step: tell(f"{step} ..."))
-    files = [] if gcode is None else _programs(case, made, gcode, out)
+    proposal = proposed(case, limits, how, lambda step: tell(f"{step} ..."))
+    if prove:
+        proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell(f"{step} ..."))
+    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
     if json:
-        say_document(plan_document(case, made))
+        say_document(plan_document(case, proposal))
         return
-    say(_table(case, made))
+    say(_table(case, proposal))
     for file in files:
         say(f"Written: {file}")
+
+
+def _share(case: Problem, gap: float) -> float:
+    """Return percents of the figure that is printed as a share of J: the RMS is the root of one."""
+    return gap / 100 * (2 if case.description.target.criterion == "volume" else 1)
 
 
 def _limits(case: Problem, readings: int | None, target: str | None, budget: str | None) -> Limits:
@@ -87,13 +118,13 @@ def _limits(case: Problem, readings: int | None, target: str | None, budget: str
     return Limits(own.readings, own.rms, own.worst, own.budget)
 
 
-def _compared(case: Problem, limits: Limits, candidates: int, page: Path, as_json: bool) -> None:
+def _compared(case: Problem, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
     from axiscal.campaign.what_if import alternatives
     from axiscal.cli.printing import say, say_document, tell
     from axiscal.report.delivery import write_whole
     from axiscal.report.what_if import render, table_row
 
-    found = alternatives(case, limits, candidates, lambda name: tell(f"{name} ..."))
+    found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
     write_whole(page, render(f"Ways to measure: {case.description.machine.name}", found))
     rows = [table_row(each) for each in found]
     if as_json:
@@ -113,29 +144,38 @@ def _programs(case: Problem, made: Plan, controller: str, out: Path) -> list[Pat
     return write_programs(case.description.machine, case.description.setups, placed(case, made), controller, out)
 
 
-def _table(case: Problem, made: Plan) -> str:
+def _table(case: Problem, proposal: Proposal) -> str:
     from axiscal.campaign.feasibility import out_of_reach
     from axiscal.campaign.plan_document import bound_sentence
+    from axiscal.cli.wording import count_text, micrometres
+    from axiscal.units import to_unit
+
+    made = proposal.plan
+    accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
+    said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
+    said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
+    reach = out_of_reach(case)
+    lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
+    return "\n".join(lines if reach is None else [*lines, f"Mind: {reach}"])
+
+
+def _lines(case: Problem, made: Plan) -> list[str]:
+    """Return a line for each reading, and one for each mounting, in columns."""
     from axiscal.campaign.planning import placed
     from axiscal.cli.wording import micrometres
     from axiscal.measurement.wording import approach_text, place_text
     from axiscal.units import to_unit
 
-    axes = case.description.machine.axes
-    lines, mounted = [], ""
-    for number, (place, reading) in enumerate(zip(placed(case, made), made.readings, strict=True), start=1):
+    axes, lines, mounted = case.description.machine.axes, list[str](), ""
+    places = placed(case, made)
+    moves = {setup.name: setup.moves for setup in case.description.setups}
+    where = [place_text(axes, place.position, moves[place.setup]) for place in places]
+    come = [approach_text(axes, place.approach) for place in places]
+    wide, side = (max((len(text) for text in texts), default=0) for texts in (where, come))
+    for number, (place, reading) in enumerate(zip(places, made.readings, strict=True)):
         if place.setup != mounted:
             lines.append(f'Set-up "{place.setup}"')
             mounted = place.setup
-        where = place_text(axes, place.position, case.description.setup(place.setup).moves)
-        come = approach_text(axes, place.approach)
-        after = f"RMS {micrometres(reading.accuracy.rms)}, {to_unit(reading.seconds, 'min'):.1f} min"
-        lines.append(f"{number:4}  {where}  {come:8}  {after}")
-    accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
-    lines.append(
-        f"{len(made.readings)} readings in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
-        f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    )
-    lines.append(bound_sentence(case, made))
-    reach = out_of_reach(case)
-    return "\n".join(lines if reach is None else [*lines, f"Mind: {reach}"])
+        after = f"RMS {micrometres(reading.accuracy.rms):>8}, {to_unit(reading.seconds, 'min'):6.1f} min"
+        lines.append(f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{side}}  {after}")
+    return lines

@@ -1,0 +1,68 @@
+"""A whole plan from the beginning, and the proof of how good any other could be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from axiscal.campaign.planning import posed
+from axiscal.campaign.problem import Problem
+from axiscal.design.curves import refuse_unless_polynomial
+from axiscal.design.plan import Plan, make_plan
+from axiscal.design.pool import MEMORY
+from axiscal.design.problem import Limits
+from axiscal.design.prove import prove
+
+Progress = Callable[[str], None]
+
+_SMALL = 120
+"""Unknowns up to which readings are climbed off the lattice one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Thoroughness:
+    """candidates : places to choose from; memory : bytes that their rows may take"""
+
+    candidates: int = 4000
+    memory: float = MEMORY
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proposal:
+    """A plan with its bound.  gap : share of the bound on J at which its proof stopped; None if none was asked for."""
+
+    plan: Plan
+    gap: float | None = None
+
+
+def proposed(
+    case: Problem,
+    limits: Limits,
+    how: Thoroughness = Thoroughness(),
+    progress: Progress = lambda _: None,
+    only: int | None = None,
+) -> Proposal:
+    """Return a plan from the beginning, with its bound; of one set-up, if `only` names one.  Raises PlanError."""
+    problem = posed(case, case.observation, case.prior, candidates=how.candidates)
+    problem = replace(problem, memory=how.memory)
+    if only is not None:
+        problem = replace(problem, lattice=problem.lattice.within(problem.lattice.setups == only))
+    patience = math.inf if case.observation.size <= _SMALL else 0.0  # never by the clock: the same plan anywhere
+    return Proposal(make_plan(problem, limits, patience=patience, progress=progress))
+
+
+def refuse_unless_provable(case: Problem) -> None:
+    """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
+    for index in range(len(case.description.setups)):
+        refuse_unless_polynomial(case.observation, index)
+
+
+def proven(case: Problem, proposal: Proposal, how: Thoroughness, gap: float, progress: Progress) -> Proposal:
+    """Return a plan with a bound for as many readings of any of the set-ups, wherever they are taken.
+
+    gap : share of J at which to stop.  Raises PlanError.
+    """
+    problem = posed(case, case.observation, case.prior, candidates=how.candidates)
+    proof = prove(problem.state, problem.lattice, proposal.plan.points, gap, progress)
+    return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

@@ -1,0 +1,112 @@
+"""What proves a bound: a matrix Z, and how much every plan must leave because of it.
+
+A plan of k numbers with whitened rows b_i (of Σ^-½ G F) leaves, whatever the estimate X = Σ l_i b_iᵀ of Φ = V F is,
+
+    J = min over l of |Φ − X|² + Σ |l_i|²   with   |l_i|² ≥ −2 l_iᵀZb_i − |Z b_i|²  for any Z,  so
+    J ≥ min over X of |Φ − X|² − 2 <Z, X> − Σ |Z b_i|² = |Φ|² − |Φ + Z|²_k − Σ |Z b_i|²
+
+where X has at most rank k and |.|²_k is the sum of the k largest squared singular values (Eckart and Young 1936). With
+−Z in place of Z it reads |Φ|² − |Φ − Z|²_k − Σ |Z b_i|². Z = Φ (I + Σ x_i b_i b_iᵀ)⁻¹ with the optimal weights x and
+all singular values is the bound of the general equivalence theorem (Kiefer and Wolfowitz 1960), Z = 0 that of Weyl
+(1912); a share α of the first is better than both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from axiscal.design.state import State
+from axiscal.numerics import Array
+
+_MARGIN = 1e-12
+_GOLDEN = (np.sqrt(5.0) - 1) / 2
+_STEPS = 24
+_MOST = 2.5
+
+
+@dataclass(frozen=True, eq=False)
+class Dual:
+    """state : of the prior, with the cells of all rows that Z was made from; z : Z (w, r)."""
+
+    state: State
+    z: Array
+
+    @classmethod
+    def of(cls, state: State, scaled: Array) -> Dual:
+        """Return Φ (I + BᵀB)⁻¹.  scaled : B (m, r), rows of unit noise under the state's factor."""
+        target = _target(state)
+        if not len(scaled):
+            return cls(state, target)
+        basis, inner = np.linalg.qr(scaled.T)
+        turned, values, _ = np.linalg.svd(inner, full_matrices=False)
+        seen = basis @ turned
+        return cls(state, target - (target @ seen) * (values**2 / (1 + values**2)) @ seen.T)
+
+    @property
+    def reach(self) -> Array:
+        """F Zᵀ (n, w): a row g of noise σ has |Z b|² = |gᵀ F Zᵀ|²/σ²."""
+        reach: Array = self.state.factor @ self.z.T
+        return reach
+
+    @cached_property
+    def value(self) -> float:
+        """J of the weights that Z was made from, <Φ, Z>."""
+        return float(np.sum(_target(self.state) * self.z))
+
+    @property
+    def whole(self) -> float:
+        """|Φ|² − |Φ − Z|²."""
+        return 2 * self.value - float(np.sum(self.z**2))
+
+    def floor(self, spent: float, numbers: int) -> float:
+        """Return the best bound on J of plans of so many numbers that a share of Z proves.
+
+        spent : what Σ |Z b_i|² of a plan may come to at most
+        """
+        target = _target(self.state)
+        own, cross, other = target @ target.T, target @ self.z.T, self.z @ self.z.T
+        cross = cross + cross.T
+
+        def bound(share: float) -> float:
+            left = np.linalg.eigvalsh(own - share * cross + share**2 * other)[::-1][numbers:]
+            taken = share * (2 * self.value - share * (float(np.trace(other)) + spent))
+            return float(np.sum(np.maximum(left, 0.0))) + taken
+
+        best = max(_largest(bound), bound(1.0))
+        return max(best - _MARGIN * float(np.trace(own)), 0.0) * (1 - _MARGIN)
+
+
+def rank_bound(state: State, readings: int) -> float:
+    """Return what so many scalar readings must leave, wherever they are taken and however good they are.
+
+    A reading takes away a covariance of rank one, so at least the smaller eigenvalues of V C₀ Vᵀ stay (Weyl 1912).
+    """
+    target = _target(state)
+    values = np.linalg.eigvalsh(target @ target.T)[::-1]
+    return float(max(np.sum(values[readings:]), 0.0)) * (1 - _MARGIN)
+
+
+def _target(state: State) -> Array:
+    target: Array = state.weight @ state.factor[: state.weight.shape[1]]
+    return target
+
+
+def _largest(concave: Callable[[float], float]) -> float:
+    """Return the largest value on [0, 2.5] by golden section."""
+    low, high = 0.0, _MOST
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left, at_right = concave(left), concave(right)
+    for _ in range(_STEPS):
+        if at_left >= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - _GOLDEN * (high - low)
+            at_left = concave(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + _GOLDEN * (high - low)
+            at_right = concave(right)
+    return max(at_left, at_right)
