@@ -129,7 +129,7 @@ def test_the_plain_baseline_runs_and_is_kept(tmp_path: Path) -> None:
     assert not outcome.sorry
     assert len(outcome.positions) == 10
     assert len(outcome.processor) % 10 == 0
-    assert sum(outcome.processor) >= 1.0
+    assert len(outcome.processor) >= 20
     assert outcome.versions["numpy"] == np.__version__
     runner.keep(tmp_path / "new" / "outcomes", outcome)
     assert runner.kept(tmp_path / "new" / "outcomes") == {("numpy", "a", "joint"): outcome}
