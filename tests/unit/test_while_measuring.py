@@ -176,3 +176,15 @@ def test_a_side_is_missed_only_where_the_axis_has_a_reversal(side: int, told: fr
     calibration = Calibration(Problem(read_campaign(tmp_path / "c.toml")))
     calibration.absorb(Reading("laser", (0.1, 0.0), (side, 0), 0.0, None))  # Y stands at its end: from any side
     assert calibration.problem.both == told
+
+
+@pytest.mark.parametrize(("drift", "grounds"), [("", ["", "", ""]), ('drift = "6 um/h"', ["", "1 times 20 min", ""])])
+def test_where_a_zero_drifts_a_plan_rests_on_the_clock(drift: str, grounds: list[str], tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text(TEXT + drift)
+    said = []
+    for times in ([5.0], [5.0, 1900.0], []):
+        calibration = Calibration(Problem(read_campaign(tmp_path / "c.toml")))
+        for time in times:
+            calibration.absorb(Reading("laser", (0.1,), (1,), 0.0, None, time=time))
+        said.append(calibration.grounds())
+    assert said == grounds

@@ -143,12 +143,10 @@ class Campaign:
             return Stop(because)
         if not self.prepared():
             return Stop("nothing is left to measure")
-        place = self.state.plan[0]
-        coming = Visit(place.setup, place.position, place.approach)
-        if not beyond and self._over_budget(self.engine.elapsed([*self._visits(), coming])):
-            return Stop(_BUDGET)
-        number = len(self.state.readings) + len(self.state.skipped) + 1
+        place, number = self.state.plan[0], len(self.state.readings) + len(self.state.skipped) + 1
         asked = Asked(number, place.setup, place.position, place.approach)
+        if not beyond and self._over_budget(self._seconds_until(asked)):
+            return Stop(_BUDGET)
         self._append(asked)
         return asked
 

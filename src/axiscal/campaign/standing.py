@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.campaign.events import Asked, Gap, Place
+from axiscal.campaign.markers import EVERY
 from axiscal.campaign.problem import Problem
 from axiscal.inference.doubt import Doubt
 from axiscal.measurement.reading import Reading
@@ -22,11 +23,15 @@ _AS_STATED = 1.2
 def grounds(case: Problem, readings: Sequence[Reading], doubts: Sequence[Doubt], learnt_from: int) -> str:
     """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
 
+    Where a zero drifts it rests on the clock as well: markers are due by it.
     doubts : readings that are not, or less, believed; learnt_from : number of readings that the scales were learnt from
     """
     noise = {setup.name: setup.noise for setup in case.description.setups}
     said = [f"scales of {learnt_from} readings"] if learnt_from else []
     said += [f"{doubt.reading + 1} {'rejected' if doubt.rejected else 'doubted'}" for doubt in doubts]
+    passed = int((readings[-1].time or 0.0) // EVERY) if readings else 0
+    if passed and any(setup.drift > 0 for setup in case.description.setups):
+        said.append(f"{passed} times {EVERY / 60:.0f} min")
     other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
     return ", ".join([*said, *(f"noise of {number}" for number in other)])
 
