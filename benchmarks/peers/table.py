@@ -33,8 +33,8 @@ FIGAROH and axiscal choose from the same 2,000 random candidates, FIGAROH by its
 has 101 levels on each axis and J itself as its metric.
 
 Times are seconds of the processor, all threads added up, with every library held to one thread: the median of the
-picks where readings are chosen one at a time, of whole plans where they are chosen together; who is quick is asked again
-for a second. Our plans include their lower bound, which no other gives. A cell is the time, J after the last reading,
+picks where readings are chosen one at a time, of whole plans where they are chosen together; who is quick is asked
+again for a second. Our plans include their lower bound, which no other gives. A cell is the time, J after the last reading,
 and the memory where it is above {large:.0f} GB.
 """
 

@@ -22,6 +22,8 @@ from benchmarks.peers.problems import CRITERIA, Array, Posed, case_of
 _LEAST, _MOST = 1.0, 4.0
 """Seconds of picks after which nobody is asked again, and seconds with what prepares them."""
 
+_LONG = 0.3
+
 
 class Stopwatch:
     """Seconds of the processor, all threads of the process together, and seconds that passed."""
@@ -66,8 +68,9 @@ def _solved(work: Any, rival: Rival, posed: Posed, watch: Stopwatch) -> Array:
 
 
 def _one_more(pick: Any, taken: Array, watch: Stopwatch) -> Array:
-    """Return the positions with one more; what the last pick left behind is no part of the next one's time."""
-    gc.collect()
+    """Return the positions with one more; what a long pick left behind is no part of the next one."""
+    if watch.processor and watch.processor[-1] > _LONG:
+        gc.collect()
     with watch:
         position = pick(taken)
     return np.concatenate([taken, np.asarray(position, dtype=float)[None]])
