@@ -34,8 +34,8 @@ has 101 levels on each axis and J itself as its metric.
 
 Times are seconds of the processor, all threads added up, with every library held to one thread: the median of the
 picks where readings are chosen one at a time, of whole plans where they are chosen together; who is quick is asked
-again for a second. Our plans include their lower bound, which no other gives. A cell is the time, J after the last reading,
-and the memory where it is above {large:.0f} GB.
+again for a second. Our plans include their lower bound, which no other gives. A cell is the time, J after the last
+reading, and the memory where it is above {large:.0f} GB.
 """
 
 
