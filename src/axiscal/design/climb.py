@@ -120,9 +120,10 @@ class Climb:
         offsets = _stencil(len(axes)) * _STEP
         values = self._gains_at(axes, here[:, None] + offsets * spans, going)
         slope, bend = _derivatives(values, len(axes))
-        steps = _ascent(slope, bend, (here - ends[:, 0]) / spans) * spans
+        steps = _ascent(slope, bend, (here - ends[:, 0]) / spans)
+        promised, steps = np.einsum("nk,nk->n", slope, steps), steps * spans
         rise = self._try(axes, np.clip(here + steps, *ends.T)[:, None], going)
-        short = np.flatnonzero(rise <= 0)
+        short = np.flatnonzero((rise <= 0) & (promised > _SETTLED * self.gains[going]))
         if len(short):
             tries = np.clip(here[short, None] + _SHORTER[:, None] * steps[short, None], *ends.T)
             rise[short] = self._try(axes, tries, going[short])

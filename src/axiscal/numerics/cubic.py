@@ -129,11 +129,14 @@ class _Cubic:
 
     def _combined(self, i: NDArray[np.intp], weights: tuple[Array, Array, Array, Array]) -> Array:
         """Return the rows that give a_i, a_{i+1}, s_i, s_{i+1} these weights: (m, size)."""
-        rows = weights[2][:, None] * self.second[i]
-        rows += weights[3][:, None] * self.second[i + 1]
-        m = np.arange(len(i))
-        rows[m, i] += weights[0]
-        rows[m, (i + 1) % self.size] += weights[1]
+        rows = self.second.take(i, axis=0, mode="clip")  # unchecked copies: indices are within bounds
+        rows *= weights[2][:, None]
+        right = self.second.take(i + 1, axis=0, mode="clip")
+        right *= weights[3][:, None]
+        rows += right
+        flat, first = rows.reshape(-1), np.arange(len(i)) * self.size
+        flat[first + i] += weights[0]
+        flat[first + (i + 1) % self.size] += weights[1]
         return rows
 
     def _ends(self) -> tuple[Array, Array]:
