@@ -179,8 +179,8 @@ class Calibration:
         judged, start = self._plausibility, len(self._plausibility.sizes)
         if self._whole == len(self._readings) and start == 0:
             order = nearest_first(self._readings)
-            sizes = judged.take_all([self._readings[index] for index in order])
-            self._note({i: size for i, size in sorted(zip(order, sizes, strict=True)) if size > judged.limit})
+            sizes, limit = judged.take_all([self._readings[index] for index in order]), judged.limit
+            self._note({i: size for i, size in sorted(zip(order, sizes, strict=True)) if size > limit})
         for index in range(len(judged.sizes), len(self._readings)):
             size = judged.take(self._readings[index])
             self._note({index: size} if size > judged.limit else {})
