@@ -7,7 +7,8 @@ import itertools
 import numpy as np
 import pytest
 
-from axiscal.design.bound import lower_bound, rank_bound
+from axiscal.design.bound import lower_bound
+from axiscal.design.dual import rank_bound
 from axiscal.design.lattice import spread
 from axiscal.design.pool import Pool
 from axiscal.design.state import Point

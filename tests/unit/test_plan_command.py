@@ -169,7 +169,7 @@ def test_no_proof_where_errors_do_not_add_up(
 
 
 def test_less_memory_makes_the_same_plan(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """4,000 candidates of 150 unknowns take 5 MB: with 1 MB their rows are made anew for each look."""
+    """4,000 candidates of 168 unknowns take 5 MB: with 1 MB their rows are made anew for each look."""
     campaign.write_text(CAMPAIGN.replace("machine.toml", "three-axis-mill").replace('criterion = "joint"', ""))
     documents = []
     for memory in ("1", "1000"):

@@ -39,9 +39,10 @@ def case(tmp_path: Path) -> Problem:
 def test_all_ways_start_alike_and_planning_is_not_worse(case: Problem) -> None:
     told: list[str] = []
     found = alternatives(case, Limits(readings=6), Thoroughness(400), told.append)
-    assert [each.name for each in found] == [PLANNED, "only laser", "only dial <b>", TRADITIONAL] == [
-        told[0], f"only {told[1]}", f"only {told[2]}", told[3]
-    ]  # fmt: skip
+    assert [each.name for each in found] == [PLANNED, "only laser", "only dial <b>", TRADITIONAL] == told
+    assert [each.setups for each in found[1:3]] == [("laser",), ("dial <b>",)]
+    assert all(each.bound is not None and each.bound <= each.rms[-1] for each in found[:-1])
+    assert found[-1].bound is None
     assert len({round(each.rms[0], 12) for each in found}) == 1
     assert {each.readings for each in found} == {6}
     assert found[0].rms[-1] <= min(each.rms[-1] for each in found) * 1.001
@@ -60,3 +61,12 @@ def test_names_of_set_ups_are_no_markup_on_the_page(case: Problem) -> None:
     assert "dial <b>" not in page
     assert "dial &lt;b&gt;" in page
     assert 'src="http' not in page
+
+
+def test_instruments_are_compared_where_several_set_ups_share_one(tmp_path: Path) -> None:
+    path = tmp_path / "campaign.toml"
+    more = '[[setups]]\nname = "dial along y"\ninstrument = "indicator"\ndirection = "y"\n'
+    path.write_text(CAMPAIGN + more)
+    found = alternatives(Problem(read_campaign(path)), Limits(readings=3), Thoroughness(60), lambda _: None)
+    assert [each.name for each in found][1] == "only indicator, 2 set-ups"
+    assert set(found[1].setups) <= {"dial <b>", "dial along y"}

@@ -9,6 +9,7 @@ import numpy as np
 from axiscal.campaign.planning import posed
 from axiscal.campaign.problem import Problem
 from axiscal.design.accuracy import Yardstick
+from axiscal.design.plan import Plan
 from axiscal.design.pool import Pool
 from axiscal.design.problem import Limits
 from axiscal.design.relaxation import Relaxation
@@ -61,13 +62,27 @@ def refuse_out_of_reach(problem: Problem, limits: Limits) -> None:
 
 
 def _what_hides(problem: Problem, target: float) -> str:
-    rest = math.sqrt(problem.yardstick.moments.rest)
+    """Say what endless readings would leave, and what would help against it."""
+    said, rest = [], math.sqrt(problem.yardstick.moments.rest)
+    if problem.yardstick.unseen_rms > target or rest <= target:
+        said.append("Another set-up would help. What cannot be seen:")
+        said += [part.text for part in problem.hidden[:_NAMED]]
     if rest > target:
-        return (
-            f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with finer knots they could be smaller"
-        )
-    hidden = " ".join(part.text for part in problem.hidden[:_NAMED])
-    return f"Another set-up would help. What cannot be seen: {hidden}"
+        alone = f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um"
+        said.append(f"{alone}: with finer knots they could be smaller")
+    return " ".join(said)
+
+
+def not_to_the_letter(problem: Problem, limits: Limits, plan: Plan) -> str | None:
+    """Say that a plan leaves a larger RMS than was asked for, and why; None where it does not."""
+    if limits.rms is None or plan.accuracy.rms <= limits.rms:
+        return None
+    target, left = to_unit(limits.rms, "um"), to_unit(reachable_rms(problem), "um")
+    helps = f" {_what_hides(problem, limits.rms)}" if reachable_rms(problem) > limits.rms else ""
+    if plan.met:
+        why = "so the target counts as reached for what readings can tell"
+        return f"endless readings would leave {left:.3g} um of the {target:.3g} um asked for, {why}.{helps}"
+    return f"the target of {target:.3g} um is not reached; endless readings would leave {left:.3g} um.{helps}"
 
 
 def _refuse_too_noisy(problem: Problem, target: float) -> None:

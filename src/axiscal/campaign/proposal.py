@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from axiscal.campaign.planning import posed
 from axiscal.campaign.problem import Problem
@@ -15,9 +17,6 @@ from axiscal.design.problem import Limits
 from axiscal.design.prove import prove
 
 Progress = Callable[[str], None]
-
-_SMALL = 120
-"""Unknowns up to which readings are climbed off the lattice one by one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +40,14 @@ def proposed(
     limits: Limits,
     how: Thoroughness = Thoroughness(),
     progress: Progress = lambda _: None,
-    only: int | None = None,
+    only: Sequence[int] | None = None,
 ) -> Proposal:
-    """Return a plan from the beginning, with its bound; of one set-up, if `only` names one.  Raises PlanError."""
+    """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError."""
     problem = posed(case, case.observation, case.prior, candidates=how.candidates)
     problem = replace(problem, memory=how.memory)
     if only is not None:
-        problem = replace(problem, lattice=problem.lattice.within(problem.lattice.setups == only))
-    patience = math.inf if case.observation.size <= _SMALL else 0.0  # never by the clock: the same plan anywhere
-    return Proposal(make_plan(problem, limits, patience=patience, progress=progress))
+        problem = replace(problem, lattice=problem.lattice.within(np.isin(problem.lattice.setups, only)))
+    return Proposal(make_plan(problem, limits, patience=math.inf, progress=progress))  # the same plan on any machine
 
 
 def refuse_unless_provable(case: Problem) -> None:

@@ -23,12 +23,18 @@ TRADITIONAL = "traditional: one axis at a time, evenly spaced"
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """One way to measure: seconds, RMS and worst after each reading, the first without any; m."""
+    """One way to measure: seconds, RMS and worst after each reading, the first without any; m.
+
+    bound : RMS that no plan of these set-ups with as many readings can beat; None where that is not known
+    setups : names of those that are mounted, in order
+    """
 
     name: str
     seconds: tuple[float, ...]
     rms: tuple[float, ...]
     worst: tuple[float, ...]
+    setups: tuple[str, ...]
+    bound: float | None = None
 
     @property
     def readings(self) -> int:
@@ -39,37 +45,46 @@ class Alternative:
 def alternatives(
     case: Problem, limits: Limits, how: Thoroughness, progress: Callable[[str], None]
 ) -> tuple[Alternative, ...]:
-    """Return the planned way first, then each set-up alone, then the traditional way with as many readings.
+    """Return the planned way first, then each instrument and each set-up alone, then the traditional way.
 
-    Every way is judged over the same volume, with what all set-ups together could see as the yardstick.
+    The traditional way takes as many readings as the planned one. Every way is judged over the same volume, with what
+    all set-ups together could see as the yardstick.
     """
     progress(PLANNED)
-    best = proposed(case, limits, how).plan
-    found = [_of_plan(PLANNED, best)]
-    if len(case.description.setups) > 1:
-        for index, setup in enumerate(case.description.setups):
-            progress(setup.name)
-            alone = _alone(case, index, limits, how)
-            found += [] if alone is None else [_of_plan(f"only {setup.name}", alone)]
+    found = [_of_plan(case, PLANNED, proposed(case, limits, how).plan)]
+    for name, only in _choices(case):
+        progress(name)
+        alone = _alone(case, only, limits, how)
+        found += [] if alone is None else [_of_plan(case, name, alone)]
     progress(TRADITIONAL)
-    return (*found, traditional(case, len(best.readings)))
+    return (*found, traditional(case, found[0].readings))
 
 
-def _alone(case: Problem, index: int, limits: Limits, how: Thoroughness) -> Plan | None:
-    """Return the plan with one set-up; None where it can do nothing within the limits."""
+def _choices(case: Problem) -> list[tuple[str, list[int]]]:
+    """Return the instruments that several set-ups use, if there are others too, and the set-ups, if there are more."""
+    setups = case.description.setups
+    kinds = {kind: [i for i, s in enumerate(setups) if s.instrument == kind] for kind in (s.instrument for s in setups)}
+    several = [(f"only {kind}, {len(of)} set-ups", of) for kind, of in kinds.items() if 1 < len(of) < len(setups)]
+    return [*several, *((f"only {s.name}", [i]) for i, s in enumerate(setups) if len(setups) > 1)]
+
+
+def _alone(case: Problem, only: list[int], limits: Limits, how: Thoroughness) -> Plan | None:
+    """Return the plan with some set-ups; None where they can do nothing within the limits."""
     try:
-        return proposed(case, limits, how, only=index).plan
+        return proposed(case, limits, how, only=only).plan
     except PlanError:
         return None
 
 
-def _of_plan(name: str, plan: Plan) -> Alternative:
-    after = plan.readings
+def _of_plan(case: Problem, name: str, plan: Plan) -> Alternative:
+    after, bounded = plan.readings, case.description.target.criterion == "volume"
     return Alternative(
         name,
         (0.0, *(r.seconds for r in after)),
         (plan.before.rms, *(r.accuracy.rms for r in after)),
         (plan.before.worst, *(r.accuracy.worst for r in after)),
+        tuple(dict.fromkeys(case.description.setups[r.setup].name for r in after)),
+        case.yardstick.rms_of(plan.bound.value) if bounded and plan.bound is not None else None,
     )
 
 
@@ -88,7 +103,8 @@ def traditional(case: Problem, count: int) -> Alternative:
         seconds.append(seconds[-1] + _seconds(case, before, reading))
         before = reading
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)
-    return Alternative(TRADITIONAL, tuple(seconds), rms, worst)
+    mounted = tuple(dict.fromkeys(reading.setup for reading in readings))
+    return Alternative(TRADITIONAL, tuple(seconds), rms, worst, mounted)
 
 
 def _seconds(case: Problem, before: Reading | None, reading: Reading) -> float:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from axiscal.design.plan import Plan
     from axiscal.design.problem import Limits
 
+_GAP = 0.5
+
 
 def plan(
     campaign: CampaignFile,
@@ -38,8 +40,11 @@ def plan(
         ),
     ] = False,
     gap: Annotated[
-        float, typer.Option(metavar="PERCENT", help="End --prove when the bound is known this well.", min=0.01)
-    ] = 0.5,
+        float | None,
+        typer.Option(
+            metavar="PERCENT", help="End --prove when the bound is known this well; 0.5 unless said.", min=0.01
+        ),
+    ] = None,
     memory: Annotated[
         int,
         typer.Option(
@@ -67,8 +72,11 @@ def plan(
     from axiscal.campaign.plan_document import plan_document
     from axiscal.campaign.proposal import Thoroughness, proposed, proven, refuse_unless_provable
     from axiscal.cli.printing import say, say_document, tell
+    from axiscal.exceptions import PlanError
     from axiscal.gcode.registry import dialect
 
+    if gap is not None and not prove:
+        raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if gcode is not None:
         dialect(gcode)
     case = problem_of(read_campaign(campaign, target_needed=False))
@@ -87,14 +95,14 @@ def plan(
     if json:
         say_document(plan_document(case, proposal))
         return
-    say(_table(case, proposal))
+    say(_table(case, limits, proposal))
     for file in files:
         say(f"Written: {file}")
 
 
-def _share(case: Problem, gap: float) -> float:
+def _share(case: Problem, gap: float | None) -> float:
     """Return percents of the figure that is printed as a share of J: the RMS is the root of one."""
-    return gap / 100 * (2 if case.description.target.criterion == "volume" else 1)
+    return (_GAP if gap is None else gap) / 100 * (2 if case.description.target.criterion == "volume" else 1)
 
 
 def _limits(case: Problem, readings: int | None, target: str | None, budget: str | None) -> Limits:
@@ -144,8 +152,8 @@ def _programs(case: Problem, made: Plan, controller: str, out: Path) -> list[Pat
     return write_programs(case.description.machine, case.description.setups, placed(case, made), controller, out)
 
 
-def _table(case: Problem, proposal: Proposal) -> str:
-    from axiscal.campaign.feasibility import out_of_reach
+def _table(case: Problem, limits: Limits, proposal: Proposal) -> str:
+    from axiscal.campaign.feasibility import not_to_the_letter
     from axiscal.campaign.plan_document import bound_sentence
     from axiscal.cli.wording import count_text, micrometres
     from axiscal.units import to_unit
@@ -154,9 +162,9 @@ def _table(case: Problem, proposal: Proposal) -> str:
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
     said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    reach = out_of_reach(case)
     lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
-    return "\n".join(lines if reach is None else [*lines, f"Mind: {reach}"])
+    short = not_to_the_letter(case, limits, made)
+    return "\n".join(lines if short is None else [*lines, f"Mind: {short}"])
 
 
 def _lines(case: Problem, made: Plan) -> list[str]:

@@ -18,6 +18,7 @@ from axiscal.design.scoring import Scores
 from axiscal.design.stacked import adds_up
 from axiscal.design.state import Point
 from axiscal.design.step import best_of
+from axiscal.design.together import moved
 from axiscal.numerics import Array
 
 Allowed = Callable[[Scores, int], NDArray[np.bool_]]
@@ -26,6 +27,8 @@ Allowed = Callable[[Scores, int], NDArray[np.bool_]]
 _SWEEPS = 50
 _BETTER = 1e-9
 _WORTH = 1e-6
+_WORTH_OF_MANY = 2e-3
+_FEW = 120
 _CANDIDATES = 4
 _SMALL = 60
 _WORK = 4e9
@@ -71,15 +74,30 @@ def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bo
 
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Spent) -> None:
-    """Climb every reading off the lattice until a round makes J less than a millionth smaller, or time is spent."""
+    """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
     for _ in range(rounds):
         before = scores.state.value
+        if not spent():
+            _move(scores)
         for slot in range(len(scores.members)):
             if spent():
                 return
             _polished(scores, slot, allowed)
-        if before - scores.state.value <= _WORTH * before:
+        if before - scores.state.value <= _worth(scores) * before:
             return
+
+
+def _worth(scores: Scores) -> float:
+    """Return the share of J that a round must gain to be followed by another: these are dear with many unknowns."""
+    return _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY
+
+
+def _move(scores: Scores) -> None:
+    before, points = scores.points, moved(scores.begun, scores.points)
+    for slot, (old, new) in enumerate(zip(before, points, strict=True)):
+        if np.any(old.pose != new.pose):
+            scores.leave(slot)
+            scores.enter(new, slot)
 
 
 def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:

@@ -150,6 +150,8 @@ def _optimal(
     x /= x.sum()
     slopes = _curvatures(along, owner, weighted, x)[0]
     level = float(slopes @ x)
+    if not level > 0:  # nothing that may be read tells anything
+        return weights
     dual = np.maximum(level - slopes, 0.05 * level)
     for _ in range(_NEWTON):
         slopes, bend = _curvatures(along, owner, weighted, x)

@@ -34,13 +34,13 @@ class Scores:
 
     above, below : (numbers,) numerator and denominator for those of the candidates, then of the readings of the plan
     joint : what the numbers of one candidate have in common
-    last : the last changes of the covariance
+    last : the last changes of the covariance; begun : what was known before the first reading of the plan
     """
 
     last: tuple[Change, ...]
 
     def __init__(self, pool: Pool, state: State) -> None:
-        self.pool, self.state = pool, state
+        self.pool, self.state, self.begun = pool, state, state
         self.members: list[Member] = []
         self.above, self.below, self.joint = pool.forms(state.scorer())
         self._cross: Array | None = None
