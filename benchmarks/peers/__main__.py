@@ -24,6 +24,7 @@ def main() -> None:
     args = _arguments()
     bounds = Bounds(args.seconds, args.gigabytes * 1e9)
     outcomes = kept(args.keep) if args.keep else {}
+    resumed = bool(outcomes)
     for rival, posed in _asked(args):
         at = (rival.key, posed.case.letter, posed.criterion)
         if at not in outcomes:
@@ -33,7 +34,7 @@ def main() -> None:
         sys.stdout.write(f"({posed.case.letter}) {posed.criterion:6} {line(rival, posed, outcomes[at])}\n")
         sys.stdout.flush()
     if not (args.only or args.case or args.criterion):
-        _write(outcomes, bounds, args.out)
+        _write(outcomes, bounds, args.out, resumed)
 
 
 def _asked(args: argparse.Namespace) -> Iterator[tuple[Rival, Posed]]:
@@ -46,10 +47,10 @@ def _asked(args: argparse.Namespace) -> Iterator[tuple[Rival, Posed]]:
                     yield rival, Posed(case, criterion)
 
 
-def _write(outcomes: Outcomes, bounds: Bounds, out: Path) -> None:
+def _write(outcomes: Outcomes, bounds: Bounds, out: Path, resumed: bool) -> None:
     from benchmarks.peers.rivals.ours import picker
 
-    out.write_text("\n".join(page(outcomes, picker, bounds)) + "\n", encoding="utf-8")
+    out.write_text("\n".join(page(outcomes, picker, bounds, resumed)) + "\n", encoding="utf-8")
     sys.stdout.write(f"wrote {out}\n")
 
 

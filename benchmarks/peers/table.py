@@ -17,7 +17,7 @@ _LARGE = 2e9
 
 _HEAD = """# Side by side with other libraries
 
-`{command}` measures this page anew; nothing here is typed by hand. The same problems for all, in one run; every
+`make bench-peers` measures this page anew; nothing here is typed by hand. The same problems for all, in {run}; every
 library in a process of its own, which is ended after {seconds:.0f} s of the processor or beyond {memory:.3g} GB.
 
 The problems are natural splines on [0, 10] that add up, C₀ = I, one number per reading:
@@ -39,12 +39,12 @@ reading, and the memory where it is above {large:.0f} GB.
 """
 
 
-def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, command: str = "make bench-peers") -> Iterator[str]:
-    """Yield the lines of the page."""
+def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, resumed: bool = False) -> Iterator[str]:
+    """Yield the lines of the page.  resumed : whether some outcomes come from an earlier part of the run"""
     cases = ";\n".join(f"{case.name}, σ² = {case.noise**2:g}, {case.readings} readings" for case in CASES)
-    yield _HEAD.format(
-        command=command, seconds=bounds.seconds, memory=bounds.memory / 1e9, cases=cases, large=_LARGE / 1e9
-    ).rstrip("\n")
+    run = "a run that was resumed" if resumed else "one run"
+    head = _HEAD.format(run=run, seconds=bounds.seconds, memory=bounds.memory / 1e9, cases=cases, large=_LARGE / 1e9)
+    yield head.rstrip("\n")
     for criterion in CRITERIA:
         yield f"\n## Criterion `{criterion}`\n"
         yield from table(outcomes, criterion)
