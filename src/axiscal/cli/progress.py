@@ -32,7 +32,9 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
 
 def progress_line(milestone: Milestone, target: Target) -> str:
     """Return one line: reading, accuracy with its targets, minutes with their budget."""
-    number = f"reading {milestone.number}" + (f" of {target.readings}" if target.readings is not None else "")
+    others = target.rms is not None or target.worst is not None or target.budget is not None
+    most = "" if target.readings is None else f" of {'at most ' if others else ''}{target.readings}"
+    number = f"reading {milestone.number}{most}"
     minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
     minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
     return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"

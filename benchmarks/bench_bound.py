@@ -1,0 +1,135 @@
+"""How much of the distance between a plan and its bound is the bound's, and how much the plan's: root of J, um."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.belief import Belief
+from axiscal.design.bound import lower_bound, settling
+from axiscal.design.dual import rank_bound
+from axiscal.design.exchange import exchange
+from axiscal.design.plan import make_plan
+from axiscal.design.pool import Pool
+from axiscal.design.problem import Limits, Problem
+from axiscal.design.relaxation import Relaxation
+from axiscal.design.scoring import Scores
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+from benchmarks.cases import five_axis
+
+STARTS = 6
+
+
+def root(value: float) -> str:
+    """Return the root of J in um."""
+    return f"{1e6 * value**0.5:7.3f}"
+
+
+def anything(scores: Scores, _: int) -> NDArray[np.bool_]:
+    """Any candidate may stand in any slot."""
+    return np.ones(len(scores.pool), dtype=bool)
+
+
+def random_starts(problem: Problem, pool: Pool, readings: int) -> float:
+    """Return the best J of exchanges from random plans."""
+    generator, base, found = np.random.default_rng(0), Scores(pool, problem.state), []
+    for _ in range(STARTS):
+        scores = base.fork()
+        for index in generator.choice(len(pool), readings, replace=False):
+            scores.enter(int(index))
+        exchange(scores, anything)
+        found.append(scores.state.value)
+    return min(found)
+
+
+def parts(problem: Problem, pool: Pool, readings: int) -> tuple[float, float, float]:
+    """Return the bounds by rank, by the equivalence theorem, and by both together."""
+    relaxation = Relaxation(pool, problem.state, [], np.ones(len(pool)), float(readings))
+    steps = list(settling(relaxation))
+    whole = max(step.dual.whole - step.spent for step in steps)
+    return rank_bound(problem.state, readings), max(whole, 0.0), steps[-1].dual.floor(steps[-1].spent, readings)
+
+
+def sizes() -> None:
+    """Print plans and bounds of the five-axis machine for a few numbers of readings."""
+    problem = five_axis(4000)
+    pool = Pool(problem.observation, problem.lattice)
+    print("five axes, 4,000 candidates; root of J, um")
+    print("readings  lattice  random   off it   by rank  by theorem  together  ratio")
+    for readings in (5, 20, 60, 120):
+        plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
+        off = make_plan(problem, Limits(readings=readings), patience=1e9)
+        by_rank, by_theorem, together = parts(problem, pool, readings)
+        print(f"{readings:8}  {root(plan.value)}  {root(random_starts(problem, pool, readings))}", end="")
+        print(f"  {root(off.value)}  {root(by_rank)}  {root(by_theorem):>10}  {root(together):>8}", end="")
+        print(f"  {off.ratio**0.5:.3f}", flush=True)
+
+
+def exact() -> None:
+    """Print the best plan there is, by looking at all of them, beside the plan and its bound."""
+    problem = five_axis(150)
+    pool = Pool(problem.observation, problem.lattice)
+    print("five axes, 150 candidates: every plan of them looked at; root of J, um")
+    print("readings  the best     plan    bound")
+    for readings in (1, 2, 3):
+        plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
+        bound = lower_bound(pool, problem.state, [], np.ones(len(pool)), float(readings))
+        best = best_of_all(Scores(pool, problem.state), readings)
+        print(f"{readings:8}   {root(best)}  {root(plan.value)}  {root(bound.value)}", flush=True)
+
+
+def best_of_all(scores: Scores, readings: int, start: int = 0) -> float:
+    """Return the smallest J of all plans, readings repeated included."""
+    if readings == 1:
+        return scores.state.value - float(scores.gains[start:].max())
+    found = []
+    for index in range(start, len(scores.pool)):
+        more = scores.fork()
+        more.enter(index)
+        found.append(best_of_all(more, readings - 1, index))
+    return min(found)
+
+
+def causes() -> None:
+    """Print the ratio where the zeros of the set-ups are known, and where there are no rests."""
+    problem = five_axis(2000)
+    machine = problem.observation.errors.machine
+    bare = replace(machine, errors=tuple(replace(error, rest=None) for error in machine.errors))
+    known = tuple(replace(setup, unknowns=()) for setup in problem.observation.setups)
+    print("five axes, 2,000 candidates: what set-ups and rests do; root of J, um")
+    for readings in (5, 20, 60):
+        for name, asked in (
+            ("as it is", problem),
+            (
+                "no rests",
+                changed(problem, Observation(type(problem.observation.errors)(bare), problem.observation.setups)),
+            ),
+            ("zeros known", changed(problem, Observation(problem.observation.errors, known))),
+        ):
+            plan = make_plan(asked, Limits(readings=readings), patience=0.0)
+            bound = plan.bound.value if plan.bound else 0.0
+            print(
+                f"{readings:8}  {name:12} plan {root(plan.value)}  bound {root(bound)}  ratio {plan.ratio**0.5:.3f}",
+                flush=True,
+            )
+
+
+def changed(problem: Problem, observation: Observation) -> Problem:
+    """Return the problem with another observation, before the first reading."""
+    covariance: Array = observation.prior_covariance()
+    return replace(problem, observation=observation, belief=Belief(np.zeros(len(covariance)), covariance))
+
+
+if __name__ == "__main__":
+    exact()
+    sizes()
+    causes()
