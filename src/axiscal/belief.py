@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array, gaussian
@@ -55,6 +55,16 @@ class Innovations:
 
 
 _NONE = Innovations(np.zeros(0), np.zeros(0))
+
+
+class Told(NamedTuple):
+    """The belief after many readings, with the innovations of each at its turn.
+
+    losses : (m, n), each row d takes d dᵀ off the covariance, in the order of the readings
+    """
+
+    belief: Belief
+    losses: Array
 
 
 @dataclass(frozen=True, init=False, eq=False, slots=True)
@@ -108,6 +118,24 @@ class Belief:
         if not all(np.all(np.isfinite(result)) for result in (mean, *factors, expected)):
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
         return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
+
+    def told(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Told:
+        """Return what many updates make of the belief, all at once, and what each of them was surprised by.
+
+        rows : (m, n); values, noise : (m,); used : (m,) the variances of the updates, infinite for none
+        reading : (m,) ascending; numbers of one reading are expected by what was known before the first of them
+        The cost of some updates for hundreds.  Raises ShapeError.
+        """
+        table, read, own = self._readings(rows, values, noise)
+        counted = np.concatenate([[0], np.cumsum(np.isfinite(used))])
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            done = gaussian.condition_together(
+                self.factors, self.mean, table, read, used, counted[np.searchsorted(reading, reading)]
+            )
+        if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
+            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
+        surprise = Innovations(read - done.expected, np.sqrt(done.variance + own))
+        return Told(_fill(Belief.__new__(Belief), done.mean, done.factors, surprise), done.losses)
 
     def _readings(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> tuple[Array, Array, Array]:
         table = np.atleast_2d(np.asarray(rows, dtype=float))

@@ -8,50 +8,13 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.description import campaign_from_texts
 from axiscal.campaign.problem import Problem
 from axiscal.inference.doubt import FREEDOM, verdict
 from axiscal.inference.fitted import Fitted
 from axiscal.inference.numbers import seen_together
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator
-
-CAMPAIGN = """machine = "three-axis-mill"
-[target]
-readings = 1
-[[setups]]
-name = "probe"
-instrument = "probe"
-direction = "x"
-approach = "both"
-[[setups]]
-name = "nest"
-instrument = "rtest"
-station = ["0 mm", "0 mm", "-300 mm"]
-approach = "both"
-drift = "3 um/h"
-"""
-
-
-def _problem() -> Problem:
-    return Problem(campaign_from_texts(CAMPAIGN, "campaign.toml", load_machine("three-axis-mill").text, "mill"))
-
-
-def _readings(problem: Problem, count: int = 24) -> list[Reading]:
-    rng, setups = np.random.default_rng(3), problem.description.setups
-    machine = Simulator(problem.description.machine, setups).drawn(3)
-    low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
-
-    def taken(i: int) -> Reading:
-        setup, pose = setups[i % 2], tuple(rng.uniform(low, high).tolist())
-        approach = tuple(int(sign) for sign in rng.choice([-1, 0, 1], 3))
-        value, *others = machine.read_all(setup, pose, approach, rng, 200.0 * i)
-        std = 2e-6 if i % 5 == 0 else None
-        return Reading(setup.name, pose, approach, value, std, others=tuple(others), time=200.0 * i)
-
-    return [taken(i) for i in range(count)]
+from tests.unit.drifting_cases import drawn, mixed
 
 
 def _conditioned(problem: Problem, readings: list[Reading], weights: Array) -> tuple[Array, Array]:
@@ -68,8 +31,8 @@ def _conditioned(problem: Problem, readings: list[Reading], weights: Array) -> t
 
 
 def test_left_and_spread_are_those_of_conditioning_on_all_readings() -> None:
-    problem = _problem()
-    readings = _readings(problem)
+    problem = mixed()
+    readings = drawn(problem)
     weights = np.random.default_rng(1).uniform(0.1, 1.0, len(readings))
     fitted = Fitted.of(problem.observation, readings)
     fitted.weigh(weights)
@@ -79,8 +42,8 @@ def test_left_and_spread_are_those_of_conditioning_on_all_readings() -> None:
 
 
 def test_a_reading_surprises_as_the_estimate_without_it_says() -> None:
-    problem = _problem()
-    readings = [r for r in _readings(problem) if r.setup == "probe"]
+    problem = mixed()
+    readings = [r for r in drawn(problem) if r.setup == "probe"]
     fitted = Fitted.of(problem.observation, readings)
     fitted.weigh(np.ones(len(readings)))
     for i in (0, 5, 11):
@@ -96,8 +59,8 @@ def test_a_reading_surprises_as_the_estimate_without_it_says() -> None:
 
 
 def test_the_weights_are_those_of_student_t_noise() -> None:
-    problem = _problem()
-    readings = _readings(problem)
+    problem = mixed()
+    readings = drawn(problem)
     found = verdict(problem.observation, readings)
     assert not any(doubt.rejected for doubt in found.doubts)
     left, spread = _conditioned(problem, readings, np.array(found.weights))
@@ -109,8 +72,8 @@ def test_the_weights_are_those_of_student_t_noise() -> None:
 
 
 def test_all_readings_are_seen_at_once_as_one_by_one() -> None:
-    problem = _problem()
-    readings = _readings(problem)
+    problem = mixed()
+    readings = drawn(problem)
     for together, reading in zip(seen_together(problem.observation, readings), readings, strict=True):
         alone = problem.observation.reading(reading)
         for one, other in zip(together, alone, strict=True):
@@ -118,8 +81,8 @@ def test_all_readings_are_seen_at_once_as_one_by_one() -> None:
 
 
 def test_a_replay_ends_where_the_estimate_does() -> None:
-    problem = _problem()
-    readings = _readings(problem)
+    problem = mixed()
+    readings = drawn(problem)
     readings[4] = replace(readings[4], value=readings[4].value + 90e-6)
     readings[6] = replace(readings[6], value=readings[6].value + 0.1)
     calibration = Calibration(problem)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -15,6 +15,7 @@ from axiscal.campaign.markers import planned_with_markers, without_markers
 from axiscal.campaign.planning import planned_places
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.standing import grounds, twice_rejected
+from axiscal.campaign.taking import Taken, taken, widened
 from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
@@ -29,6 +30,8 @@ _ROUNDS = 12
 _LEARNABLE = 4.0
 """So many times larger than stated an error may be where its std is to be learnt."""
 _TRIMMED = 0.1
+_MANY = 16
+"""Fewer readings are taken one by one: as fast, and a campaign that is measured goes on where it was."""
 _SURPRISING = 2.0
 """Standard deviations from which a new reading makes all be looked at: one in twenty does by chance."""
 
@@ -125,6 +128,19 @@ class Calibration:
         again._trusted, again._implausible, again._hindsight = settled._trusted, dict(settled._implausible), True
         return again
 
+    def undisturbed(self, most: int) -> int:
+        """Return how many of so many readings to come would be taken with the scales as they are."""
+        count = len(self._readings)
+        return next((n for n in range(most) if self._due(count + n + 1) != self._learnt_from), most)
+
+    def known_after_each(self) -> list[Accuracy]:
+        """Return what is known after each reading that this replay has absorbed since; none disturbs its scales."""
+        known = list[Accuracy]()
+        for part in self._parts(len(self._readings)):
+            known += part.accuracies()
+            self._keep(part)
+        return known
+
     def _with(self, readings: Sequence[Reading]) -> Calibration:
         whole = Calibration(self.stated, len(readings))
         for reading in readings:
@@ -143,7 +159,7 @@ class Calibration:
         return Plausibility(stated.observation, stated.errors.prior_covariance(), mean, slack)
 
     def _settled(self) -> Calibration:
-        due = self._due()
+        due = self._due(len(self._readings))
         if due != self._learnt_from:
             self._learnt_from = due
             self._learn(self._readings[:due])
@@ -153,9 +169,27 @@ class Calibration:
 
     def _take_all(self) -> None:
         self._judge()
+        looked_at = len(self._readings) if self._hindsight else self._learnt_from
+        if looked_at - len(self._innovations) >= _MANY:
+            self._take_together(looked_at)
         while (index := len(self._innovations)) < len(self._readings):
             self._take(index)
             self._review(index + 1)
+
+    def _take_together(self, stop: int) -> None:
+        """Take readings that have been looked at, up to one of them."""
+        for part in self._parts(stop):
+            self._keep(part)
+
+    def _parts(self, stop: int) -> Iterator[Taken]:
+        start = len(self._innovations)
+        weights = [self._weight(index) for index in range(start, stop)]
+        return taken(self._problem, self._observation, self._belief, self._readings[start:stop], weights)
+
+    def _keep(self, part: Taken) -> None:
+        self._problem, self._observation, self._belief = part.problem, part.observation, part.belief
+        self._innovations += part.innovations
+        self._accuracy = None
 
     def _review(self, count: int) -> None:
         """Look for bad readings among the first ones where the last of them surprises: it may be bad, or show another.
@@ -190,9 +224,9 @@ class Calibration:
             if not self._readings[index].accepted:
                 self._implausible[index] = Doubt(index, size, NOTHING, True)
 
-    def _due(self) -> int:
-        """Return how many readings the scales are to be learnt from."""
-        count, due = len(self._readings), 0
+    def _due(self, count: int) -> int:
+        """Return how many of the first readings the scales are to be learnt from."""
+        due = 0
         if self._whole == count:
             return count
         while self.stated.variable and (following := max(FEWEST, ceil(due * _GROWTH))) <= count:
@@ -234,8 +268,7 @@ class Calibration:
             self._start(located)
 
     def _take(self, index: int) -> None:
-        reading, weights = self._readings[index], self._trusted.weights
-        weight = weights[index] if index < len(weights) else 1.0
+        reading, weight = self._readings[index], self._weight(index)
         wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup), reading.time)
         belief = self._belief.extended(self._observation.rest_variances(wider))
         self._observation, self._accuracy = wider, None
@@ -243,10 +276,13 @@ class Calibration:
         expected = belief.predict(seen.rows)
         surprise = Innovations(seen.values - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
-        implausible = index in self._implausible  # no weight is small enough for a value of any size
-        self._belief = belief if implausible else belief.update(seen.rows, seen.values, seen.variances / weight)
-        if reading.setup not in self._problem.both and not self._problem.came_as_allowed(reading):
-            self._problem = replace(self._problem, both=self._problem.both | {reading.setup})
+        self._belief = belief.update(seen.rows, seen.values, seen.variances / weight) if weight else belief
+        self._problem = widened(self._problem, reading)
+
+    def _weight(self, index: int) -> float:
+        """Return how much a reading counts: nothing if it is implausible, for such a value may be of any size."""
+        weights = self._trusted.weights
+        return 0.0 if index in self._implausible else weights[index] if index < len(weights) else 1.0
 
     def misfit(self) -> float:
         """Return how many times as much as the model says the readings scatter about their predictions.

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.belief import Belief
 from axiscal.design import criterion
@@ -43,6 +44,11 @@ class Accuracy(NamedTuple):
         them, or no reading would ever end the campaign.
         """
         return target if self.rest <= _REST_SHARE * target else float(np.hypot(target, self.rest))
+
+
+def _summed(parts: Array) -> Array:
+    """Return the sums of the first 0, 1, 2, ... parts."""
+    return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +94,19 @@ class Yardstick:
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
         return self.figures(criterion.value(belief, self.root), self.variances(belief.factor))
+
+    def along(self, belief: Belief, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
+        """Return the figures after each of many readings.
+
+        belief : before them; losses : (m, size) what each number takes off the covariance, d dᵀ
+        ends : how many numbers there were after each reading
+        """
+        own = losses[:, : self.errors.size]
+        total, variances = criterion.value(belief, self.root), self.variances(belief.factor)
+        totals = total - _summed(np.sum((own @ self.root.T) ** 2, axis=1))[ends]
+        lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
+        left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]
+        return [self.figures(float(each), spread) for each, spread in zip(totals, left, strict=True)]
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from axiscal.error_model.model import ErrorFunction
 from axiscal.error_model.prior import distances, matern52, matern52_by_length
 from axiscal.measurement.drift import Course
-from axiscal.measurement.observation import Observation, Seen, directions_of
+from axiscal.measurement.observation import Cell, Observation, Seen, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -122,7 +122,7 @@ class Numbers:
 
 
 def seen_together(observation: Observation, readings: Sequence[Reading]) -> list[Seen]:
-    """Return what `Observation.reading` does of each reading, of all at once; for a map that no reading has widened."""
+    """Return what `Observation.reading` does of each reading, of all at once."""
     found: list[Seen] = [_NOTHING] * len(readings)
     for index, setup in enumerate(observation.setups):
         mine = [i for i, reading in enumerate(readings) if reading.setup == setup.name]
@@ -131,12 +131,52 @@ def seen_together(observation: Observation, readings: Sequence[Reading]) -> list
         poses = np.array([readings[i].pose for i in mine])
         approaches = np.array([readings[i].approach for i in mine], dtype=float)
         parts = [observation.rows(index, poses, approaches, direction) for direction in directions_of(setup)]
+        _let_wander(observation, index, [readings[i].time for i in mine], [part.rows for part in parts])
         beyond = observation.beyond(index, poses)
         for at, i in enumerate(mine):
             own = 0.0 if (std := readings[i].std) is None else std**2 - setup.noise**2
             rows, variances = (np.array([part[which][at] for part in parts]) for which in (0, 1))
             found[i] = Seen(rows, variances + own, np.array(readings[i].values) - beyond[at])
     return found
+
+
+def _let_wander(observation: Observation, setup: int, times: Sequence[float | None], parts: Sequence[Array]) -> None:
+    """Put the drift of a set-up's zeros at each reading's time into the rows of its numbers, (m, size) each."""
+    for direction, rows in zip(directions_of(observation.setups[setup]), parts, strict=True):
+        at = np.array(observation.setups[setup].direction) if direction is None else direction
+        for course, share in observation.wandering(setup, at):
+            rows[:, list(course.columns)] = share * np.array([course.row(time) for time in times])
+
+
+def visited_together(observation: Observation, readings: Sequence[Reading]) -> Observation:
+    """Return what `Observation.visited` makes of a map, reading by reading."""
+    setups = {setup.name: index for index, setup in enumerate(observation.setups)}
+    for reading, cells in zip(readings, _cells(observation, readings), strict=True):
+        setup = setups[reading.setup]
+        if not cells <= observation.cells.keys() or _wanders_on(observation, setup, reading.time):
+            observation = observation.visited(np.array(reading.pose), setup, reading.time)
+    return observation
+
+
+def _cells(observation: Observation, readings: Sequence[Reading]) -> list[set[Cell]]:
+    """Return the cells in which each reading feels a rest."""
+    found: list[set[Cell]] = [set() for _ in readings]
+    for index, setup in enumerate(observation.setups):
+        mine = [i for i, reading in enumerate(readings) if reading.setup == setup.name]
+        poses = np.array([readings[i].pose for i in mine])
+        for direction in directions_of(setup) if mine else ():
+            for felt in observation.felt(index, poses, np.ones_like(poses), direction):
+                for at in np.flatnonzero(felt.reach):
+                    found[mine[at]].add((felt.function, int(felt.cells[at])))
+    return found
+
+
+def _wanders_on(observation: Observation, setup: int, time: float | None) -> bool:
+    """Whether the drift of a set-up has to be followed to a time beyond what the map knows, s."""
+    if time is None or observation.setups[setup].drift == 0:
+        return False
+    course = observation.courses.get((setup, 0))
+    return course is None or course.needs_node(time)
 
 
 _NOTHING = Seen(np.zeros((0, 0)), np.zeros(0), np.zeros(0))

@@ -6,9 +6,12 @@ semidefinite whatever the order and number of readings, and directions that no r
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array
@@ -150,3 +153,75 @@ def extend(factors: Factors, extra: Array) -> Factors:
     upper = np.eye(size + count)
     upper[:size, :size] = factors.upper
     return Factors(upper, np.concatenate([factors.diagonal, extra]))
+
+
+class Together(NamedTuple):
+    """Factors and mean after many readings, and what was known before each of them.
+
+    expected, variance : (m,) of what each row tells, noise apart, after the readings before it that count
+    losses : (m, n), each row d takes d dᵀ off the covariance; nought where a reading does not count
+    """
+
+    factors: Factors
+    mean: Array
+    expected: Array
+    variance: Array
+    losses: Array
+
+
+def condition_together(
+    factors: Factors, mean: Array, rows: Array, values: Array, noise: Array, before: NDArray[np.intp]
+) -> Together:
+    """Return what `condition` makes of readings one after the other, by matrix products and QR. O(m n² + m³).
+
+    rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
+    before : (m,) how many of the readings that count come before each
+    With C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes:
+    C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ. In the end S R⁻¹ stands for S, RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come from
+    QR of what they are the roots of, so that wide priors keep their digits (Bierman 1977, ch. IV).
+    """
+    counts, start = np.isfinite(noise), root(factors)
+    seen = rows @ start
+    own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
+    upper = _triangle(np.vstack([np.diag(std), own.T]))
+    taken = _triangular()(upper, np.column_stack([own, left]), trans="T")
+    felt = taken[:, :-1] @ seen.T
+    felt[np.arange(len(felt))[:, None] >= before] = 0.0
+    variance = np.maximum(np.einsum("ij,ij->i", seen, seen) - np.einsum("ij,ij->j", felt, felt), 0.0)
+    expected = rows @ mean + taken[:, -1] @ felt
+    after, moved = _after(start, own / std[:, None], left / std)
+    losses = np.zeros_like(rows)
+    losses[counts] = taken[:, :-1] @ start.T
+    return Together(_from_triangle(after, factors), mean + moved, expected, variance, losses)
+
+
+def _after(start: Array, scaled: Array, left: Array) -> tuple[Array, Array]:
+    """Return S R⁻¹ with RᵀR = 1 + scaledᵀ scaled, upper triangular, and the change of the mean."""
+    size = start.shape[1]
+    stacked = np.zeros((size + len(scaled), size + 1))
+    stacked[:size, :size] = np.eye(size)
+    stacked[size:, :size], stacked[size:, size] = scaled, left
+    triangle = _triangle(stacked)[:size]
+    after = _triangular()(triangle[:, :size], start.T, trans="T").T
+    return after, after @ triangle[:, size]
+
+
+def _from_triangle(after: Array, before: Factors) -> Factors:
+    """Return the UD factors of an upper triangle's product with its transpose; what had no variance gets none."""
+    pivots = np.where(before.diagonal > 0, np.diagonal(after), 0.0)
+    upper = np.triu(after, 1) / np.where(pivots == 0, 1.0, pivots)
+    upper[:, pivots == 0] = 0.0
+    np.fill_diagonal(upper, 1.0)
+    return Factors(upper, pivots**2)
+
+
+def _triangle(stacked: Array) -> Array:
+    """Return R, upper triangular, with RᵀR = stackedᵀ stacked."""
+    result: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
+    return result
+
+
+def _triangular() -> Callable[..., Array]:
+    from scipy.linalg import solve_triangular
+
+    return partial(solve_triangular, check_finite=False)

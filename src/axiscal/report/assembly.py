@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.hindsight import Moment, path
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.versions import versions
 from axiscal.campaign.what_if import traditional
@@ -21,6 +22,8 @@ from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.summary import Curve, HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
+
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,15 +90,17 @@ def _reversal(curve: Curve) -> bool:
 
 
 def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
-    """Replay the readings: how well the machine was known after each, and how much each surprised."""
-    readings = campaign.state.readings
-    replay = calibration.replay()
-    rows = [_row(replay, None, 0, 0.0)]
-    for number, reading in enumerate(readings, start=1):
-        replay.absorb(reading)
-        rows.append(_row(replay, reading, number, replay.seconds))
+    """Return how well the machine was known after each reading, and how much each surprised."""
     refused = {doubt.reading + 1 for doubt in calibration.doubts if doubt.rejected}
-    return [replace(row, rejected=row.reading in refused) for row in rows]
+    tools = _tool_points(calibration.problem, campaign.state.readings)
+    first, *moments = path(calibration)
+    rows = [_row(calibration.problem, None, 0, first, None)]
+    for number, (reading, moment, tool) in enumerate(
+        zip(campaign.state.readings, moments, tools, strict=True), start=1
+    ):
+        row = _row(calibration.problem, reading, number, moment, tool)
+        rows.append(replace(row, rejected=number in refused))
+    return rows
 
 
 def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Rejection]:
@@ -114,12 +119,12 @@ def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Re
     ]
 
 
-def _row(replay: Calibration, reading: Reading | None, number: int, seconds: float) -> HistoryRow:
-    known = replay.accuracy()
-    rms, worst, minutes = to_unit(known.rms, "um"), to_unit(known.worst, "um"), to_unit(seconds, "min")
-    if reading is None:
+def _row(problem: Problem, reading: Reading | None, number: int, moment: Moment, tool: Point | None) -> HistoryRow:
+    rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
+    minutes, last = to_unit(moment.seconds, "min"), moment.innovations
+    if reading is None or last is None:
         return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
-    description, last = replay.problem.description, replay.innovations[-1]
+    description = problem.description
     unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
     return HistoryRow(
         reading=number,
@@ -132,14 +137,17 @@ def _row(replay: Calibration, reading: Reading | None, number: int, seconds: flo
         worst_um=worst,
         minutes=minutes,
         unit=unit,
-        tcp_mm=_tool_point(replay.problem, reading),
+        tcp_mm=tool,
         approach=approach_text(axes, reading.approach),
     )
 
 
-def _tool_point(problem: Problem, reading: Reading) -> tuple[float, float, float]:
-    x, y, z = (to_unit(float(v), "mm") for v in frames(problem.description.machine, np.array([reading.pose])).tcp[0])
-    return x, y, z
+def _tool_points(problem: Problem, readings: Sequence[Reading]) -> list[Point]:
+    """Return where the tool is at each reading, mm."""
+    if not readings:
+        return []
+    places = frames(problem.description.machine, np.array([reading.pose for reading in readings])).tcp
+    return [(x, y, z) for x, y, z in np.asarray(to_unit(places, "mm")).tolist()]
 
 
 def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:

@@ -1,0 +1,93 @@
+"""How long `axiscal estimate` takes with many readings: a probe along x, y and z at random places of a three-axis mill.
+
+    python benchmarks/bench_estimate.py [--readings 501 2001] [--scales] [--along xyz]
+
+Prints the processor time of the whole command, start and report included. With --scales it learns them as well.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from axiscal.campaign.description import CampaignDescription, read_campaign
+from axiscal.measurement.wording import approach_text
+from axiscal.simulation import Simulator
+
+CAMPAIGN = """
+machine = "three-axis-mill"
+[target]
+readings = 1
+"""
+SETUP = """
+[[setups]]
+name = "probe along {axis}"
+instrument = "probe"
+direction = "{axis}"
+noise = "0.5 um"
+unknowns = {{ zero = "100 um" }}
+approach = "both"
+"""
+COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
+
+
+def written(folder: Path, along: str, scales: bool) -> CampaignDescription:
+    """Write the campaign file and return what it describes."""
+    head = 'scales = "estimate"\n' if scales else ""
+    path = folder / "campaign.toml"
+    path.write_text(head + CAMPAIGN + "".join(SETUP.format(axis=axis) for axis in along), encoding="utf-8")
+    return read_campaign(path)
+
+
+def write_readings(path: Path, description: CampaignDescription, count: int) -> None:
+    """Write readings of a virtual machine at random places, from random sides."""
+    rng = np.random.default_rng(count)
+    machine = Simulator(description.machine, description.setups).drawn(count)
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    lines = ["setup,X_mm,Y_mm,Z_mm,approach,value_um"]
+    for pose in np.round(low + (high - low) * rng.random((count, len(low))), 6):
+        setup = description.setups[rng.integers(len(description.setups))]
+        sides = rng.choice([-1, 1], len(low))
+        value = machine.read(setup, tuple(pose.tolist()), tuple(sides.tolist()), rng)
+        said = approach_text(description.machine.axes, sides.tolist())
+        lines.append(",".join([setup.name, *(f"{1e3 * at:.3f}" for at in pose), said, f"{1e6 * value:.4f}"]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def seconds(folder: Path, description: CampaignDescription, count: int) -> float:
+    """Return the processor seconds of one `axiscal estimate`."""
+    readings = folder / f"{count}.csv"
+    write_readings(readings, description, count)
+    arguments = ["estimate", str(folder / "campaign.toml"), str(readings), "--out", str(folder / f"out-{count}")]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-c", COMMAND, *arguments], check=True, stdout=subprocess.DEVNULL)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--readings", type=int, nargs="+", default=[501, 2001])
+    parser.add_argument("--along", default="xyz", help="directions of the probes")
+    parser.add_argument("--scales", action="store_true", help="learn the scales as well")
+    asked = parser.parse_args()
+    print(f"{'readings':>10} {'processor':>12}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        description = written(folder, asked.along, asked.scales)
+        for count in asked.readings:
+            print(f"{count:10} {seconds(folder, description, count):10.1f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

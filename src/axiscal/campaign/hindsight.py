@@ -1,0 +1,48 @@
+"""How a campaign went, told when it is over: which readings are bad is known from the first one on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from axiscal.belief import Innovations
+from axiscal.campaign.calibration import Calibration
+from axiscal.design.accuracy import Accuracy
+from axiscal.measurement.reading import Reading
+
+
+class Moment(NamedTuple):
+    """What is known after a reading, what this surprised by (None before the first), and after how many seconds."""
+
+    accuracy: Accuracy
+    innovations: Innovations | None
+    seconds: float
+
+
+def path(calibration: Calibration) -> list[Moment]:
+    """Return what was known before the first reading and after each.
+
+    As `Calibration.replay` tells it reading by reading; but between two counts from which scales are learnt anew they
+    are taken together.
+    """
+    again, readings = calibration.replay(), calibration.readings
+    moments = [Moment(again.accuracy(), None, 0.0)]
+    while (count := len(again.readings)) < len(readings):
+        undisturbed = again.undisturbed(len(readings) - count)
+        following = readings[count : count + max(undisturbed, 1)]
+        moments += _together(again, following) if undisturbed else [_alone(again, following[0])]
+    return moments
+
+
+def _alone(again: Calibration, reading: Reading) -> Moment:
+    again.absorb(reading)
+    return Moment(again.accuracy(), again.innovations[-1], again.seconds)
+
+
+def _together(again: Calibration, readings: Sequence[Reading]) -> list[Moment]:
+    seconds = []
+    for reading in readings:
+        again.absorb(reading)
+        seconds.append(again.seconds)
+    known = again.known_after_each()
+    return [Moment(*each) for each in zip(known, again.innovations[-len(known) :], seconds, strict=True)]
