@@ -64,14 +64,14 @@ def sizes() -> None:
     problem = five_axis(4000)
     pool = Pool(problem.observation, problem.lattice)
     print("five axes, 4,000 candidates; root of J, um")
-    print("readings  lattice  random   off it   by rank  by theorem  together  ratio")
+    print("readings  lattice  random   off it   by rank  by theorem  both     with zeros  ratio")
     for readings in (5, 20, 60, 120):
         plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
         off = make_plan(problem, Limits(readings=readings), patience=1e9)
         by_rank, by_theorem, together = parts(problem, pool, readings)
         print(f"{readings:8}  {root(plan.value)}  {root(random_starts(problem, pool, readings))}", end="")
-        print(f"  {root(off.value)}  {root(by_rank)}  {root(by_theorem):>10}  {root(together):>8}", end="")
-        print(f"  {off.ratio**0.5:.3f}", flush=True)
+        print(f"  {root(off.value)}  {root(by_rank)}  {root(by_theorem):>10}  {root(together)}", end="")
+        print(f"  {root(off.bound.value if off.bound else 0.0):>10}  {off.ratio**0.5:.3f}", flush=True)
 
 
 def exact() -> None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.design.dual import Dual, rank_bound
+from axiscal.design.mounted import groups, zeros_of
 from axiscal.design.pool import Pool
 from axiscal.design.relaxation import Relaxation
 from axiscal.design.state import Point, State
@@ -43,8 +44,29 @@ def lower_bound(pool: Pool, state: State, points: list[Point], costs: Array, lim
     numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
     by_rank = rank_bound(state, numbers)
     relaxation = Relaxation(pool, state, points, costs, limit)
-    best = max(0.0, *(step.bound(numbers) for step in settling(relaxation)))
+    steps = list(settling(relaxation))
+    best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1]))
     return Bound(by_rank, True) if by_rank >= best else Bound(best, False)
+
+
+def _by_groups(whole: Relaxation, last: Step) -> float:
+    """Return the least of the bounds for plans that use all set-ups, and for those that use only some, with zeros."""
+    everything, readings = whole.everything, int(whole.limit / whole.costs.min() + 1e-9)
+    least = np.inf
+    for group in groups(everything.setups, readings):
+        mine = np.isin(everything.setups, group)
+        count = most_numbers(whole.state, group, int(whole.limit / whole.costs[mine].min() + 1e-9))
+        zeros = zeros_of(whole.state, everything, group)
+        if np.all(mine):
+            least = last.dual.floor(last.spent, count, zeros)
+            continue
+        best = 0.0
+        for step in settling(whole.within(mine)):
+            best = max(best, step.dual.floor(step.spent, count, zeros))
+            if best >= least:
+                break
+        least = min(least, best)
+    return least if np.isfinite(least) else 0.0
 
 
 class Step(NamedTuple):

@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from axiscal.design.mounted import Zeros
 from axiscal.design.state import State
 from axiscal.numerics import Array
 
@@ -26,6 +27,7 @@ _MARGIN = 1e-12
 _GOLDEN = (np.sqrt(5.0) - 1) / 2
 _STEPS = 24
 _MOST = 2.5
+_PARTS = (0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,22 +64,34 @@ class Dual:
         """|Φ|² − |Φ − Z|²."""
         return 2 * self.value - float(np.sum(self.z**2))
 
-    def floor(self, spent: float, numbers: int) -> float:
+    def floor(self, spent: float, numbers: int, zeros: Zeros | None = None) -> float:
         """Return the best bound on J of plans of so many numbers that a share of Z proves.
 
-        spent : what Σ |Z b_i|² of a plan may come to at most
+        spent : what Σ |Z b_i|² of a plan may come to at most; zeros : that all of these plans must find out
         """
-        target = _target(self.state)
-        own, cross, other = target @ target.T, target @ self.z.T, self.z @ self.z.T
-        cross = cross + cross.T
+        target, z, lost, count = _target(self.state), self.z, 0.0, 0
+        if zeros is not None:
+            count = len(zeros.columns)
+            lost = float(np.sum(z[:, zeros.columns] ** 2))
+            target, z = np.delete(target, zeros.columns, axis=1), np.delete(z, zeros.columns, axis=1)
+        own, cross, other = target @ target.T, target @ z.T, z @ z.T
+        cross, weight = cross + cross.T, float(np.trace(other)) + spent
 
         def bound(share: float) -> float:
-            left = np.linalg.eigvalsh(own - share * cross + share**2 * other)[::-1][numbers:]
-            taken = share * (2 * self.value - share * (float(np.trace(other)) + spent))
-            return float(np.sum(np.maximum(left, 0.0))) + taken
+            values = np.linalg.eigvalsh(own - share * cross + share**2 * other)[::-1]
+            left = float(np.sum(np.maximum(values[numbers:], 0.0))) + share * (2 * self.value - share * weight)
+            if zeros is None:
+                return left
+            half = float(np.sum(np.maximum(values[max(numbers - count, 0) : numbers], 0.0)))
+            return left + max(_kept(zeros.stiffness, part) * half - share**2 * lost / (1 - part) for part in _PARTS)
 
         best = max(_largest(bound), bound(1.0))
         return max(best - _MARGIN * float(np.trace(own)), 0.0) * (1 - _MARGIN)
+
+
+def _kept(stiffness: float, part: float) -> float:
+    """Return the share that stays of a direction that costs so many times its square to take away."""
+    return stiffness * part / (1 + stiffness * part)
 
 
 def rank_bound(state: State, readings: int) -> float:

@@ -77,7 +77,7 @@ class Pool:
         self.first = np.cumsum(self.values) - self.values
         self.count = int(self.values.sum())
         self.bytes = 8.0 * self.count * self.size
-        self._kept = self.bytes <= memory
+        self.memory, self._kept = memory, self.bytes <= memory
         self._blocks = [self._block(setup, where) for setup, where in self._slices()]
 
     def __len__(self) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.dual import Dual
+from axiscal.design.lattice import Lattice
 from axiscal.design.pool import Pool
 from axiscal.design.state import Point, State, informed
 from axiscal.numerics import Array
@@ -48,6 +49,22 @@ class Relaxation:
         slopes = self.slopes(Dual.of(self.state, np.zeros((0, self.state.factor.shape[1]))))
         best = int((slopes / self.costs).argmax())
         return np.array([best]), np.array([self.limit / self.costs[best]])
+
+    @property
+    def everything(self) -> Lattice:
+        """The candidates of the pool, then the given points."""
+        parts = [(self.pool.lattice.setups, self.pool.lattice.poses, self.pool.lattice.approaches)]
+        if self.points:
+            setups, poses, approaches = zip(*self.points, strict=True)
+            parts.append((np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches)))
+        return Lattice(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+    def within(self, kept: NDArray[np.bool_]) -> Relaxation:
+        """Return the same of some candidates and points, (M + points,)."""
+        count = len(self.pool)
+        pool = Pool(self.state.observation, self.pool.lattice.within(kept[:count]), self.pool.memory)
+        points = [point for point, mine in zip(self.points, kept[count:], strict=True) if mine]
+        return Relaxation(pool, self.state, points, self.costs[kept], self.limit, self.rests)
 
     def begin_everywhere(self) -> None:
         """Begin with the same weight on every candidate of the pool."""
