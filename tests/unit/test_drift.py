@@ -263,7 +263,16 @@ def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) 
     assert caught.value.line == 3
 
 
+@pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])
+def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: Path, day: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
+    with pytest.raises(ReadingError, match="without a time of day"):
+        read_readings(file)
+
+
 @pytest.mark.parametrize("wrong", ['"2 um"', '"2 urad/h"', '"-2 um/h"', '"2 m/min"'])
 def test_a_drift_that_is_no_rate_is_refused(wrong: str) -> None:
-    with pytest.raises((DescriptionError, UnitError)):
+    with pytest.raises((DescriptionError, UnitError)) as refused:
         _description(f"drift = {wrong}")
+    assert refused.value.remedy == 'Give one such as "2 um/h"'

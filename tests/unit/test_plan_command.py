@@ -114,6 +114,14 @@ def test_a_target_alone_is_planned_within_what_the_campaign_allows(
     assert len(json.loads(capsys.readouterr().out)["points"]) == 3
 
 
+@pytest.mark.parametrize("more", [[], ["--prove"]])
+def test_a_target_that_is_met_before_anything_is_read_needs_no_readings(
+    campaign: Path, more: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["plan", str(campaign), "--target", "90 mm", "--json", *more]) == 0
+    assert json.loads(capsys.readouterr().out)["points"] == []
+
+
 def test_an_unknown_control_is_refused_before_the_campaign_is_read(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["plan", "nowhere.toml", "--gcode", "fanux"]) == 1
     assert "Perhaps fanuc is meant" in " ".join(capsys.readouterr().err.split())

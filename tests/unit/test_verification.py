@@ -27,6 +27,7 @@ from axiscal.compensation.verification import Places, judge, plan_check, verdict
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.report.check import judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
 
 MACHINE = """name = "Bench"
@@ -169,6 +170,19 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     assert (wrong.verdict, wrong.believed) == ("fail", False)
     near = float(np.max(np.abs(good.left)))
     assert judge(estimate, setups, found, readings(truth, places, control, 2), control, near).verdict == "undecided"
+
+
+def test_an_instrument_that_does_not_move_decides_nothing(
+    state: tuple[Estimate, tuple[Reading, ...], Control],
+) -> None:
+    estimate, used, control = state
+    places = plan_check(estimate, description().setups, candidates(), used, control, 8)
+    found = readings(simulator().drawn(SEED), places, None, 1)
+    stuck = tuple(replace(reading, value=0.0) for reading in found)
+    judged = judge(estimate, description().setups, found, stuck, control, 30e-6)
+    assert judged.verdict == "undecided"
+    assert set(judged.still) == {reading.setup for reading in found}
+    assert "the instrument does not move" in judgement_text(judged)
 
 
 def test_zeros_of_set_ups_do_not_matter(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from axiscal.campaign.schema import SetupTable
 from axiscal.campaign.target import coordinate
 from axiscal.document import Document, nearest, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError, InputError, UnitError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
 from axiscal.measurement.instruments.rotation import Rotation
@@ -205,11 +205,13 @@ class _Reader:
             return 0.0
         with self._at("drift"):
             angular = usual.reads == "angle"
-            rate = parse_quantity(text, "rotation_speed" if angular else "speed")
+            remedy = f'Give one such as "{"2 urad/h" if angular else "2 um/h"}"'
+            try:
+                rate = parse_quantity(text, "rotation_speed" if angular else "speed")
+            except UnitError as fault:
+                raise UnitError(fault.what, remedy) from None
             if not 0 <= rate <= _FASTEST:
-                example = "2 urad/h" if angular else "2 um/h"
-                what = f"{shown(text)} is no rate at which a zero wanders"
-                raise DescriptionError(what, f'Give one such as "{example}"')
+                raise DescriptionError(f"{shown(text)} is no rate at which a zero wanders", remedy)
             return rate
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:

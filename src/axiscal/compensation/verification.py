@@ -40,6 +40,8 @@ _UNLIKELY = 0.01
 _HARDLY = 1e-4
 """A change of the readings that is less likely than this is not the one that the tables make."""
 _SAME = 1e-7
+_STILL = 4
+"""So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
 
 Verdict = Literal["pass", "fail", "undecided"]
@@ -91,6 +93,7 @@ class Judgement:
     changed : probability that the tables change readings as little like they should as these, if they are loaded
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
     lines : set-ups that are judged against their own line; strained : datums further off than stated
+    still : set-ups all of whose as-left readings show one and the same number
     """
 
     verdict: Verdict
@@ -103,6 +106,7 @@ class Judgement:
     share: float | None
     lines: tuple[str, ...]
     strained: tuple[Datum, ...]
+    still: tuple[str, ...] = ()
 
     @property
     def loaded(self) -> bool:
@@ -221,7 +225,8 @@ def judge(
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
     decided = verdict(free @ after.values, std, tolerance)
-    if decided == "pass" and (change.likely < _HARDLY or strained):
+    still = _still(left)
+    if decided == "pass" and (change.likely < _HARDLY or strained or still):
         decided = "undecided"
     return Judgement(
         decided,
@@ -234,7 +239,16 @@ def judge(
         change.share,
         datums.lines,
         strained,
+        still,
     )
+
+
+def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Return the set-ups whose readings at several places are all the same: noise and machine would not leave that."""
+    shown: dict[str, list[tuple[float, ...]]] = {}
+    for reading in readings:
+        shown.setdefault(reading.setup, []).append(reading.values)
+    return tuple(name for name, values in shown.items() if len(values) >= _STILL and len(set(values)) == 1)
 
 
 class _Seen(NamedTuple):

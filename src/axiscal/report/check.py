@@ -74,6 +74,7 @@ def judgement_document(judgement: Judgement) -> dict[str, object]:
         "change_share": judgement.share,
         "tables_loaded": judgement.loaded,
         "against_own_line": list(judgement.lines),
+        "set_up_still": list(judgement.still),
         "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judgement.strained],
     }
 
@@ -100,7 +101,7 @@ def judgement_text(judgement: Judgement) -> str:
 
 
 def _why(judgement: Judgement) -> str:
-    if judgement.verdict == "undecided" and (judgement.strained or not judgement.loaded):
+    if judgement.verdict == "undecided" and (judgement.strained or judgement.still or not judgement.loaded):
         return "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
     return {
         "pass": "every deviation lies inside, with its uncertainty",
@@ -132,6 +133,11 @@ def _warnings(judgement: Judgement) -> list[str]:
         f'WARNING: the {datum.unknown} of "{datum.setup}" would have to be far larger than its std says: '
         "the set-up moved, or the machine has an error that looks like it."
         for datum in judgement.strained
+    ]
+    lines += [
+        f'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
+        "resolution is coarser than its noise."
+        for name in judgement.still
     ]
     return lines
 

@@ -11,6 +11,7 @@ from axiscal.measurement.readers.table import Column, Row
 from axiscal.units import parse_quantity
 
 _CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
+_DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 
@@ -50,6 +51,8 @@ def _time(row: Row, column: Column) -> tuple[str, float]:
         moment = datetime.fromisoformat(text)
     except ValueError:
         raise row.fail(f"time {text[:40]!r} is no time", _REMEDY) from None
+    if _DAY.fullmatch(text):  # all readings of a day at once, and no drift between them
+        raise row.fail(f"time {text!r} is a day without a time of day", _REMEDY)
     if moment.tzinfo is None:
         return "date", moment.replace(tzinfo=UTC).timestamp()
     return "date with zone", moment.timestamp()
