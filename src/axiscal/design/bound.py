@@ -41,6 +41,8 @@ def lower_bound(pool: Pool, state: State, points: list[Point], costs: Array, lim
     state : before the first reading; points : a good plan to begin with; costs : (M + points,), 1 each where readings
     are counted, or seconds
     """
+    if not limit > 0:  # nothing is read
+        return Bound(state.value, True)
     numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
     by_rank = rank_bound(state, numbers)
     relaxation = Relaxation(pool, state, points, costs, limit)
