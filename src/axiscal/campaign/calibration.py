@@ -21,6 +21,7 @@ from axiscal.design.accuracy import Accuracy
 from axiscal.design.cost import visit_seconds
 from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, Verdict, verdict
 from axiscal.inference.fit import Fit, fit
+from axiscal.inference.numbers import seen_together
 from axiscal.inference.plausibility import Plausibility, nearest_first, objection
 from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.reading import Reading
@@ -314,7 +315,11 @@ class Calibration:
 
     def rows_of(self, reading: Reading) -> Seen:
         """Return what a reading sees, its variances and values."""
-        return self._settled()._observation.reading(reading)
+        return self.rows_of_all([reading])[0]
+
+    def rows_of_all(self, readings: Sequence[Reading]) -> list[Seen]:
+        """Return what each of many readings sees, its variances and values."""
+        return seen_together(self._settled()._observation, readings)
 
     def accuracy(self) -> Accuracy:
         """Return how well the machine is known now."""

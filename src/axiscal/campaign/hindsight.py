@@ -22,6 +22,7 @@ class Moment(NamedTuple):
 def path(calibration: Calibration) -> list[Moment]:
     """Return what was known before the first reading and after each.
 
+    calibration : a concluded one
     As `Calibration.replay` tells it reading by reading; but between two counts from which scales are learnt anew they
     are taken together.
     """
@@ -29,8 +30,12 @@ def path(calibration: Calibration) -> list[Moment]:
     moments = [Moment(again.accuracy(), None, 0.0)]
     while (count := len(again.readings)) < len(readings):
         undisturbed = again.undisturbed(len(readings) - count)
-        following = readings[count : count + max(undisturbed, 1)]
-        moments += _together(again, following) if undisturbed else [_alone(again, following[0])]
+        if undisturbed:
+            moments += _together(again, readings[count : count + undisturbed])
+        elif count + 1 < len(readings):
+            moments.append(_alone(again, readings[count]))
+        else:  # what the last one taught is known
+            return [*moments, Moment(calibration.accuracy(), calibration.innovations[-1], calibration.seconds)]
     return moments
 
 

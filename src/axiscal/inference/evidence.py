@@ -39,6 +39,10 @@ class Evidence:
         seen = Numbers(observation, readings)
         self.reading, self.values, self.rows = seen.reading, seen.values, seen.rows
         self._parts, unknowns = seen.parts(), seen.unknowns()
+        self._sharing = [part.sharing() for part in self._parts]
+        self._curves = (
+            np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(seen.values), 0))
+        )
         self._fixed = unknowns @ unknowns.T + np.diag(seen.loose)
         self._inherits = prior is not None
         if prior is not None:
@@ -51,12 +55,11 @@ class Evidence:
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
-        covariance = self._covariance(logs)
-        lower = np.linalg.cholesky(covariance)
-        inverse = np.linalg.inv(covariance)
+        lower: Array = np.asarray(np.linalg.cholesky(self._covariance(logs)), dtype=float)
+        inverse = _inverse(lower)
         alpha = inverse @ self.values
         value = -0.5 * float(self.values @ alpha) - float(np.log(np.diag(lower)).sum())
-        pull = np.outer(alpha, alpha) - (inverse + inverse.T) / 2
+        pull = np.outer(alpha, alpha) - inverse
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
 
     def covariance(self) -> Array:
@@ -77,21 +80,24 @@ class Evidence:
 
     def _covariance(self, logs: Array) -> Array:
         result: Array = self._fixed + np.diag(self._variances(logs))
-        for part in self._parts:
+        if not self._inherits:
+            result += self._curves @ self._priors(logs) @ self._curves.T
+        entries = result.reshape(-1)
+        for part, sharing in zip(self._parts, self._sharing, strict=True):
             entry = self._entries[part.function.name]
-            if not self._inherits:
-                result += self._of_curve(part, logs)
-            rest = self._scale("rest", entry.name, entry.first_rest, logs)
-            if rest > 0:
-                result += rest**2 * (part.shared @ part.shared.T)
+            entries[sharing.where] += self._scale("rest", entry.name, entry.first_rest, logs) ** 2 * sharing.values
         return result
 
-    def _of_curve(self, part: Part, logs: Array) -> Array:
-        """s² G R Gᵀ."""
-        std = self._entries[part.function.name].std * self._factor("std", part.function.name, logs)
-        if len(part.rows.T) == 1:
-            return std**2 * (part.rows @ part.rows.T)
-        return std**2 * (part.rows @ part.correlation(self._length(part.function.name, logs)) @ part.rows.T)
+    def _priors(self, logs: Array) -> Array:
+        """s² R of every error, along the diagonal."""
+        result, start = np.zeros((self._curves.shape[1],) * 2), 0
+        for part in self._parts:
+            name, stop = part.function.name, start + part.rows.shape[1]
+            std = self._entries[name].std * self._factor("std", name, logs)
+            length = self._length(name, logs) if stop - start > 1 else None
+            result[start:stop, start:stop] = std**2 * part.correlation(length)
+            start = stop
+        return result
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
@@ -106,18 +112,31 @@ class Evidence:
             if kind == "noise":
                 mine = np.array([name == owner for name in self._owners]) & ~self._own_noise
                 result[i] = float(np.diag(pull)[mine] @ variances[mine])
-        for part in self._parts:
-            self._add_gradient(part, pull, logs, result)
+        pulled, start = pull @ self._curves, 0
+        for part, sharing in zip(self._parts, self._sharing, strict=True):
+            stop = start + part.rows.shape[1]
+            self._add_gradient(part, part.rows.T @ pulled[:, start:stop], logs, result)
+            start = stop
+            if (at := self._index.get(("rest", part.function.name))) is not None:
+                shared = float(pull.reshape(-1)[sharing.where] @ sharing.values)
+                result[at] = self._scale("rest", part.function.name, 0.0, logs) ** 2 * shared
         return result
 
-    def _add_gradient(self, part: Part, pull: Array, logs: Array, result: Array) -> None:
+    def _add_gradient(self, part: Part, inner: Array, logs: Array, result: Array) -> None:
+        """Add what size and length of an error do.  inner : (k, k) Gᵀ pull G"""
         entry = self._entries[part.function.name]
         std = entry.std * self._factor("std", entry.name, logs)
-        inner = part.rows.T @ pull @ part.rows
         length = self._length(entry.name, logs) if len(part.rows.T) > 1 else None
         if (i := self._index.get(("std", entry.name))) is not None:
             result[i] = std**2 * float(np.sum(part.correlation(length) * inner))
         if length is not None and (i := self._index.get(("length", entry.name))) is not None:
             result[i] = 0.5 * std**2 * float(np.sum(part.by_length(length) * inner))
-        if (i := self._index.get(("rest", entry.name))) is not None:
-            result[i] = self._scale("rest", entry.name, 0.0, logs) ** 2 * part.sharing(pull)
+
+
+def _inverse(lower: Array) -> Array:
+    """Return (L Lᵀ)⁻¹."""
+    from scipy.linalg.lapack import dpotri
+
+    half = np.tril(dpotri(lower, lower=1)[0])
+    result: Array = half + np.tril(half, -1).T
+    return result

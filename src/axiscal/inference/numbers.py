@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,13 @@ from axiscal.measurement.observation import Cell, Observation, Seen, directions_
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+
+
+class Sharing(NamedTuple):
+    """The entries of a matrix (m, m) that are not nought: where, counted along its rows, and their values."""
+
+    where: NDArray[np.intp]
+    values: Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,9 +48,11 @@ class Part:
         """∂R/∂log ℓ (k, k)."""
         return matern52_by_length(self.distances / length)
 
-    def sharing(self, matrix: Array) -> float:
-        """Σ of a matrix (m, m) over E, the products of the levers of numbers that share a cell."""
-        return float(np.sum((matrix @ self.shared) * self.shared))
+    def sharing(self) -> Sharing:
+        """Return E (m, m), the products of the levers of numbers that share a cell; most share none."""
+        products = (self.shared @ self.shared.T).ravel()
+        where = np.flatnonzero(products)
+        return Sharing(where, products[where])
 
 
 class Numbers:
