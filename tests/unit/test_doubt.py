@@ -105,6 +105,15 @@ def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
     assert _estimated(pair + spread).doubts == ()
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
+    bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
+    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(_readings(seed))]
+    refused = {doubt.reading for doubt in _estimated(wrong).doubts if doubt.rejected}
+    assert bad <= refused
+    assert len(refused) <= 5
+
+
 def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = tmp_path / "mill.axiscal"
     with Campaign.create(record, _description()) as campaign:

@@ -8,12 +8,15 @@ that a bad reading cannot bend a curve. Expectation-maximisation (Dempster, Lair
 over its k numbers, e what the estimate leaves of them and v the variance of the estimate there. A weight is one at the
 most: a reading that happens to fit does not count for more than its noise says. Without reading i the others predict it
 with r = e/(1 − h) and variance v/(1 − h) + σ², h = v w/σ²; one that is more than `STANDS_OUT` of that away is not used
-at all. One after the other, the worst first, so that a bad reading does not cast doubt on its neighbours.
+at all. Readings are taken out one after the other, so that a bad one does not cast doubt on its neighbours, and as bad
+ones may cover each other, the few worst are each tried as the next. By the chain rule the squares of what is taken out
+add up to what the readings that stay gain in likelihood; what all explanations refuse that come near the best one is
+refused, so where two readings contradict each other and nobody can say which is wrong, both stay.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +34,10 @@ NOTHING = 1e-9
 FEWEST = 5
 _MOST_PART = 0.2
 _ALIKE = 0.9
+_WORST, _BRANCHES, _AHEAD = 3, 6, 5
+"""So many readings are tried as the next, so many explanations followed, by so many readings that explain no more."""
+_CERTAIN = 9.0
+"""By so much more an explanation has to explain than another, in squared standard deviations: odds of ninety to one."""
 _WIDENED = 1.25
 """By so much a reading may widen the measure that it is held against."""
 _ROUNDS, _SETTLED = 100, 1e-4
@@ -75,6 +82,25 @@ def verdict(observation: Observation, readings: Sequence[Reading], prior: tuple[
     return _Court(Fitted.of(observation, readings, prior), readings).verdict()
 
 
+class _Explanation(NamedTuple):
+    """refused : readings and how far each stood out, in σ; fitted : the estimate without them; usual : how far readings
+    then usually are from what the others predict, in σ
+    """
+
+    refused: Mapping[int, float]
+    fitted: Fitted
+    usual: float
+
+    @property
+    def squares(self) -> float:
+        """What the readings that stay gain in likelihood, times two."""
+        return sum(size**2 for size in self.refused.values())
+
+    def explains(self, usual: float) -> float:
+        """Return the same where readings scatter so many σ, less what refusals cost."""
+        return self.squares / usual**2 - STANDS_OUT**2 * len(self.refused)
+
+
 class _Court:
     """fitted : the readings and the estimate by them; free : readings that nobody vouches for."""
 
@@ -92,16 +118,40 @@ class _Court:
         return Verdict(tuple(self._doubts(usual)), tuple(self._weights.tolist()))
 
     def _refuse(self) -> None:
-        """Take out the readings that stand out, the worst first."""
-        while len(self._refused) < _MOST_PART * len(self._weights):
-            sizes = self._surprises()
-            worst = int(np.argmax(sizes))
-            without = self._fitted.without(worst)
-            sizes /= min(_usual(self._fitted), _WIDENED * _usual(without))
-            if sizes[worst] <= STANDS_OUT or _has_twin(sizes, worst):
-                return
-            self._refused[worst], self._weights[worst] = float(sizes[worst]), NOTHING
-            self._fitted = without
+        """Take out what all explanations refuse that come near the best one."""
+        found = self._explanations()
+        usual = min(each.usual for each in found)
+        best = max(found, key=lambda each: each.explains(usual))
+        enough = best.explains(usual) - _CERTAIN
+        near = [
+            each for each in found if each.explains(usual) > enough and not each.refused.keys() <= best.refused.keys()
+        ]
+        for reading in set(best.refused).intersection(*(each.refused for each in near)):
+            self._refused[reading], self._weights[reading] = best.refused[reading] / usual, NOTHING
+            self._fitted = self._fitted.without(reading)
+
+    def _explanations(self) -> list[_Explanation]:
+        """Return what may be wrong: nothing, or readings taken out as long as that explains more."""
+        usual = _usual(self._fitted)
+        ends = [_Explanation({}, self._fitted, usual)]
+        found, idle = list(ends), 0
+        while ends and idle < _AHEAD and len(ends[0].refused) + 1 <= _MOST_PART * len(self._weights):
+            longer = {frozenset(one.refused): one for each in ends for one in self._longer(each, usual)}
+            ends = sorted(longer.values(), key=lambda one: -one.squares)[:_BRANCHES]
+            found += ends
+            least = min(each.usual for each in found)
+            best = max(found, key=lambda each: each.explains(least))
+            idle = 0 if any(each is best for each in ends) else idle + 1
+        return found
+
+    def _longer(self, explanation: _Explanation, usual: float) -> Iterator[_Explanation]:
+        """Yield the explanations that refuse one more of the readings that stand out the most."""
+        sizes = self._surprises(explanation.fitted, explanation.refused)
+        for reading in np.argsort(-sizes)[:_WORST].tolist():
+            if sizes[reading] > STANDS_OUT:
+                without = explanation.fitted.without(reading)
+                refused = {**explanation.refused, reading: float(sizes[reading])}
+                yield _Explanation(refused, without, min(usual, _WIDENED * _usual(without)))
 
     def _settle(self, usual: float) -> None:
         """Bring weights and estimate into agreement.  usual : so many σ the readings scatter, whatever the reason."""
@@ -116,18 +166,17 @@ class _Court:
                 return
             fitted.weigh(weights)
 
-    def _surprises(self) -> Array:
+    def _surprises(self, fitted: Fitted, refused: Mapping[int, float]) -> Array:
         """Return how far each reading is from what the others predict, in standard deviations; 0 for those refused."""
-        fitted = self._fitted
         sizes = np.zeros(len(self._weights))
         np.maximum.at(sizes, fitted.reading, np.abs(fitted.surprise))
         sizes[~self._free] = 0.0
-        sizes[list(self._refused)] = 0.0
+        sizes[list(refused)] = 0.0
         return sizes
 
     def _doubts(self, usual: float) -> list[Doubt]:
         found = [Doubt(reading, size, NOTHING) for reading, size in self._refused.items()]
-        sizes = self._surprises() / usual
+        sizes = self._surprises(self._fitted, self._refused) / usual
         alone = [int(i) for i in np.argsort(-sizes) if sizes[i] > SURPRISING and not _has_twin(sizes, int(i))]
         return found + [Doubt(i, float(sizes[i]), float(self._weights[i])) for i in alone]
 
