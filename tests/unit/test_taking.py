@@ -152,3 +152,20 @@ def test_readings_that_cannot_be_are_refused() -> None:
     belief = Belief([0.0], [[1.0]])
     with pytest.raises(ShapeError):
         belief.told(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
+
+
+def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:
+    """A bad one amid the others, which is found out by those that follow it."""
+    problem = mixed()
+    readings = drawn(problem, 40)
+    readings[12] = replace(readings[12], value=readings[12].value + 90e-6)
+    at_once, one_by_one = Calibration(problem), Calibration(problem)
+    for reading in readings:
+        at_once.absorb(reading)
+        one_by_one.absorb(reading)
+        assert one_by_one.accuracy().rms > 0.0
+    assert [(doubt.reading, doubt.rejected) for doubt in at_once.doubts] == [(12, True)]
+    np.testing.assert_allclose(at_once.doubts, one_by_one.doubts, rtol=1e-9)
+    np.testing.assert_allclose(at_once.accuracy(), one_by_one.accuracy(), rtol=1e-9)
+    for mine, theirs in zip(at_once.innovations, one_by_one.innovations, strict=True):
+        np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)

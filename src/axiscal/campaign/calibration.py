@@ -33,6 +33,8 @@ _LEARNABLE = 4.0
 _TRIMMED = 0.1
 _MANY = 16
 """Fewer readings are taken one by one: as fast, and a campaign that is measured goes on where it was."""
+_AHEAD = 64
+"""So many are taken before it is looked whether one of them surprises."""
 _SURPRISING = 2.0
 """Standard deviations from which a new reading makes all be looked at: one in twenty does by chance."""
 
@@ -170,17 +172,20 @@ class Calibration:
 
     def _take_all(self) -> None:
         self._judge()
-        looked_at = len(self._readings) if self._hindsight else self._learnt_from
-        if looked_at - len(self._innovations) >= _MANY:
-            self._take_together(looked_at)
-        while (index := len(self._innovations)) < len(self._readings):
-            self._take(index)
-            self._review(index + 1)
+        count = len(self._readings)
+        looked_at = count if self._hindsight else self._learnt_from
+        while (start := len(self._innovations)) < count:
+            ahead = start + (_AHEAD if count - start >= _MANY else 1)
+            self._take_up_to(looked_at if start < looked_at else min(ahead, count))
+            self._review(max(start, looked_at))
 
-    def _take_together(self, stop: int) -> None:
-        """Take readings that have been looked at, up to one of them."""
-        for part in self._parts(stop):
-            self._keep(part)
+    def _take_up_to(self, stop: int) -> None:
+        """Take readings up to one of them, many of them together."""
+        if stop - len(self._innovations) >= _MANY:
+            for part in self._parts(stop):
+                self._keep(part)
+        while (index := len(self._innovations)) < stop:
+            self._take(index)
 
     def _parts(self, stop: int) -> Iterator[Taken]:
         start = len(self._innovations)
@@ -192,20 +197,20 @@ class Calibration:
         self._innovations += part.innovations
         self._accuracy = None
 
-    def _review(self, count: int) -> None:
-        """Look for bad readings among the first ones where the last of them surprises: it may be bad, or show another.
+    def _review(self, start: int) -> None:
+        """Look for bad readings where one of those taken since surprises: it may be bad, or show another.
 
-        Those from which the scales were learnt have been looked at.
+        start : the first ones have been looked at; those that come after one that changes a verdict are taken anew
         """
-        known = self._hindsight or count <= self._learnt_from
-        if known or np.sqrt(self._innovations[-1].chi_square) < _SURPRISING:
-            return
-        found = self._verdict(self._problem, self._readings[:count])
-        if found.fates != self._trusted.fates:
-            self._trusted = found
-            self._start(self._problem)
-            for index in range(count):
-                self._take(index)
+        for count in range(start + 1, len(self._innovations) + 1):
+            if np.sqrt(self._innovations[count - 1].chi_square) < _SURPRISING:
+                continue
+            found = self._verdict(self._problem, self._readings[:count])
+            if found.fates != self._trusted.fates:
+                self._trusted = found
+                self._start(self._problem)
+                self._take_up_to(count)
+                return
 
     def _judge(self) -> None:
         """Find the implausible among new readings: as they come, or, if they are all there, the nearest first."""
