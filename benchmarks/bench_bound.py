@@ -22,6 +22,7 @@ from axiscal.design.pool import Pool
 from axiscal.design.problem import Limits, Problem
 from axiscal.design.relaxation import Relaxation
 from axiscal.design.scoring import Scores
+from axiscal.design.state import Point
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.cases import five_axis
@@ -51,9 +52,10 @@ def random_starts(problem: Problem, pool: Pool, readings: int) -> float:
     return min(found)
 
 
-def parts(problem: Problem, pool: Pool, readings: int) -> tuple[float, float, float]:
-    """Return the bounds by rank, by the equivalence theorem, and by both together."""
-    relaxation = Relaxation(pool, problem.state, [], np.ones(len(pool)), float(readings))
+def parts(problem: Problem, pool: Pool, points: list[Point]) -> tuple[float, float, float]:
+    """Return the bounds by rank, by the equivalence theorem, and by both together; points : of a good plan."""
+    readings = len(points)
+    relaxation = Relaxation(pool, problem.state, points, np.ones(len(pool) + readings), float(readings))
     steps = list(settling(relaxation))
     whole = max(step.dual.whole - step.spent for step in steps)
     return rank_bound(problem.state, readings), max(whole, 0.0), steps[-1].dual.floor(steps[-1].spent, readings)
@@ -68,7 +70,7 @@ def sizes() -> None:
     for readings in (5, 20, 60, 120):
         plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
         off = make_plan(problem, Limits(readings=readings), patience=1e9)
-        by_rank, by_theorem, together = parts(problem, pool, readings)
+        by_rank, by_theorem, together = parts(problem, pool, off.points)
         print(f"{readings:8}  {root(plan.value)}  {root(random_starts(problem, pool, readings))}", end="")
         print(f"  {root(off.value)}  {root(by_rank)}  {root(by_theorem):>10}  {root(together)}", end="")
         print(f"  {root(off.bound.value if off.bound else 0.0):>10}  {off.ratio**0.5:.3f}", flush=True)

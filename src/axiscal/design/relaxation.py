@@ -23,7 +23,7 @@ _BARRIER = 0.2
 _ADDED = 40
 _GONE = 1e-7
 _FIRST = 200
-_LARGEST = 320
+_LARGEST = 500
 
 
 class Relaxation:
