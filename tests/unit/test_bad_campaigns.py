@@ -134,6 +134,7 @@ WRONG = [
     ('park = { Z = "250 mm" }', "park = { Z = 250 }", "250 has no unit"),
     ('park = { Z = "250 mm" }', 'park = { C = "361 deg" }', "outside the travel of C.*0 deg to 360 deg"),
     ('noise = "0.3 um"', 'noise = "0 um"', "not above zero"),
+    ('noise = "0.3 um"', 'noise = "1e-5 um"', "finer than any instrument"),
     ('noise = "0.3 um"', 'noise = "-0.3 um"', "not above zero"),
     ('noise = "0.3 um"', 'noise = "0.3 urad"', "is an angle, not a length"),
     ('noise = "0.3 um"', "noise = 0.3", "has no unit"),

@@ -28,7 +28,7 @@ from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.report.curves import constants
-from axiscal.report.findings import findings
+from axiscal.report.findings import findings, untimed
 from axiscal.simulation import Simulator, VirtualMachine
 
 RATE = 6e-6 / 3600
@@ -151,6 +151,27 @@ def test_a_drift_that_nobody_stated_is_noticed_at_a_marker() -> None:
     said = [f.text for f in findings(_estimated(silent, moving)) if f.code == "drift"]
     assert any('The zero of "laser" moved by' in text and "state drift =" in text for text in said)
     assert not [f for f in findings(_estimated(silent, still)) if f.code == "drift"]
+
+
+def test_a_reversal_whose_sides_nobody_told_is_not_taken_for_drift() -> None:
+    silent = _description("")
+    machine = Simulator(silent.machine, silent.setups).drawn(3)
+    there = [
+        replace(r, approach=(0,), value=4e-6, pose=(0.1 * i,), time=10.0 * i)
+        for i, r in enumerate(_readings(machine, silent, 3)[:10])
+    ]
+    back = [replace(r, value=-4e-6, time=200.0 - (r.time or 0.0)) for r in there]
+    assert trend([*there, *back], silent.setups[0]).rate != 0
+    assert not [f for f in findings(_estimated(silent, [*there, *reversed(back)])) if f.code == "drift"]
+
+
+def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
+    drifting, still = _description().setups, _description("").setups
+    timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
+    (found,) = untimed([timed, replace(timed, time=None)], drifting)
+    assert found.code == "drift"
+    assert "add a column time" in found.text
+    assert untimed([timed], drifting) == untimed([replace(timed, time=None)], still) == []
 
 
 def test_a_trend_needs_a_place_read_three_times() -> None:

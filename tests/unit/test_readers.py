@@ -112,7 +112,7 @@ BAD: dict[str, tuple[Reader, str, str, int]] = {
     "unknown column": (read_readings, "setup,humidity,value_um\ns,1,2", "Known are setup, approach, time, value_mm", 1),
     "position NaN": (read_readings, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
     "value infinite": (read_readings, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
-    "std zero": (read_readings, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*greater than zero", 2),
+    "std zero": (read_readings, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*at least 0.1 nm", 2),
     "std of another kind": (read_readings, "setup,X_mm,value_um,std_urad\ns,1,2,1\n", "'std_urad' does not fit", 2),
     "approach word": (read_readings, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
     "approach twice": (read_readings, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),

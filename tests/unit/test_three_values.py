@@ -92,9 +92,7 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     gains, _ = scores.without(1)
     assert scores.leave(1) == pytest.approx(losses[1], rel=1e-8)
     np.testing.assert_allclose(scores.gains, gains, rtol=1e-7)
-    scores.enter(
-        int(pool.lattice.setups[100] == 0) * (len(pool) - 1), 1
-    )  # another count of values
+    scores.enter(int(pool.lattice.setups[100] == 0) * (len(pool) - 1), 1)  # another count of values
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.points, pool, looked_at), rtol=1e-4)
     scores.without(3)
     scores.leave(0)

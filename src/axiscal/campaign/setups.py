@@ -14,7 +14,7 @@ from axiscal.exceptions import DescriptionError, InputError, UnitError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
 from axiscal.measurement.instruments.rotation import Rotation
-from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
 LONGEST_NAME = 80
@@ -289,9 +289,10 @@ def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vect
 
 def _positive(text: str, reads: str) -> float:
     value = parse_quantity(text, "angle" if reads == "angle" else "length")
-    if value <= 0:
+    if value < FINEST:
         example = EXAMPLES["angle" if reads == "angle" else "length"]
-        raise DescriptionError(f"{shown(text)} is not above zero", f'Give a standard deviation such as "{example}"')
+        what = f"{shown(text)} is {'not above zero' if value <= 0 else 'finer than any instrument reads'}"
+        raise DescriptionError(what, f'Give a standard deviation such as "{example}"')
     return value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -41,6 +42,7 @@ def estimate(
     from axiscal.exceptions import RecordError
     from axiscal.measurement.readers.files import read_any
     from axiscal.report.assembly import Extras
+    from axiscal.report.findings import untimed
 
     description = read_campaign(campaign, target_needed=False)
     raw = read_any(readings)
@@ -50,6 +52,7 @@ def estimate(
     out.mkdir(parents=True, exist_ok=True)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
+    extras = replace(extras, warnings=untimed(placed, description.setups))
     with Campaign.create(out / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")

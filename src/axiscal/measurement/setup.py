@@ -10,6 +10,9 @@ from axiscal.machine.axis import Axis
 Approach = Literal["both", "+", "-"]
 Vector = tuple[float, float, float]
 
+FINEST = 1e-10
+"""No reading is known better than this, m or rad: an atom's width. Smaller noise is a slip, and ends in rounding."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unknown:

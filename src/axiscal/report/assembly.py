@@ -19,7 +19,17 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.wording import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
-from axiscal.report.summary import Curve, HistoryRow, Iso230, Rejection, SetupUse, Summary, TableOffer, TruthCheck
+from axiscal.report.summary import (
+    Curve,
+    Finding,
+    HistoryRow,
+    Iso230,
+    Rejection,
+    SetupUse,
+    Summary,
+    TableOffer,
+    TruthCheck,
+)
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -32,6 +42,7 @@ class Extras:
     test.
 
     compared : whether the traditional way, with as many readings, is drawn beside the accuracy
+    warnings : of what was given, beside those of the estimate
     """
 
     tables: Sequence[TableOffer] = ()
@@ -40,6 +51,7 @@ class Extras:
     iso230: Sequence[Iso230] = ()
     files: Sequence[str] = ()
     compared: bool = False
+    warnings: Sequence[Finding] = ()
 
 
 def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> Summary:
@@ -73,7 +85,7 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
         constants=constants(calibration, extras.truth),
         observability=observability(problem),
         rejected=_rejections(calibration, rows),
-        warnings=findings(calibration),
+        warnings=[*extras.warnings, *findings(calibration)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),

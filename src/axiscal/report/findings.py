@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -62,6 +62,16 @@ def findings(calibration: Calibration) -> list[Finding]:
         *_drift(calibration),
         *_changes(calibration),
     ]
+
+
+def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
+    """Return warnings of set-ups whose zero may drift, where given readings do not tell when they were taken."""
+    silent = {reading.setup for reading in readings if reading.time is None}
+    said = (
+        'The readings of "{}", whose zero may drift, do not tell when they were taken: they count as taken one after '
+        "the other, as a plan would have it. If that took longer, the bands are too narrow: add a column time."
+    )
+    return [Finding("drift", None, said.format(s.name)) for s in setups if s.drift > 0 and s.name in silent]
 
 
 def _unobservable(calibration: Calibration) -> Iterator[Finding]:
@@ -185,11 +195,18 @@ def _misfit(calibration: Calibration) -> Iterator[Finding]:
 
 def _drift(calibration: Calibration) -> Iterator[Finding]:
     """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    readings = _trusted(calibration)
+    told = [reading for reading in _trusted(calibration) if _side_known(reading, calibration.stated)]
     for setup in calibration.stated.description.setups:
-        found = _stated_drift(calibration, setup) if setup.drift > 0 else _shown_drift(trend(readings, setup), setup)
+        found = _stated_drift(calibration, setup) if setup.drift > 0 else _shown_drift(trend(told, setup), setup)
         if found:
             yield Finding("drift", None, found)
+
+
+def _side_known(reading: Reading, problem: Problem) -> bool:
+    """Whether what a reading repeats is not another side of a reversal."""
+    reverses = {function.axis for function in problem.errors.functions if function.kind == "reversal"}
+    moves = problem.description.setup(reading.setup).moves
+    return all(reading.approach[axis] != 0 for axis in reverses.intersection(moves))
 
 
 def _stated_drift(calibration: Calibration, setup: Setup) -> str:

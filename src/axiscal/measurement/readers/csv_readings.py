@@ -16,6 +16,7 @@ from axiscal.measurement.readers.axes import axis_layout, read_approach, read_po
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
 from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
 from axiscal.measurement.readers.times import read_times
+from axiscal.measurement.setup import FINEST
 
 _THREE = ("value_x", "value_y", "value_z")
 _LAYOUT = {
@@ -106,7 +107,7 @@ def _std(table: Table, row: Row, value: Column) -> float | None:
     if column.dimension != value.dimension:
         raise row.fail(f"'{column.name}' does not fit '{value.name}'", f"write it as 'std_{value.unit}'")
     std = row.quantity(column)
-    if std <= 0:
-        remedy = "a standard deviation is greater than zero; leave it empty to take the set-up's noise"
+    if std < FINEST:
+        remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
         raise row.fail(f"{column.name} is {row.text(column)}", remedy)
     return std

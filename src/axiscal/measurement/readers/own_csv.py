@@ -14,6 +14,7 @@ from axiscal.exceptions import DescriptionError, UnitError
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.readers.table import TEXT, Row, Table, parse_table
 from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.setup import FINEST
 from axiscal.units import dimension_of, from_unit
 
 MARK = "# axiscal-csv 1"
@@ -69,8 +70,9 @@ def _reading(file: TextFile, table: Table, row: Row) -> OwnReading:
     target = file.number(cells["target"], "target", row.line)
     std = cells.get("u_std", "")
     spread = from_unit(file.number(std, "u_std", row.line), unit) if std else None
-    if spread is not None and spread <= 0:
-        raise row.fail(f"u_std is {std}", "a standard deviation is greater than zero; leave it empty otherwise")
+    if spread is not None and spread < FINEST:
+        remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty otherwise"
+        raise row.fail(f"u_std is {std}", remedy)
     return OwnReading(
         axis=error.axis,
         target=from_unit(target, "deg" if error.axis[0] in "ABC" else "mm"),
