@@ -2,13 +2,12 @@
 
 A plan of k numbers with whitened rows b_i (of Σ^-½ G F) leaves, whatever the estimate X = Σ l_i b_iᵀ of Φ = V F is,
 
-    J = min over l of |Φ − X|² + Σ |l_i|²   with   |l_i|² ≥ −2 l_iᵀZb_i − |Z b_i|²  for any Z,  so
-    J ≥ min over X of |Φ − X|² − 2 <Z, X> − Σ |Z b_i|² = |Φ|² − |Φ + Z|²_k − Σ |Z b_i|²
+    J = min over l of |Φ − X|² + Σ |l_i|²   with   |l_i|² ≥ 2 l_iᵀZb_i − |Z b_i|²  for any Z,  so
+    J ≥ min over X of |Φ − X|² + 2 <Z, X> − Σ |Z b_i|² = |Φ|² − |Φ − Z|²_k − Σ |Z b_i|²
 
-where X has at most rank k and |.|²_k is the sum of the k largest squared singular values (Eckart and Young 1936). With
-−Z in place of Z it reads |Φ|² − |Φ − Z|²_k − Σ |Z b_i|². Z = Φ (I + Σ x_i b_i b_iᵀ)⁻¹ with the optimal weights x and
-all singular values is the bound of the general equivalence theorem (Kiefer and Wolfowitz 1960), Z = 0 that of Weyl
-(1912); a share α of the first is better than both.
+where X has at most rank k and |.|²_k is the sum of the k largest squared singular values (Eckart and Young 1936).
+Z = Φ (I + Σ x_i b_i b_iᵀ)⁻¹ with the optimal weights x and all singular values is the bound of the general
+equivalence theorem (Kiefer and Wolfowitz 1960), Z = 0 that of Weyl (1912); a share of the first is better than both.
 """
 
 from __future__ import annotations
