@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.description import campaign_from_texts
-from axiscal.campaign.planning import placed, whole_plan
+from axiscal.campaign.planning import placed
 from axiscal.campaign.problem import Problem
+from axiscal.campaign.proposal import Thoroughness, proposed
 from axiscal.design.plan import Plan
 from axiscal.design.problem import Limits
 from axiscal.gcode import Options, Visit, controllers, dialect, programs
@@ -44,7 +45,7 @@ def planned(machine: str, approach: str) -> tuple[Problem, Plan]:
     """Return a plan whose readings take so little time that the ways count."""
     text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s")
     case = Problem(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
-    return case, whole_plan(case, Limits(readings=14), 300, lambda _: None)
+    return case, proposed(case, Limits(readings=14), Thoroughness(300)).plan
 
 
 def run(events: list[Event], machine: Machine) -> float:

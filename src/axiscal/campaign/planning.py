@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -63,16 +62,6 @@ def _begun(problem: design.Problem, limits: Limits, patience: float) -> list[Poi
         return make_plan(problem, limits, patience=patience, bounded=False).points
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(problem, Limits(1), patience=patience, bounded=False).points
-
-
-def whole_plan(
-    case: Problem, limits: Limits, candidates: int, progress: Callable[[str], None], only: int | None = None
-) -> Plan:
-    """Return a plan from the beginning, with its bound; of one set-up, if `only` names one.  Raises PlanError."""
-    problem = posed(case, case.observation, case.prior, candidates=candidates)
-    if only is not None:
-        problem = replace(problem, lattice=problem.lattice.within(problem.lattice.setups == only))
-    return make_plan(problem, limits, patience=_patience(problem.observation), progress=progress)
 
 
 def _patience(observation: Observation) -> float:
