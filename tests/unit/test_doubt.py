@@ -93,6 +93,13 @@ def test_a_bad_reading_is_named_in_the_warnings() -> None:
     assert "it is not used" in finding.text
 
 
+def test_values_a_thousand_times_too_small_are_guessed_to_be_in_another_unit() -> None:
+    small = [replace(r, value=r.value / 1000) for r in _readings(1)]
+    said = [f.text for f in findings(_estimated(small)) if f.code == "prior-misfit"]
+    assert any("mm written as um?" in text for text in said)
+    assert not any("mm written as um?" in f.text for f in findings(_estimated(_readings(1))))
+
+
 def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
     readings = _readings(2)
     readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)

@@ -25,6 +25,8 @@ from axiscal.units import to_unit
 
 _OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
+_TINY = 0.02
+"""Readings that scatter by so little of what is stated are written in another unit, or are no readings."""
 _SHOWS, _AN_HOUR = 3.0, 3600.0
 _OTHER = 1.5
 """By this factor a noise is another than stated."""
@@ -185,12 +187,13 @@ def _misfit(calibration: Calibration) -> Iterator[Finding]:
     if check is None or min(check.probability, 1 - check.probability) > _MISFIT:
         return
     size = np.sqrt(check.chi_square / check.degrees)
+    guess = " Values about a thousand times too small (mm written as um?) look like that." if size < _TINY else ""
     text = (
         f"The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: "
         "the bands are not to be trusted; review the std of the errors and the noise of the set-ups, or let "
         'scales = "estimate" in the campaign learn them.'
     )
-    yield Finding("prior-misfit", None, text)
+    yield Finding("prior-misfit", None, text + guess)
 
 
 def _drift(calibration: Calibration) -> Iterator[Finding]:
