@@ -55,7 +55,7 @@ def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> No
 def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
     """Linearised once, 5 mm beside a line of 1 m is an error of 12 um; where it stands, the noise is left."""
     calibration, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
-    seen = [calibration.rows_of(reading) for reading in calibration.readings]
+    seen = calibration.rows_of(calibration.readings)
     left = [float(s.values[0] - s.rows[0] @ calibration.belief.mean) for s in seen]
     assert np.sqrt(np.mean(np.square(left))) < 2 * 0.3e-6
 

@@ -18,7 +18,6 @@ from axiscal.campaign.standing import grounds, twice_rejected
 from axiscal.campaign.taking import Taken, taken, widened
 from axiscal.compensation.estimate import Estimate
 from axiscal.design.accuracy import Accuracy
-from axiscal.design.cost import visit_seconds
 from axiscal.inference.doubt import FEWEST, NOTHING, Doubt, Verdict, verdict
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.numbers import seen_together
@@ -111,7 +110,7 @@ class Calibration:
         Where no clock was looked at it was taken when the plan has it.
         """
         before = self._readings[-1] if self._readings else None
-        self._seconds += self._seconds_of(before, reading)
+        self._seconds += self.stated.seconds_of(before, reading)
         self._readings.append(reading if reading.time is not None else replace(reading, time=self._seconds))
 
     def concluded(self) -> Calibration:
@@ -318,11 +317,7 @@ class Calibration:
         reading = self._readings[doubt.reading]
         return objection(doubt, reading, self.stated.description.setup(reading.setup))
 
-    def rows_of(self, reading: Reading) -> Seen:
-        """Return what a reading sees, its variances and values."""
-        return self.rows_of_all([reading])[0]
-
-    def rows_of_all(self, readings: Sequence[Reading]) -> list[Seen]:
+    def rows_of(self, readings: Sequence[Reading]) -> list[Seen]:
         """Return what each of many readings sees, its variances and values."""
         return seen_together(self._settled()._observation, readings)
 
@@ -363,7 +358,7 @@ class Calibration:
         if self._readings and self._begins_with_readings(visits):
             total, before, known = self._seconds, self._readings[-1], len(self._readings)
         for visit in visits[known:]:
-            total += self._seconds_of(before, visit)
+            total += self.stated.seconds_of(before, visit)
             before = visit
         return total
 
@@ -371,9 +366,3 @@ class Calibration:
         count = len(self._readings)
         pairs = zip(visits, self._readings, strict=False)
         return len(visits) >= count and all(v.setup == r.setup and v.pose == r.pose for v, r in pairs)
-
-    def _seconds_of(self, before: Visit | Reading | None, visit: Visit | Reading) -> float:
-        description = self.stated.description
-        start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
-        setup, pose = description.setup(visit.setup), np.array(visit.pose)
-        return visit_seconds(description.machine, setup, start, pose, visit.approach)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
+from axiscal.campaign.engine import Visit
 from axiscal.campaign.events import Gap, Place
 from axiscal.campaign.problem import Problem
-from axiscal.design.cost import visit_seconds
 from axiscal.measurement.reading import Reading
 
 EVERY = 1200.0
@@ -73,9 +71,11 @@ def _place(reading: Reading) -> Place:
 
 
 def _seconds(problem: Problem, before: Place | None, place: Place) -> float:
-    start = np.array(before.position) if before is not None and before.setup == place.setup else None
-    setup, pose = problem.description.setup(place.setup), np.array(place.position)
-    return visit_seconds(problem.description.machine, setup, start, pose, place.approach)
+    return problem.seconds_of(None if before is None else _visit(before), _visit(place))
+
+
+def _visit(place: Place) -> Visit:
+    return Visit(place.setup, place.position, place.approach)
 
 
 def _smaller(problem: Problem, markers: int) -> Problem:

@@ -10,7 +10,9 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.campaign.description import CampaignDescription
+from axiscal.campaign.engine import Visit
 from axiscal.design.accuracy import Yardstick
+from axiscal.design.cost import visit_seconds
 from axiscal.design.lattice import Lattice, spread
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
@@ -58,6 +60,12 @@ class Problem:
             return wanted_rests(machine)
         scales = all_scales(machine, setups)
         return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
+
+    def seconds_of(self, before: Visit | Reading | None, visit: Visit | Reading) -> float:
+        """Return the time of a reading after another one; of the first of a set-up with mounting it."""
+        start = np.array(before.pose) if before is not None and before.setup == visit.setup else None
+        setup, machine = self.description.setup(visit.setup), self.description.machine
+        return visit_seconds(machine, setup, start, np.array(visit.pose), visit.approach)
 
     def rescaled(self, scales: Scales) -> Problem:
         """Return the problem with priors and noise as learnt."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.proposal import Thoroughness, proposed
-from axiscal.design.cost import visit_seconds
+from axiscal.campaign.taking import taken
 from axiscal.design.plan import Plan
 from axiscal.design.problem import Limits
 from axiscal.exceptions import PlanError
@@ -91,26 +89,14 @@ def _of_plan(case: Problem, name: str, plan: Plan) -> Alternative:
 def traditional(case: Problem, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
-    observation, belief = case.observation, case.prior
-    known, seconds, before = [case.yardstick.measure(belief)], [0.0], None
-    for reading in readings:
-        wider = observation.visited(np.array(reading.pose), case.index(reading.setup))
-        belief = belief.extended(observation.rest_variances(wider))
-        observation = wider
-        seen = observation.reading(reading)
-        belief = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances)
-        known.append(case.yardstick.measure(belief))
-        seconds.append(seconds[-1] + _seconds(case, before, reading))
-        before = reading
+    known, seconds = [case.yardstick.measure(case.prior)], [0.0]
+    for part in taken(case, case.observation, case.prior, readings, [1.0] * len(readings)):
+        known += part.accuracies()
+    for before, reading in zip([None, *readings], readings, strict=False):
+        seconds.append(seconds[-1] + case.seconds_of(before, reading))
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)
     mounted = tuple(dict.fromkeys(reading.setup for reading in readings))
     return Alternative(TRADITIONAL, tuple(seconds), rms, worst, mounted)
-
-
-def _seconds(case: Problem, before: Reading | None, reading: Reading) -> float:
-    setup = case.description.setup(reading.setup)
-    start = np.array(before.pose) if before is not None and before.setup == reading.setup else None
-    return visit_seconds(case.description.machine, setup, start, np.array(reading.pose), reading.approach)
 
 
 def traditional_readings(case: Problem, count: int) -> list[Reading]:

@@ -190,7 +190,7 @@ def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) ->
     functions, mean = calibration.problem.errors.functions, calibration.belief.mean
     refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
     parts = []
-    for index, (reading, seen) in enumerate(zip(readings, calibration.rows_of_all(readings), strict=True)):
+    for index, (reading, seen) in enumerate(zip(readings, calibration.rows_of(readings), strict=True)):
         row, std = seen.rows[0], float(np.sqrt(seen.variances[0]))
         left, whole = float(seen.values[0] - row @ mean), sum(_share(row, function) for function in functions)
         parts.append(_Part(index + 1, reading, row, left, std, whole, index in refused))
