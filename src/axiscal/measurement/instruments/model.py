@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Literal, Protocol
 
 import numpy as np
@@ -84,6 +85,27 @@ class Model(Protocol):
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
+
+
+class Angle:
+    """What all instruments share that read one angle about the set-up's direction, linear but for their zero."""
+
+    reads: Reads = "angle"
+    values = 1
+    directed = True
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+
+    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+        """Return d for every reading, (m, 3)."""
+        return along(direction, place.count)
+
+    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+        """Return 1 for the zero, (m,)."""
+        return np.ones(place.count)
+
+    def beyond(self, setup: Setup, place: Place) -> Array:
+        """Return nothing: it is linear, (m,)."""
+        return np.zeros(place.count)
 
 
 def along(direction: Array, count: int) -> Array:

@@ -7,14 +7,13 @@ the slope of a chord, the derivative of the straightness where L goes to nothing
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Place, Reads, along
+from axiscal.measurement.instruments.model import Actual, Angle, Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import Way, across
 from axiscal.numerics import Array
@@ -24,31 +23,14 @@ _ALONG = 1e-6
 _UNFELT = 1e-9
 
 
-class Stepped:
+class Stepped(Angle):
     """One slope, as an angle about the set-up's direction."""
-
-    reads: Reads = "angle"
-    values = 1
-    directed = True
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
-
-    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
-        """Return d for every reading, (m, 3)."""
-        return along(direction, place.count)
-
-    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
-        """Return 1 for the zero, (m,)."""
-        return np.ones(place.count)
 
     def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
         """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
         slope = np.sum(across(place.machine, setup, place.poses) * actual.displacement, axis=1)
         shown: Array = np.arctan(slope) + own.get("zero", 0.0)
         return shown
-
-    def beyond(self, setup: Setup, place: Place) -> Array:
-        """Return nothing: it is linear to first order, (m,)."""
-        return np.zeros(place.count)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError where there is no slope to be read."""
