@@ -202,8 +202,7 @@ def _through(curve: TruthCurve) -> Curve:
 def _drawn(function: ErrorFunction, rng: np.random.Generator) -> Curve:
     values, vectors = np.linalg.eigh(function.covariance)
     control = vectors @ (np.sqrt(np.maximum(values, 0)) * rng.standard_normal(len(values)))
-    start, stop = function.basis.knots[0], function.basis.knots[-1]
-    cells = function.rest * rng.standard_normal(max(1, round((stop - start) / function.cell)))
+    cells = function.rest * rng.standard_normal(function.cell_count)
 
     def curve(positions: Array) -> Array:
         drawn: Array = function.basis.rows(positions) @ control + cells[function.cells(positions)]

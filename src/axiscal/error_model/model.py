@@ -55,13 +55,17 @@ class ErrorFunction:
     def cell(self) -> float:
         """Length over which the rest is shared: an eighth of a knot interval."""
         knots = self.basis.knots
-        return float(knots[-1] - knots[0]) / (_REST_CELLS_PER_INTERVAL * (len(knots) - 1))
+        return float(knots[-1] - knots[0]) / self.cell_count
+
+    @property
+    def cell_count(self) -> int:
+        """Number of such lengths along the axis."""
+        return _REST_CELLS_PER_INTERVAL * (len(self.basis.knots) - 1)
 
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
-        start, stop = self.basis.knots[0], self.basis.knots[-1]
-        last = round((stop - start) / self.cell) - 1
-        cells: NDArray[np.int64] = np.clip(np.floor((positions - start) / self.cell), 0, last).astype(np.int64)
+        along = np.floor((positions - self.basis.knots[0]) / self.cell)
+        cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
         return cells
 
 

@@ -70,8 +70,7 @@ class Numbers:
         self._first = np.cumsum(counts) - counts
         size = len(self.reading)
         self.values, self.rows = np.zeros(size), np.zeros((size, observation.size))
-        cells = [round((f.basis.knots[-1] - f.basis.knots[0]) / f.cell) for f in observation.errors.functions]
-        self._shared = [np.zeros((size, count)) for count in cells]
+        self._shared = [np.zeros((size, function.cell_count)) for function in observation.errors.functions]
         self.loose = np.zeros(size)  # such as a side that nobody told
         for index in range(len(observation.setups)):
             self._fill(index)

@@ -358,8 +358,7 @@ class Observation:
     def _columns_of_cells(self) -> dict[int, NDArray[np.intp]]:
         functions, columns = self.errors.functions, dict[int, NDArray[np.intp]]()
         for i in self._with_rest:
-            knots = functions[i].basis.knots
-            columns[i] = np.full(round((knots[-1] - knots[0]) / functions[i].cell), -1)
+            columns[i] = np.full(functions[i].cell_count, -1)
         for (owner, cell), column in self.cells.items():
             columns[owner][cell] = column
         return columns
