@@ -49,13 +49,8 @@ def fit(
     prior : mean and covariance of the errors, where they are not the stated ones
     Of many readings a part tells them, drawn the same way each time: what the others would add is seconds of waiting.
     """
-    evidence, precision = Evidence(observation, drawn(readings, _MOST), scales, prior), log_prior_precision(scales)
-
-    def objective(logs: Array) -> tuple[float, Array]:
-        value, slope = evidence.log_density(logs)
-        pull = precision @ logs
-        return 0.5 * float(logs @ pull) - value, pull - slope
-
+    evidence = Evidence(observation, drawn(readings, _MOST), scales, prior)
+    objective = _objective(evidence, scales)
     best = min((_descended(objective, start, _STEPS) for start in _starts(scales)), key=lambda at: objective(at)[0])
     variances = _variances(lambda logs: objective(logs)[1], best)
     cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
@@ -73,6 +68,11 @@ def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
 
 def roughly(evidence: Evidence, scales: tuple[Scale, ...]) -> Array:
     """Return the logarithms of the scales' factors that a few steps find, good enough to judge by, (n,)."""
+    return _descended(_objective(evidence, scales), np.zeros(len(scales)), _FEW_STEPS)
+
+
+def _objective(evidence: Evidence, scales: tuple[Scale, ...]) -> Callable[[Array], tuple[float, Array]]:
+    """Return minus the logarithm of likelihood times prior, and its gradient, as a function of the logarithms (n,)."""
     precision = log_prior_precision(scales)
 
     def objective(logs: Array) -> tuple[float, Array]:
@@ -80,7 +80,7 @@ def roughly(evidence: Evidence, scales: tuple[Scale, ...]) -> Array:
         pull = precision @ logs
         return 0.5 * float(logs @ pull) - value, pull - slope
 
-    return _descended(objective, np.zeros(len(scales)), _FEW_STEPS)
+    return objective
 
 
 def _cautious(scale: Scale, log: float, variance: float) -> float:
