@@ -26,7 +26,7 @@ from axiscal.campaign.events import Asked
 from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.five_axis import SEED, description, hidden_machine
-from axiscal.design.cost import travel_seconds
+from axiscal.machine.motion import travel_seconds
 
 
 def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, float, float, float]]:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from ortools.sat.python import cp_model
 
-from axiscal.design.cost import approach_seconds, travel_seconds
 from axiscal.design.route import route, route_seconds, travel_table
 from axiscal.machine import load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.motion import approach_seconds, travel_seconds
 from axiscal.numerics import Array
 
 TICK = 1e-4

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.motion import approach_seconds, travel_seconds
+from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-
-__all__ = ["approach_seconds", "reading_seconds", "travel_seconds", "visit_seconds"]
 
 
 def reading_seconds(setup: Setup) -> float:

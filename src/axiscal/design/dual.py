@@ -39,7 +39,7 @@ class Dual:
     @classmethod
     def of(cls, state: State, scaled: Array) -> Dual:
         """Return Φ (I + BᵀB)⁻¹.  scaled : B (m, r), rows of unit noise under the state's factor."""
-        target = _target(state)
+        target = state.weighted
         if not len(scaled):
             return cls(state, target)
         basis, inner = np.linalg.qr(scaled.T)
@@ -56,7 +56,7 @@ class Dual:
     @cached_property
     def value(self) -> float:
         """J of the weights that Z was made from, <Φ, Z>."""
-        return float(np.sum(_target(self.state) * self.z))
+        return float(np.sum(self.state.weighted * self.z))
 
     @property
     def whole(self) -> float:
@@ -68,7 +68,7 @@ class Dual:
 
         spent : what Σ |Z b_i|² of a plan may come to at most; zeros : that all of these plans must find out
         """
-        target, z, lost, count = _target(self.state), self.z, 0.0, 0
+        target, z, lost, count = self.state.weighted, self.z, 0.0, 0
         if zeros is not None:
             count = len(zeros.columns)
             lost = float(np.sum(z[:, zeros.columns] ** 2))
@@ -98,14 +98,9 @@ def rank_bound(state: State, readings: int) -> float:
 
     A reading takes away a covariance of rank one, so at least the smaller eigenvalues of V C₀ Vᵀ stay (Weyl 1912).
     """
-    target = _target(state)
+    target = state.weighted
     values = np.linalg.eigvalsh(target @ target.T)[::-1]
     return float(max(np.sum(values[readings:]), 0.0)) * (1 - _MARGIN)
-
-
-def _target(state: State) -> Array:
-    target: Array = state.weight @ state.factor[: state.weight.shape[1]]
-    return target
 
 
 def _largest(concave: Callable[[float], float]) -> float:

@@ -31,6 +31,14 @@ class Lattice:
         """Return some of the candidates."""
         return Lattice(self.setups[kept], self.poses[kept], self.approaches[kept])
 
+    def beside(self, other: Lattice) -> Lattice:
+        """Return these candidates, then others."""
+        return Lattice(
+            np.concatenate([self.setups, other.setups]),
+            np.concatenate([self.poses, other.poses]),
+            np.concatenate([self.approaches, other.approaches]),
+        )
+
     def __len__(self) -> int:
         return len(self.setups)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from axiscal.design.problem import Problem, counting, ordered, way_seconds
@@ -11,11 +13,17 @@ from axiscal.numerics import Array
 
 def seconds_of(problem: Problem, points: list[Point]) -> float:
     """Return the time of readings on a short way, set-up by set-up."""
-    total, before = 0.0, problem.here
-    for point in _by_setup(problem, points):
-        total += way_seconds(problem, before, point)
-        before = point
-    return total
+    return seconds_along(problem, _by_setup(problem, points))
+
+
+def seconds_along(problem: Problem, order: list[Point]) -> float:
+    """Return the time of readings in this order."""
+    return sum(way_seconds(problem, before, point) for before, point in steps(problem, order))
+
+
+def steps(problem: Problem, order: list[Point]) -> Iterator[tuple[Point | None, Point]]:
+    """Return each reading with where the machine stands before it."""
+    return zip([problem.here, *order], order, strict=False)
 
 
 def _by_setup(problem: Problem, points: list[Point]) -> list[Point]:

@@ -153,7 +153,7 @@ def _together(problem: Problem, limits: Limits, times: Clock, pool: Pool, setups
             scores.enter(point)
         trials.append(replace(greedy, scores=scores))
     for trial in trials:
-        exchange(trial.scores, affordable(times, setups, 0.0 if limits.timed else np.inf))
+        exchange(trial.scores, affordable(times, setups, limits.slack))
     return min(trials, key=lambda trial: trial.scores.state.value)
 
 

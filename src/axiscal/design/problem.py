@@ -9,11 +9,12 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.design.accuracy import Accuracy, Yardstick
-from axiscal.design.cost import approach_seconds, reading_seconds
+from axiscal.design.cost import reading_seconds
 from axiscal.design.lattice import Lattice, spread
 from axiscal.design.pool import MEMORY
 from axiscal.design.route import route, travel_table
 from axiscal.design.state import Point, State
+from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
@@ -66,6 +67,11 @@ class Limits:
     def timed(self) -> bool:
         """Whether seconds count: for a budget, and for the least time to an accuracy."""
         return self.budget is not None or self.accurate
+
+    @property
+    def slack(self) -> float:
+        """Seconds that one exchange may cost."""
+        return 0.0 if self.timed else np.inf
 
 
 class Clock(NamedTuple):

@@ -22,7 +22,7 @@ from axiscal.design.dual import Dual
 from axiscal.design.lattice import Lattice
 from axiscal.design.pool import Pool
 from axiscal.design.relaxation import Relaxation
-from axiscal.design.state import Point, State
+from axiscal.design.state import Point, State, lattice_of
 from axiscal.design.steepest import steepest
 from axiscal.design.uphill import uphill
 from axiscal.numerics import Array
@@ -76,7 +76,7 @@ def prove(
         steeper = [point for each in found for point in each.points]
         if left <= gap or not steeper:
             break
-        lattice = _joined(kept, _lattice(steeper))
+        lattice = kept.beside(lattice_of(steeper))
     return Proof(Bound(best, True), max(left, 0.0))
 
 
@@ -86,7 +86,7 @@ def _begun(state: State, lattice: Lattice, points: list[Point]) -> Lattice:
     relaxation = Relaxation(pool, state, points, np.ones(len(pool) + count), float(count), rests=False)
     for _ in settling(relaxation):
         pass
-    return _lattice(relaxation.weighty)
+    return lattice_of(relaxation.weighty)
 
 
 def _weighted(state: State, lattice: Lattice, count: int) -> Relaxation:
@@ -135,13 +135,3 @@ def _apart(places: Array, order: NDArray[np.intp]) -> list[int]:
         if len(chosen) < _ADDED and np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > _NEAR):
             chosen.append(int(i))
     return chosen
-
-
-def _lattice(points: list[Point]) -> Lattice:
-    setups, poses, approaches = zip(*points, strict=True)
-    return Lattice(np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches))
-
-
-def _joined(one: Lattice, other: Lattice) -> Lattice:
-    parts = zip((one.setups, one.poses, one.approaches), (other.setups, other.poses, other.approaches), strict=True)
-    return Lattice(*(np.concatenate(both) for both in parts))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from axiscal.design.dual import Dual
 from axiscal.design.lattice import Lattice
 from axiscal.design.pool import Pool
-from axiscal.design.state import Point, State, informed
+from axiscal.design.state import Point, State, informed, lattice_of
 from axiscal.numerics import Array
 
 _NEWTON = 60
@@ -53,11 +53,7 @@ class Relaxation:
     @property
     def everything(self) -> Lattice:
         """The candidates of the pool, then the given points."""
-        parts = [(self.pool.lattice.setups, self.pool.lattice.poses, self.pool.lattice.approaches)]
-        if self.points:
-            setups, poses, approaches = zip(*self.points, strict=True)
-            parts.append((np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches)))
-        return Lattice(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+        return self.pool.lattice.beside(lattice_of(self.points)) if self.points else self.pool.lattice
 
     def within(self, kept: NDArray[np.bool_]) -> Relaxation:
         """Return the same of some candidates and points, (M + points,)."""
@@ -90,8 +86,7 @@ class Relaxation:
     def solved(self) -> Dual:
         """Bring the weights to the optimum on the support."""
         state, along, owner = self._rows()
-        weighted = state.weight @ state.factor[: state.weight.shape[1]]
-        self.weights = _optimal(along, owner, weighted, self.weights, self.costs[self.support], self.limit)
+        self.weights = _optimal(along, owner, state.weighted, self.weights, self.costs[self.support], self.limit)
         return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
 
     def value_if(self, shares: Array) -> float:

@@ -7,7 +7,6 @@ the renewed plan is no worse than the old one, and little has to be looked at.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,10 +15,10 @@ from axiscal.design.allocation import Setups, Trial, affordable
 from axiscal.design.exchange import exchange, polish
 from axiscal.design.fitting import drop, fitted
 from axiscal.design.meter import Meter
-from axiscal.design.order import arriving, in_order
+from axiscal.design.order import arriving, in_order, seconds_along, steps
 from axiscal.design.plan import Patience
 from axiscal.design.pool import Pool
-from axiscal.design.problem import Clock, Limits, Problem, clock, way_seconds
+from axiscal.design.problem import Clock, Limits, Problem, clock
 from axiscal.design.scoring import Scores
 from axiscal.design.state import Point
 
@@ -45,26 +44,17 @@ def renewed(problem: Problem, limits: Limits, left: list[Point], patience: float
     if len(lattice):
         trial = _begun(problem, limits, times, Pool(problem.observation, lattice, problem.memory), setups, left)
         trial = _filled(problem, limits, times, trial)
-        exchange(trial.scores, affordable(times, setups, 0.0 if limits.timed else np.inf), _SWEEPS, _WORTH)
+        exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         points = fitted(problem, limits, times, trial).scores.points
     order = _shorter(problem, in_order(problem, points), left)
-    return [p._replace(approach=arriving(problem, before, p)) for before, p in _steps(problem, order)]
-
-
-def _steps(problem: Problem, order: list[Point]) -> Iterator[tuple[Point | None, Point]]:
-    """Return each reading with where the machine stands before it."""
-    return zip([problem.here, *order], order, strict=False)
+    return [p._replace(approach=arriving(problem, before, p)) for before, p in steps(problem, order)]
 
 
 def _shorter(problem: Problem, order: list[Point], left: list[Point]) -> list[Point]:
     """Return the order as it was, where it holds the same readings and takes no longer."""
     same = {id(point) for point in order} == {id(point) for point in left}
-    return left if same and _seconds(problem, left) <= _seconds(problem, order) else order
-
-
-def _seconds(problem: Problem, points: list[Point]) -> float:
-    return sum(way_seconds(problem, before, point) for before, point in _steps(problem, points))
+    return left if same and seconds_along(problem, left) <= seconds_along(problem, order) else order
 
 
 def _mountable(limits: Limits, times: Clock, left: list[Point]) -> list[Point]:

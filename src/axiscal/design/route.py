@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.design.cost import approach_seconds
 from axiscal.machine.description import Machine
+from axiscal.machine.motion import approach_seconds
 from axiscal.numerics import Array
 
 _STARTS = 4

@@ -46,15 +46,16 @@ class Scores:
         self._cross: Array | None = None
         self._reach: Array | None = None
 
-    def follow(self) -> None:
+    def follow(self) -> tuple[Array, Array]:
         """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
-        if self._cross is None:
+        if self._cross is None or self._reach is None:
             size = self.state.observation.size
             rows = np.array([row for m in self.members for row in self._padded(m)]).reshape(-1, size)
             half = rows @ self.state.factor
-            weighted = self.state.weight @ self.state.factor[: self.state.weight.shape[1]]
+            weighted = self.state.weighted
             self._cross = self._products(self.state.factor @ half.T)
             self._reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
+        return self._cross, self._reach
 
     def fork(self) -> Scores:
         """Return a copy that goes its own way."""
@@ -158,20 +159,16 @@ class Scores:
         if numbers.stop - here == 1:
             spread, omega = float(self.below[here]) - noise, float(self.above[here])
             return np.array([[1.0 / max(noise - spread, 1e-9 * noise)]]), np.array([[omega]])
-        self.follow()
-        if self._cross is None or self._reach is None:
-            raise AssertionError("the columns are kept from here on")
+        crossed, reached = self.follow()
         own = slice(here - self.pool.count, numbers.stop - self.pool.count)
-        values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - self._cross[numbers, own])
+        values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed[numbers, own])
         grown: Array = vectors / np.maximum(values, 1e-9 * noise) @ vectors.T
-        return grown, self._reach[numbers, own]
+        return grown, reached[numbers, own]
 
     def _columns(self, here: int) -> tuple[Array, Array]:
-        self.follow()
-        if self._cross is None or self._reach is None:
-            raise AssertionError("the columns are kept from here on")
+        crossed, reached = self.follow()
         column = here - self.pool.count
-        return self._cross[:, column].copy(), self._reach[:, column].copy()
+        return crossed[:, column].copy(), reached[:, column].copy()
 
     def _looked_at(self, what: int | Point) -> tuple[Array, float, Point]:
         point = what if isinstance(what, Point) else self.pool.point(what)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.belief import Belief
+from axiscal.design.lattice import Lattice
 from axiscal.design.scorer import Scorer
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
@@ -29,6 +30,12 @@ class Point(NamedTuple):
     setup: int
     pose: Array
     approach: Array
+
+
+def lattice_of(points: list[Point]) -> Lattice:
+    """Return readings as candidates, at least one."""
+    setups, poses, approaches = zip(*points, strict=True)
+    return Lattice(np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches))
 
 
 class Change(NamedTuple):
@@ -67,7 +74,13 @@ class State:
     @property
     def value(self) -> float:
         """J = tr(W C)."""
-        return float(np.sum((self.weight @ self.factor[: self.weight.shape[1]]) ** 2))
+        return float(np.sum(self.weighted**2))
+
+    @property
+    def weighted(self) -> Array:
+        """V F (w, r), whose squared length is J."""
+        weighted: Array = self.weight @ self.factor[: self.weight.shape[1]]
+        return weighted
 
     def opened(self, points: list[Point]) -> State:
         """Return the state with columns for the cells that the points lie in."""
@@ -135,13 +148,16 @@ class State:
         state = self.opened(points)
         if not points:
             return state
-        rows, variances, _ = state.rows(points)
-        scaled = (rows / np.sqrt(variances)[:, None]) @ state.factor
-        return replace(state, factor=informed(state.factor, scaled))
+        return replace(state, factor=informed(state.factor, state.whitened(points)[0]))
+
+    def whitened(self, points: list[Point]) -> tuple[Array, NDArray[np.intp]]:
+        """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
+        rows, variances, owner = self.rows(points)
+        return (rows / np.sqrt(variances)[:, None]) @ self.factor, owner
 
     def scorer(self) -> Scorer:
         """Return the gains under this state."""
-        weighted = self.weight @ self.factor[: self.weight.shape[1]]
+        weighted = self.weighted
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
 
 

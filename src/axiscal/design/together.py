@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.design.state import Point, State
 from axiscal.numerics import Array
@@ -67,8 +66,8 @@ def _free(state: State, points: list[Point]) -> list[_Free]:
 
 def _value(state: State, points: list[Point], free: list[_Free]) -> tuple[float, Array]:
     """Return J over what there was before, and its gradient with respect to shares of the free coordinates."""
-    target = state.weight @ state.factor[: state.weight.shape[1]]
-    rows, owner = _whitened(state, points)
+    target = state.weighted
+    rows, owner = state.whitened(points)
     crossed = target @ rows.T
     information = np.eye(len(rows)) + rows @ rows.T
     left = target - np.linalg.solve(information, crossed.T).T @ rows
@@ -79,11 +78,6 @@ def _value(state: State, points: list[Point], free: list[_Free]) -> tuple[float,
     return float(np.sum(left * target)) / total, gradient
 
 
-def _whitened(state: State, points: list[Point]) -> tuple[Array, NDArray[np.intp]]:
-    rows, variances, owner = state.rows(points)
-    return (rows / np.sqrt(variances)[:, None]) @ state.factor, owner
-
-
 def _changes(state: State, points: list[Point], free: list[_Free]) -> list[Array]:
     """Return the derivative of the rows of its reading with respect to the share of each free coordinate."""
     aside = []
@@ -92,7 +86,7 @@ def _changes(state: State, points: list[Point], free: list[_Free]) -> list[Array
             pose = points[f.reading].pose.copy()
             pose[f.axis] = np.clip(pose[f.axis] + sign * _STEP * (f.high - f.low), f.low, f.high)
             aside.append(Point(points[f.reading].setup, pose, points[f.reading].approach))
-    rows, owner = _whitened(state, aside)
+    rows, owner = state.whitened(aside)
     count, first = len(free), np.searchsorted(owner, np.arange(2 * len(free) + 1))
     changes = []
     for i, f in enumerate(free):
