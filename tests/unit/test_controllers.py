@@ -273,11 +273,11 @@ def test_isg_columns_that_the_kernel_would_refuse(text: str) -> None:
 def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
     rng = np.random.default_rng(seed)
     plan = fanuc.Plan(5, 0, 30, magnification, 0.01)
-    curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 31))
-    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(31))
-    sums = np.cumsum(fanuc.entries(table, plan)) * plan.step
+    curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 32))
+    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(32))
+    sums = np.cumsum(np.r_[0, fanuc.increments(table, plan).up]) * plan.step
     wanted = np.interp(0.0, plan.positions, curve) - curve
-    assert np.max(np.abs((sums - sums[5]) - (wanted - wanted[5]))) <= 1.0 * plan.step + 1e-15
+    assert np.max(np.abs((sums - sums[6]) - (wanted - wanted[6]))) <= 1.0 * plan.step + 1e-15
     rounded = np.round(wanted / plan.step) * plan.step
     assert sums + rounded[0] == pytest.approx(rounded, abs=1e-12)
     assert np.max(np.abs(rounded - wanted)) <= 0.5 * plan.step + 1e-15
@@ -285,11 +285,11 @@ def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> N
 
 def test_fanuc_refuses_increments_that_do_not_fit() -> None:
     curve = np.array([0, 0, 20e-6, 20e-6])
-    plan = fanuc.Plan(0, 0, 3, 1, 0.01)
+    plan = fanuc.Plan(1, 1, 3, 1, 0.01)
     table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(4))
     with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. Magnification 3623 = 3 would fit"):
-        fanuc.entries(table, plan)
-    fanuc.entries(table, replace(plan, magnification=3))
+        fanuc.increments(table, plan)
+    fanuc.increments(table, replace(plan, magnification=3))
 
 
 def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:
@@ -307,7 +307,7 @@ def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:
         (FANUC.replace("N3624Q1A1P10000", "N3624Q1A4P10000"), "no parameters 3624 for X"),
         (FANUC.replace("N10015Q1P0;\n", ""), "there is no row N10015"),
         (FANUC.replace("N10015Q1P0;", "N10015 drop table"), "line 22: 'N10015 drop table' is not a record"),
-        (FANUC.replace("N3622Q1A1P80", "N3622Q1A1P40"), "3621 = 10 and 3622 = 70 would cover it"),
+        (FANUC.replace("N3622Q1A1P80", "N3622Q1A1P40"), "3621 = 11 and 3622 = 70 would cover it"),
         (FANUC.replace("A1P20", "A1P200"), "The reference point lies between"),
     ],
 )

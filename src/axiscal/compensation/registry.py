@@ -13,7 +13,7 @@ from axiscal.exceptions import TableError
 _ROOM = "axiscal.compensation.controllers"
 CONTROLLERS = {
     "csv": ("plain_csv", "make"),
-    "fanuc": ("fanuc", "make"),
+    "fanuc": ("fanuc.exporting", "make"),
     "heidenhain": ("heidenhain", "make"),
     "isg": ("isg", "make"),
     "isg-etalon": ("isg", "make_etalon"),

@@ -1,0 +1,9 @@
+"""FANUC: stored pitch error compensation, in a file that the user's own control has punched.
+
+`records` knows the form of the file, `plan` what its parameters say of an axis, `data` the entries of the points.
+"""
+
+from axiscal.compensation.controllers.fanuc.data import Increments, fill, increments, read
+from axiscal.compensation.controllers.fanuc.plan import Plan, read_plans
+
+__all__ = ["Increments", "Plan", "fill", "increments", "read", "read_plans"]

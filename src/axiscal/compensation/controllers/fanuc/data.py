@@ -1,0 +1,103 @@
+"""The entries of the points: what is added over the section that ends at each, and what a control makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.compensation.controllers.fanuc.plan import APART, DETECTION, Plan
+from axiscal.compensation.controllers.fanuc.records import Records, replace_values
+from axiscal.compensation.lookup import Lookup
+from axiscal.compensation.table import CompensationTable
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+
+LARGEST = 7
+FIRST_DATA = 10000
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Increments:
+    """Entries of one axis, whole numbers from its first point on.
+
+    up : (n,) for travel upwards, or for both ways; down : (n,), None without a second set
+    apart : parameter 3627, what is added at the reference point when it is come to the other way, detection units
+    """
+
+    up: Array
+    down: Array | None = None
+    apart: int = 0
+
+
+def increments(table: CompensationTable, plan: Plan, sign: int = 1) -> Increments:
+    """Return the entries: the sums, not the increments, are rounded, so that nothing adds up.
+
+    sign : -1 for a control that takes them away.  Raises TableError where one is larger than the format holds.
+    """
+    if plan.negative is None:
+        return Increments(sign * _entries(table.axis, (table.forward + table.reverse) / 2, plan))
+    apart = round(float(_added(table, plan, not plan.downwards)[plan.origin]) / DETECTION)
+    sides = [_entries(table.axis, values, plan) for values in (table.forward, table.reverse)]
+    return Increments(sign * sides[0], sign * sides[1], sign * apart)
+
+
+def _added(table: CompensationTable, plan: Plan, downwards: bool) -> Array:
+    """Return what is to be added at the ends of the sections, nothing at the reference point as it is returned to."""
+    home = table.reverse if plan.downwards else table.forward
+    added: Array = home[plan.origin] - (table.reverse if downwards else table.forward)
+    return added
+
+
+def _entries(axis: str, deviation: Array, plan: Plan) -> Array:
+    sums = np.round((deviation[plan.origin] - deviation) / plan.step).astype(int)
+    entries: Array = np.diff(sums)
+    worst = int(np.max(np.abs(entries)))
+    if worst > LARGEST:
+        needed = int(np.ceil(worst * plan.magnification / LARGEST))
+        what = f"{axis} needs an increment of {worst}, an entry holds {LARGEST}"
+        raise TableError(what, f"magnification 3623 = {needed} would fit, or a shorter interval 3624")
+    return entries
+
+
+def fill(
+    text: str, plans: Mapping[str, Plan], found: Mapping[str, Increments], numbers: Mapping[str, int], file: str
+) -> str:
+    """Return the text with the pitch data of the axes replaced; raises TableError for points that it has no row for.
+
+    numbers : of the controlled axes by name
+    """
+    wanted: dict[tuple[int, int], int] = {}
+    for name, made in found.items():
+        sides = [made.up] if made.down is None else [made.up, made.down]
+        for points, entries in zip(plans[name].numbers, sides, strict=True):
+            wanted |= {(FIRST_DATA + n, 0): int(v) for n, v in zip(points, entries, strict=True)}
+        if made.down is not None:
+            wanted[APART, numbers[name]] = made.apart
+    return replace_values(text, wanted, file)
+
+
+def read(records: Records, plans: Mapping[str, Plan], numbers: Mapping[str, int], sign: int = 1) -> list[Lookup]:
+    """Return what the control adds: entries add up from the reference point, times the magnification.
+
+    sign : -1 for a control that takes them away
+    """
+    lookups = []
+    for axis, plan in plans.items():
+        ups, *downs = (_sums(records, points, plan) for points in plan.numbers)
+        if not downs:
+            lookups.append(Lookup(axis, axis, plan.positions, sign * ups))
+            continue
+        apart = float(records[APART][numbers[axis]]) * DETECTION
+        ups, down = (ups + apart, downs[0]) if plan.downwards else (ups, downs[0] + apart)
+        lookups.append(Lookup(axis, axis, plan.positions, sign * ups, 1))
+        lookups.append(Lookup(axis, axis, plan.positions, sign * down, -1))
+    return lookups
+
+
+def _sums(records: Records, points: range, plan: Plan) -> Array:
+    steps = np.array([float(records[FIRST_DATA + n][0]) for n in points])
+    sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
+    added: Array = (sums - sums[plan.origin]) * plan.step
+    return added

@@ -1,0 +1,113 @@
+"""The pitch data of all linear axes, in the place of those of a punched file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from axiscal.compensation.controllers.fanuc.data import FIRST_DATA, fill, increments, read
+from axiscal.compensation.controllers.fanuc.plan import DETECTION, Plan, read_plans
+from axiscal.compensation.controllers.fanuc.records import read_records
+from axiscal.compensation.effect import table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.lookup import lookup_control
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import own_table
+from axiscal.compensation.table import CompensationTable
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.units import format_quantity
+
+_FILE = "pitch.txt"
+_HOLDS = "the positioning error of the linear axes as increments: {}."
+_LEFT = "rotary axes, straightness, squareness and angular errors{}."
+_BACKLASH = ", and the reversal of {} (enter it as backlash, parameter 1851, or give 3605#0, 3626 and 3627)"
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return the template with its pitch data replaced; raises TableError."""
+    machine, text, name = estimate.machine, options.template, options.template_name
+    if text is None:
+        raise TableError("FANUC files are made from one of your control", "give it: --template FILE")
+    numbers = linear_numbers(machine, options)
+    plans = read_plans(read_records(text, name), name, numbers)
+    tables = {axis: _zeroed(_table(estimate, axis, plan), plan) for axis, plan in plans.items()}
+    sign = -1 if options.flip else 1
+    found = {axis: increments(table, plans[axis], sign) for axis, table in tables.items()}
+    filled = fill(text, plans, found, numbers, name)
+    held = lookup_control(machine, read(read_records(filled, name), plans, numbers, sign))
+    wanted = table_control(machine, list(tables.values()))
+    resolution = {axis: 0.5 * plan.step + _apart(plan) + 1e-12 for axis, plan in plans.items()}
+    holds, left = _said(plans)
+    notes = _notes(plans)
+    return Draft({_FILE: filled}, held, wanted, resolution, tuple(tables.values()), holds, left, notes, tried=False)
+
+
+def linear_numbers(machine: Machine, options: Options) -> dict[str, int]:
+    """Return the controlled-axis number of each linear axis."""
+    return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
+
+
+def _table(estimate: Estimate, name: str, plan: Plan) -> CompensationTable:
+    """Return the deviation at the ends of the sections; raises TableError where they do not cover the volume."""
+    axis = estimate.machine.index(name)
+    low, high = estimate.box[axis]
+    needed = plan.covering(low, high)
+    if plan.first > needed[0] or plan.last < needed[1]:
+        shown = " to ".join(format_quantity(float(value), "mm") for value in plan.positions[[0, -1]])
+        what = f"the points of {name} reach from {shown}, the volume goes beyond"
+        raise TableError(what, f"3621 = {needed[0]} and 3622 = {needed[1]} would cover it")
+    return own_table(estimate, axis, plan.positions)
+
+
+def _zeroed(table: CompensationTable, plan: Plan) -> CompensationTable:
+    """Return the table as the control holds it: nothing at the reference point, one curve without a second set."""
+    if plan.negative is None:
+        table = table.averaged()
+    home = (table.reverse if plan.downwards else table.forward)[plan.origin]
+    return replace(table, forward=table.forward - home, reverse=table.reverse - home)
+
+
+def _apart(plan: Plan) -> float:
+    """Return what rounding leaves of the distance between two sets, m."""
+    return 0.0 if plan.negative is None else 0.5 * DETECTION
+
+
+def _said(plans: Mapping[str, Plan]) -> tuple[str, str]:
+    """Return what the file holds, and what it leaves out."""
+    both = [axis for axis, plan in plans.items() if plan.negative is not None]
+    mean = [axis for axis, plan in plans.items() if plan.negative is None]
+    parts = [f"both directions of {', '.join(both)}"] if both else []
+    parts += [f"the mean of both directions of {', '.join(mean)}"] if mean else []
+    return _HOLDS.format(" and ".join(parts)), _LEFT.format(_BACKLASH.format(", ".join(mean)) if mean else "")
+
+
+def _notes(plans: Mapping[str, Plan]) -> tuple[str, ...]:
+    parts = [
+        f"{axis} from N{FIRST_DATA + points[0]} to N{FIRST_DATA + points[-1]}"
+        for axis, plan in plans.items()
+        for points in plan.numbers
+    ]
+    return (
+        f"Replaced in your file: {', '.join(parts)}. Everything else is as it was.",
+        "Supposed: increment system IS-B (detection unit 0.001 mm), the reference point at machine zero.",
+        "The entry of a point is added over the section that ends at it, so the first one begins an interval below "
+        "3621: FANUC's formula, 3621 = 3620 - stroke / interval + 1.",
+        *_both_notes(plans),
+        "Power off and on, then return to the reference point. Check one point with a dial gauge, and export with "
+        "--flip if the axis goes the wrong way.",
+        "The control adds a step at each point where this program supposes a line between: up to half an entry more.",
+    )
+
+
+def _both_notes(plans: Mapping[str, Plan]) -> tuple[str, ...]:
+    both = [axis for axis, plan in plans.items() if plan.negative is not None]
+    if not both:
+        return ()
+    ways = ", ".join(f"{axis} {'downwards' if plans[axis].downwards else 'upwards'}" for axis in both)
+    return (
+        f"Two sets for {', '.join(both)}: 3605#0 must be 1, and backlash (1851, 1852) of these axes 0. The second set "
+        "is written as it is seen from below, as the first one is, and 3627 in detection units.",
+        f"Supposed: the reference point is come to {ways} (1006#5). 3627 is what is added there the other way.",
+    )
