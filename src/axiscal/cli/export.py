@@ -38,6 +38,12 @@ def export(
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
+    points: Annotated[
+        int | None, typer.Option(metavar="N", help="sinumerik: the most points of a table (MD38000, MD18342).")
+    ] = None,
+    measuring_system: Annotated[
+        int, typer.Option(metavar="1|2", help="sinumerik: the measuring system that encoder compensation is for.")
+    ] = 1,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -59,7 +65,7 @@ def export(
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
         return
-    options = _options(spacing, number, unit, template, name, mesh, flip, pivots)
+    options = _options(spacing, number, unit, template, name, mesh, flip, pivots, points, measuring_system)
     with Campaign.open(record, write=False) as campaign:
         calibration = calibration_of(campaign.engine)
         offered = registry.export(calibration.estimate(), to, options)
@@ -80,6 +86,8 @@ def _options(
     mesh: int,
     flip: bool,
     pivots: bool,
+    points: int | None,
+    encoder: int,
 ) -> Options:
     from axiscal.compensation.options import Options
     from axiscal.exceptions import TableError
@@ -90,7 +98,8 @@ def _options(
         raise TableError(f'a spacing of "{spacing}"', "Give a length above zero")
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
-    return Options(distance, unit, dict(map(_numbered, numbers or [])), text, shown, name, mesh, flip, pivots)
+    chosen = dict(map(_numbered, numbers or []))
+    return Options(distance, unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
 
 
 def _numbered(text: str) -> tuple[str, int]:

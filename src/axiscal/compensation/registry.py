@@ -21,7 +21,7 @@ CONTROLLERS = {
     "linuxcnc": ("linuxcnc.exporting", "make"),
     "marlin": ("marlin", "make"),
     "reprapfirmware": ("reprapfirmware", "make"),
-    "sinumerik": ("sinumerik", "make"),
+    "sinumerik": ("sinumerik.exporting", "make"),
 }
 """Name -> module and function that writes the files."""
 

@@ -1,0 +1,57 @@
+"""All tables for a SINUMERIK 840D sl, ONE or 828D.
+
+`$AA_ENC_COMP` has no direction: it holds the mean of both, and two `$AN_CEC` tables whose input is their output, one
+for each direction, hold what is apart from it. CEC tables with another input hold straightness, sag and squareness.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.compensation.controllers.sinumerik.notes import notes
+from axiscal.compensation.controllers.sinumerik.reading import read
+from axiscal.compensation.controllers.sinumerik.writing import blocks_of, write
+from axiscal.compensation.effect import table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.lookup import lookup_control
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import axis_tables, cross_tables
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.units import from_unit
+
+POINTS = 200
+"""Points of a table where nothing is said: what an 828D holds for an axis."""
+_STEP = 1e-6
+_HOLDS = (
+    "encoder compensation for every axis (the mean of both directions), and CEC tables for what the directions are "
+    "apart, for straightness, sag and squareness."
+)
+_LEFT = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return the files; raises TableError."""
+    if options.unit != "mm":
+        raise TableError("tables for SINUMERIK are written in mm and deg", "leave --unit out, and load them in metric")
+    machine, most = estimate.machine, options.points or POINTS
+    names = axis_names(machine, options)
+    grid = (_STEP, float(np.radians(1e-3)))
+    own = axis_tables(estimate, options.spacing, most, grid)
+    over = tuple(t.averaged() for t in cross_tables(estimate, options.spacing, most, _STEP))
+    blocks, encoder = blocks_of(own, over), options.encoder - 1
+    files = write(own, blocks, names, -1.0 if options.flip else 1.0, encoder)
+    held = lookup_control(machine, read(files.values(), names, machine, options.flip))
+    wanted = table_control(machine, (*own, *over))
+    resolution = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
+    said = notes(own, blocks, names, encoder)
+    return Draft(files, held, wanted, resolution, (*own, *over), _HOLDS, _LEFT, said, tried=False)
+
+
+def axis_names(machine: Machine, options: Options) -> dict[str, str]:
+    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
+    found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
+    if len(set(found.values())) < len(found):
+        raise TableError("two axes have the same number", f"Give each its own: {found}")
+    return found
