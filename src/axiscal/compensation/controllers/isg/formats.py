@@ -1,81 +1,26 @@
-"""ISG kernel and Beckhoff TwinCAT CNC (TF5280): all error motions and location errors, in one of two formats.
+"""ISG_CSV and ETALON_EXCHANGE, written and read back by the documentation's rules (TF5280), and the list file.
 
 ISG_CSV: columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad. ETALON_EXCHANGE: one block for
-each error. Both are read back by the documentation's rules (TF5280, "ISG_CSV", "ETALON_EXCHANGE").
+each error.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from axiscal.compensation.estimate import Estimate
-from axiscal.compensation.offer import Draft
 from axiscal.compensation.options import Options
-from axiscal.compensation.sampling import points
-from axiscal.compensation.volumetric import Curve, curves, tip_control
+from axiscal.compensation.volumetric import Curve
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.machine.names import parse_error_name
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
-_NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
+NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
 _GRID = re.compile(r"\[(\w+)\]\s*(?:VALUE\s*=\s*(\S+)|Gridpoints\s*=\s*\{([^}]*)\})")
-_HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain."
-_LEFT = "reversal values, and the orientation of the tool."
-_RECORDS = 1000
-_MULTIPLE = (1e-6, float(np.radians(1e-4)))
-
-
-def make(estimate: Estimate, options: Options) -> Draft:
-    """Return ISG_CSV and the list file; raises TableError."""
-    return _draft(estimate, options, "volcomp.csv", "ISG_CSV", write_csv, read_csv)
-
-
-def make_etalon(estimate: Estimate, options: Options) -> Draft:
-    """Return ETALON_EXCHANGE and the list file; raises TableError."""
-    return _draft(estimate, options, "volcomp.txt", "ETALON_EXCHANGE", write_etalon, read_etalon)
-
-
-def _draft(
-    estimate: Estimate,
-    options: Options,
-    name: str,
-    kind: str,
-    write: Callable[[Mapping[str, Curve], Machine], str],
-    read: Callable[[str, Machine], dict[str, Curve]],
-) -> Draft:
-    machine = estimate.machine
-    grids = {
-        k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
-        for k, axis in enumerate(machine.axes)
-    }
-    found = curves(estimate, grids)
-    _refuse_names(found)
-    if not found:
-        raise TableError("there is no deviation that these files could hold", "take readings first")
-    found |= nominal(machine)
-    text = write(found, machine)
-    held = tip_control(estimate.model, read(text, machine))
-    files = {name: text, "volcomp.lis": list_file(machine, options, name, kind)}
-    resolution = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
-    wanted = tip_control(estimate.model, found)
-    notes = _notes(machine, found, name, options.flip)
-    return Draft(files, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
-
-
-def nominal(machine: Machine) -> dict[str, Curve]:
-    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
-    places = {"P0{}": (0.0, 0.0, -machine.tool)}
-    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
-    return {
-        name.format(direction): Curve(np.zeros(1), np.array([value]))
-        for name, place in places.items()
-        for direction, value in zip("XYZ", place, strict=True)
-    }
 
 
 def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
@@ -121,7 +66,7 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Curve]
     for column, name in enumerate(header):
         if name in arguments:
             continue
-        if not _NAMES.fullmatch(name) or name in found:
+        if not NAMES.fullmatch(name) or name in found:
             raise TableError(f"the kernel would refuse the column {name[:20]!r}", "this is a defect of axiscal")
         found[name] = Curve(at, _inside(name, np.asarray(table[:, column])))
 
@@ -146,7 +91,7 @@ def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
     end = 0
     for match in _GRID.finditer(text):
         name, value, grid = match.groups()
-        if text[end : match.start()].strip() or not _NAMES.fullmatch(name) or name in found:
+        if text[end : match.start()].strip() or not NAMES.fullmatch(name) or name in found:
             raise TableError(f"the kernel would refuse {match[0][:30]!r}", "this is a defect of axiscal")
         end = match.end()
         if value is not None:
@@ -167,28 +112,6 @@ def list_file(machine: Machine, options: Options, name: str, kind: str) -> str:
     lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
     lines += ["interpolation GRID", f"file[0] {name}", f"file_format[0] {kind}"]
     return "\n".join(lines) + "\n"
-
-
-def _refuse_names(found: Mapping[str, Curve]) -> None:
-    for name in found:
-        if not _NAMES.fullmatch(name):
-            raise TableError(f"{name} is not an error that the ISG kernel knows", "it has axes X Y Z A B C only")
-
-
-def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) -> tuple[str, ...]:
-    records = sum(len(curve.positions) for curve in found.values())
-    negated = " The list file negates them, as --flip asks." if flip else ""
-    return (
-        f"Put volcomp.lis and {name} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
-        f"vol_comp[0].max_records {records} or more.",
-        "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
-        "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
-        "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
-        f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
-        f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
-        "rotary axes lie, both from the machine's origin.",
-        "The kernel corrects the position of the tool, not its orientation.",
-    )
 
 
 def _row(words: Iterable[str]) -> str:

@@ -1,0 +1,144 @@
+"""All files for the ISG kernel and Beckhoff TwinCAT CNC (TF5280): error motions and location errors, and reversal.
+
+The volumetric compensation has no direction; a bilateral leadscrew table of each axis holds what its directions are
+apart, half to each side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.compensation.controllers.isg import leadscrew
+from axiscal.compensation.controllers.isg.formats import (
+    NAMES,
+    list_file,
+    read_csv,
+    read_etalon,
+    write_csv,
+    write_etalon,
+)
+from axiscal.compensation.effect import table_control
+from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.lookup import lookup_control
+from axiscal.compensation.offer import Draft
+from axiscal.compensation.options import Options
+from axiscal.compensation.sampling import axis_tables, points
+from axiscal.compensation.surface import sum_of
+from axiscal.compensation.table import CompensationTable
+from axiscal.compensation.volumetric import Curve, curves, tip_control
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+
+_HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
+_APART = "; and what each axis is apart between its directions"
+_LEFT = "the reversal of straightness and of angles, and the orientation of the tool."
+_RECORDS = 1000
+_MULTIPLE = (1e-6, float(np.radians(1e-4)))
+
+
+def make(estimate: Estimate, options: Options) -> Draft:
+    """Return ISG_CSV and the list file; raises TableError."""
+    return _draft(estimate, options, "volcomp.csv", "ISG_CSV", write_csv, read_csv)
+
+
+def make_etalon(estimate: Estimate, options: Options) -> Draft:
+    """Return ETALON_EXCHANGE and the list file; raises TableError."""
+    return _draft(estimate, options, "volcomp.txt", "ETALON_EXCHANGE", write_etalon, read_etalon)
+
+
+def _draft(
+    estimate: Estimate,
+    options: Options,
+    name: str,
+    kind: str,
+    write: Callable[[Mapping[str, Curve], Machine], str],
+    read: Callable[[str, Machine], dict[str, Curve]],
+) -> Draft:
+    machine = estimate.machine
+    grids = {
+        k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
+        for k, axis in enumerate(machine.axes)
+    }
+    found = curves(estimate, grids)
+    _refuse_names(found)
+    if not found:
+        raise TableError("there is no deviation that these files could hold", "take readings first")
+    found |= nominal(machine)
+    text, halves = write(found, machine), apart(estimate, options)
+    lists = leadscrew_files(machine, halves, options)
+    back = [one for text in lists.values() for one in leadscrew.read(text, machine)]
+    held = sum_of(tip_control(estimate.model, read(text, machine)), lookup_control(machine, back))
+    wanted = sum_of(tip_control(estimate.model, found), table_control(machine, halves))
+    files = {name: text, "volcomp.lis": list_file(machine, options, name, kind), **lists}
+    resolution = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
+    for table in halves:
+        unit = leadscrew.unit(machine.axis(table.axis).unit)
+        resolution[table.axis] = resolution.get(table.axis, 0.0) + 0.5 * unit + 1e-12
+    notes = _notes(machine, found, name, options.flip) + _leadscrew_notes(lists)
+    holds = _HOLDS.format(_APART if lists else "")
+    return Draft(files, held, wanted, resolution, halves, holds, _LEFT, notes, tried=False)
+
+
+def apart(estimate: Estimate, options: Options) -> tuple[CompensationTable, ...]:
+    """Return what each direction of an axis is off by beside the mean of both, for axes with a reversal."""
+    tables = axis_tables(estimate, options.spacing, _RECORDS, _MULTIPLE)
+    halves = (replace(t, forward=(t.forward - t.reverse) / 2, reverse=(t.reverse - t.forward) / 2) for t in tables)
+    units = {axis.name: leadscrew.unit(axis.unit) for axis in estimate.machine.axes}
+    return tuple(half for half in halves if np.max(np.abs(half.forward)) >= units[half.axis] / 2)
+
+
+def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], options: Options) -> dict[str, str]:
+    """Return the bilateral tables by the names of their files."""
+    numbers = options.numbered(machine)
+    return {
+        f"ssfk_{half.axis}.lis": leadscrew.write(half, numbers[half.axis], machine.axis(half.axis).cyclic)
+        for half in halves
+    }
+
+
+def nominal(machine: Machine) -> dict[str, Curve]:
+    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
+    places = {"P0{}": (0.0, 0.0, -machine.tool)}
+    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+    return {
+        name.format(direction): Curve(np.zeros(1), np.array([value]))
+        for name, place in places.items()
+        for direction, value in zip("XYZ", place, strict=True)
+    }
+
+
+def _refuse_names(found: Mapping[str, Curve]) -> None:
+    for name in found:
+        if not NAMES.fullmatch(name):
+            raise TableError(f"{name} is not an error that the ISG kernel knows", "it has axes X Y Z A B C only")
+
+
+def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) -> tuple[str, ...]:
+    records = sum(len(curve.positions) for curve in found.values())
+    negated = " The list file negates them, as --flip asks." if flip else ""
+    return (
+        f"Put volcomp.lis and {name} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
+        f"vol_comp[0].max_records {records} or more.",
+        "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
+        "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
+        "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
+        f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
+        f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
+        "rotary axes lie, both from the machine's origin.",
+        "The kernel corrects the position of the tool, not its orientation.",
+    )
+
+
+def _leadscrew_notes(lists: Mapping[str, str]) -> tuple[str, ...]:
+    if not lists:
+        return ()
+    return (
+        f"{', '.join(lists)}: bilateral leadscrew tables (kw.ssfk) that hold what the directions are apart, half to "
+        "each side, beside the volumetric compensation, which has no direction. Give each as the compensation value "
+        "list of its axis, set lr_param.ssfk 1, and leave no backlash compensation active on these axes.",
+        "Their values are actual position less setpoint, 0.1 um and 1e-4 deg (TF5200); the kernel takes them away, and "
+        "--flip leaves them as they are.",
+    )
