@@ -21,6 +21,8 @@ LEAST_OVERRUN = 1e-5
 """m or rad."""
 LARGEST_OVERRUN = 0.25
 """Share of the travel."""
+_FAR = 1000 * math.tau
+"""rad; further no control counts the turns of an axis."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +92,8 @@ def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
     if table.overrun is not None:
         most = LARGEST_OVERRUN * (travel[1] - travel[0])
         overrun = within(document, (*keys, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun)
+    turns = _turns(document, axis, table, travel)
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns)
 
 
 def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:
@@ -111,6 +114,22 @@ def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, fl
         remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
         raise document.fault(DescriptionError(what, remedy), *keys)
     return low, high
+
+
+def _turns(document: Document, axis: Axis, table: AxisTable, travel: tuple[float, float]) -> tuple[int, int] | None:
+    """Return the whole turns below and above the travel that the limits of a full-turn axis reach into."""
+    keys: Keys = ("axes", axis.name, "limits")
+    if table.limits is None:
+        return None
+    if not Axis.named(axis.name, False, travel).cyclic:
+        what = f"limits {shown(table.limits)} of {axis.name}, whose travel is not one turn"
+        raise document.fault(DescriptionError(what, "Take them out: its travel is where it may go"), *keys)
+    low, high = (within(document, (*keys, end), table.limits[end], "angle", -_FAR, _FAR) for end in (0, 1))
+    if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:
+        what = f"limits {shown(table.limits)} do not hold the travel of {axis.name}"
+        raise document.fault(DescriptionError(what, "Write how far the control lets it turn, lower end first"), *keys)
+    below, above = (math.ceil(beyond / math.tau - 1e-9) for beyond in (travel[0] - low, high - travel[1]))
+    return below, above
 
 
 def _origin(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float, float]:

@@ -44,6 +44,7 @@ class Axis:
     travel : (lowest, highest) coordinate, m or rad; speed m/s or rad/s; acceleration m/s² or rad/s²
     origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
     stated_overrun : m or rad, None for the usual one
+    stated_turns : whole turns below and above its travel of one turn that the control allows, None where nobody said
     """
 
     name: str
@@ -56,6 +57,7 @@ class Axis:
     acceleration: float
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stated_overrun: float | None = None
+    stated_turns: tuple[int, int] | None = None
 
     @classmethod
     def named(
@@ -67,6 +69,7 @@ class Axis:
         acceleration: float | None = None,
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
         overrun: float | None = None,
+        turns: tuple[int, int] | None = None,
     ) -> Axis:
         """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
 
@@ -81,7 +84,7 @@ class Axis:
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
         direction = _UNIT_VECTORS[letter_direction(letter)]
-        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin, overrun)
+        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin, overrun, turns)
 
     @property
     def sign(self) -> int:

@@ -27,6 +27,7 @@ class AxisTable(_Table):
     origin: tuple[QuantityText, QuantityText, QuantityText] | None = Field(
         None, examples=['["0 mm", "0 mm", "-150 mm"]']
     )
+    limits: tuple[QuantityText, QuantityText] | None = Field(None, examples=['["-720 deg", "1080 deg"]'])
 
 
 class ErrorTable(_Table):

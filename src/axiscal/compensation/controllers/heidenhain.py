@@ -152,9 +152,12 @@ def _inside(values: Array, axis: Axis) -> Array:
 
 def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
     missing = [axis.name for axis in machine.axes if axis.name not in layout.heads]
+    turning = [axis.name for axis in machine.axes if axis.cyclic and axis.name in layout.heads]
+    modulo = (f"{', '.join(turning)}: the table holds one turn; the axis must be a modulo axis, or stay within it.",)
     absent = (f"Your template has no column for {', '.join(missing)}: left out.",) if missing else ()
     return (
         *absent,
+        *(modulo if turning else ()),
         "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
         "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards. Check "
         "one point with a dial gauge, and export with --flip if the axis goes the wrong way.",

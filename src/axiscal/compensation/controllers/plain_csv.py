@@ -90,6 +90,8 @@ def make(estimate: Estimate, options: Options) -> Draft:
     for table, file in zip(tables, offers, strict=True):
         resolution[table.axis] = resolution.get(table.axis, 0.0) + file.resolution
     notes = tuple(dict.fromkeys(note for file in offers for note in file.notes))
+    turning = [axis.name for axis in estimate.machine.axes if axis.cyclic]
+    notes += (f"Tables of {', '.join(turning)} hold one turn and repeat after it.",) if turning else ()
     files = {file.name: file.text for file in offers}
     return Draft(files, held, table_control(estimate.machine, tables), resolution, tables, _HOLDS, _LEFT, notes, True)
 

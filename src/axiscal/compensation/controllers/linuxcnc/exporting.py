@@ -11,6 +11,7 @@ from axiscal.belief import Belief
 from axiscal.compensation.controllers.linuxcnc import cross, pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
 from axiscal.compensation.controllers.linuxcnc.reading import ROWS, LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.turns import over_turns
 from axiscal.compensation.controllers.linuxcnc.writing import offer, resolution
 from axiscal.compensation.effect import Control, table_control
 from axiscal.compensation.estimate import Estimate
@@ -45,7 +46,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     joints = options.numbered(machine, first=0)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
-    own = axis_tables(estimate, options.spacing, ROWS, anchored=False)
+    own = tuple(over_turns(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS, anchored=False))
     over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)

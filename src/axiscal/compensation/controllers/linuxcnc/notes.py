@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from axiscal.compensation.table import CompensationTable
 from axiscal.units import to_unit
 
@@ -12,16 +16,28 @@ def notes(
     """Return the sentences for whoever loads the file; arguments as in `offer`."""
     section = "[JOINT_n], n the joint of this axis" if joint is None else f"[JOINT_{joint}]"
     first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
-    turns = " A rotary table does not repeat after a turn: keep the axis within it." if table.rotary else ""
     tried = "" if unit != "in" else " Tables in inches were never tried on LinuxCNC."
     return (
         f"In the INI file, section {section}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC.",
         "BACKLASH of the joint is ignored from then on; the two columns of the table hold the reversal.",
         _reversal_note(table, acceleration, servo_period),
-        f"Outside {first} to {last} {unit} the correction of the nearest end stays.{turns}",
+        f"Outside {first} to {last} {unit} the correction of the nearest end stays.{_turns_note(table)}",
         "After a start or homing there is no correction until the joint has moved: move it once before measuring.",
         "Give the drive 1.5 times MAX_VELOCITY and MAX_ACCELERATION: the correction comes on top of the motion.",
         f"Positions shown by LinuxCNC do not contain the correction; it can be seen in joint.N.backlash-filt.{tried}",
+    )
+
+
+def _turns_note(table: CompensationTable) -> str:
+    if not table.rotary:
+        return ""
+    count = float(np.ptp(table.positions)) / math.tau
+    if count < 1 - 1e-9:
+        return " A rotary table does not repeat after a turn: keep the axis within it."
+    held = "one turn" if count < 1.5 else f"{count:.0f} turns"
+    return (
+        f" LinuxCNC does not repeat a table: this one holds {held}. The joint counts on after 360 deg, with "
+        "WRAPPED_ROTARY = 1 as well: unwind the axis, or home it, before it leaves them."
     )
 
 
