@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.belief import Belief
-from axiscal.design.bound import lower_bound, settling
-from axiscal.design.dual import rank_bound
-from axiscal.design.exchange import exchange
-from axiscal.design.plan import make_plan
-from axiscal.design.pool import Pool
-from axiscal.design.problem import Limits, Problem
-from axiscal.design.relaxation import Relaxation
-from axiscal.design.scoring import Scores
-from axiscal.design.state import Point
+from axiscal.design.bound.certificate import rank_bound
+from axiscal.design.bound.lower_bound import lower_bound, settling
+from axiscal.design.bound.relaxation import Relaxation
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Point
+from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.exchange import exchange
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits, Task
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.cases import five_axis
@@ -40,7 +40,7 @@ def anything(scores: Scores, _: int) -> NDArray[np.bool_]:
     return np.ones(len(scores.pool), dtype=bool)
 
 
-def random_starts(problem: Problem, pool: Pool, readings: int) -> float:
+def random_starts(problem: Task, pool: Pool, readings: int) -> float:
     """Return the best J of exchanges from random plans."""
     generator, base, found = np.random.default_rng(0), Scores(pool, problem.state), []
     for _ in range(STARTS):
@@ -52,7 +52,7 @@ def random_starts(problem: Problem, pool: Pool, readings: int) -> float:
     return min(found)
 
 
-def parts(problem: Problem, pool: Pool, points: list[Point]) -> tuple[float, float, float]:
+def parts(problem: Task, pool: Pool, points: list[Point]) -> tuple[float, float, float]:
     """Return the bounds by rank, by the equivalence theorem, and by both together; points : of a good plan."""
     readings = len(points)
     relaxation = Relaxation(pool, problem.state, points, np.ones(len(pool) + readings), float(readings))
@@ -125,7 +125,7 @@ def causes() -> None:
             )
 
 
-def changed(problem: Problem, observation: Observation) -> Problem:
+def changed(problem: Task, observation: Observation) -> Task:
     """Return the problem with another observation, before the first reading."""
     covariance: Array = observation.prior_covariance()
     return replace(problem, observation=observation, belief=Belief(np.zeros(len(covariance)), covariance))

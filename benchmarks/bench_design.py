@@ -15,17 +15,17 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.design import criterion
-from axiscal.design.plan import make_plan
-from axiscal.design.pool import Pool
-from axiscal.design.problem import Limits, Problem
-from axiscal.design.scoring import Scores
-from axiscal.design.step import best_step
+from axiscal.accuracy import criterion
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits, Task
+from axiscal.design.step.best_step import best_step
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import CASES
 
 
-def one_at_a_time(problem: Problem, readings: int) -> tuple[float, float]:
+def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
     """Return the median seconds of a pick, and J after the last."""
     observation, belief, seconds = problem.observation, problem.belief, []
     for _ in range(readings):

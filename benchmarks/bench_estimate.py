@@ -19,8 +19,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from axiscal.campaign.description import CampaignDescription, read_campaign
-from axiscal.measurement.wording import approach_text
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.measurement.place_texts import approach_text
 from axiscal.simulation import Simulator
 
 CAMPAIGN = """

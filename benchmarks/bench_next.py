@@ -15,13 +15,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
+from axiscal.accuracy import criterion
 from axiscal.belief import Belief
-from axiscal.design import criterion
-from axiscal.design.lattice import spread
-from axiscal.design.step import best_step
+from axiscal.design.step.best_step import best_step
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
 from axiscal.machine import Machine, load_machine, machine_from_text
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Approach, Setup
 

@@ -19,14 +19,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.engine import Visit
-from axiscal.campaign.events import Asked
-from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.five_axis import SEED, description, hidden_machine
+from axiscal.estimate.case import Case
 from axiscal.machine.motion import travel_seconds
+from axiscal.planning.planner import Planner
+from axiscal.record.events import Asked
 
 
 def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, float, float, float]]:
@@ -38,22 +37,22 @@ def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, 
         campaign.record(answer.value, answer.std, others=answer.others)
         before, begun = asked, time.process_time()
         asked, taken = campaign.next(), time.process_time() - begun
-        if isinstance(asked, Asked) and asked.setup == before.setup:
+        if isinstance(asked, Asked) and asked.place.setup == before.place.setup:
             begun = time.process_time()
-            visits = [Visit(reading.setup, reading.pose) for reading in campaign.state.readings]
-            campaign.engine.plan((), visits, campaign.state.plan)
+            taken_at = [reading.place for reading in campaign.state.readings]
+            campaign.engine.plan((), taken_at, campaign.state.plan)
             renewed = time.process_time() - begun
-            way = float(travel_seconds(machine, np.array(before.position), np.array(asked.position)))
-            setup = campaign.description.setup(asked.setup)
+            way = float(travel_seconds(machine, np.array(before.place.pose), np.array(asked.place.pose)))
+            setup = campaign.description.setup(asked.place.setup)
             yield taken, renewed, way, way + setup.settle + setup.reading_time
 
 
 def main() -> None:
     """Print the figures."""
-    problem = Problem(description())
+    problem = Case(description())
     with (
         tempfile.TemporaryDirectory() as folder,
-        Campaign.create(Path(folder) / "demo.axiscal", problem.description, lambda _: Calibration(problem)) as campaign,
+        Campaign.create(Path(folder) / "demo.axiscal", problem.description, lambda _: Planner(problem)) as campaign,
     ):
         found = list(steps(campaign, SimulatedSource(hidden_machine(problem), SEED)))
     names = (

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from axiscal.accuracy import criterion
+from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
-from axiscal.design import criterion
-from axiscal.design.accuracy import Yardstick
-from axiscal.design.lattice import spread
-from axiscal.design.problem import Problem
+from axiscal.design.plan.task import Task
 from axiscal.error_model.gauge import unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
 from axiscal.machine import Axis, Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from benchmarks.peers.problems import Stacked
 
 
-def stacked(case: Stacked, candidates: int, volume: bool = False) -> Problem:
+def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     """Return one of the cases under the criterion `joint`, or `volume`."""
     names = "XYZUV"[: case.axes]
     axes = tuple(Axis.named(name, False, (0.0, 10.0)) for name in names)
@@ -31,7 +31,7 @@ def stacked(case: Stacked, candidates: int, volume: bool = False) -> Problem:
     return _problem(machine, (setup,), candidates, not volume)
 
 
-def five_axis(candidates: int) -> Problem:
+def five_axis(candidates: int) -> Task:
     """Return the built-in machine with all error motions, and a probe along each direction that goes everywhere."""
     machine = load_machine("dmu60")
     count = len(machine.axes)
@@ -45,7 +45,7 @@ def five_axis(candidates: int) -> Problem:
     return _problem(machine, setups, candidates, False)
 
 
-def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool) -> Problem:
+def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool) -> Task:
     model = ErrorModel(machine)
     observation = Observation(model, setups)
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
@@ -56,4 +56,4 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     unseen = unseen_factor(belief.factor, rows)[: model.size]
     yardstick = Yardstick(model, box, volume_moments(model, box), unseen)
     weight = criterion.joint_root(model) if joint else yardstick.root
-    return Problem(observation, belief, weight, yardstick, spread(machine, setups, candidates))
+    return Task(observation, belief, weight, yardstick, spread(machine, setups, candidates))

@@ -7,9 +7,9 @@ have does not matter. The fall is a ratio of two polynomials between knots; `bes
 import numpy as np
 
 import axiscal as ac
-from axiscal.design.criterion import value, volume_root
-from axiscal.design.lattice import spread
+from axiscal.accuracy.criterion import value, volume_root
 from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.measurement.candidates import spread
 
 
 def main() -> dict[str, object]:

@@ -35,7 +35,7 @@ unknowns = {{}}
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class Measured:
     """A measured curve or map.
 
     machine, campaign : the two descriptions; places : (m, q) where the truth is known, m or rad; truth : (m,) m or rad
@@ -57,7 +57,9 @@ class Case:
         return float(self.truth[int(np.argmin(np.sum((self.places - np.array(pose)) ** 2, axis=1)))])
 
 
-def _curve(name: str, error: str, instrument: str, axis: str, x: Array, y: Array, readings: int, noise: str) -> Case:
+def _curve(
+    name: str, error: str, instrument: str, axis: str, x: Array, y: Array, readings: int, noise: str
+) -> Measured:
     unit, travel = ("deg", np.rad2deg(x)) if axis == "C" else ("mm", x * 1e3)
     origin = 'origin = ["0 mm", "0 mm", "0 mm"]\n' if axis == "C" else ""
     ends = f'["{travel[0]:.9g} {unit}", "{travel[-1]:.9g} {unit}"]'
@@ -65,7 +67,7 @@ def _curve(name: str, error: str, instrument: str, axis: str, x: Array, y: Array
     machine += f"{origin}[errors]\n{error}\n"
     direction = "z" if error.startswith("EZ") else "y" if error.startswith("EY") else "x"
     campaign = CAMPAIGN.format(instrument=instrument, direction=direction, noise=noise, raster="")
-    return Case(name, machine, campaign, x[:, None], y, readings, "urad" if instrument in _ANGULAR else "um")
+    return Measured(name, machine, campaign, x[:, None], y, readings, "urad" if instrument in _ANGULAR else "um")
 
 
 _ANGULAR = ("level", "autocollimator")
@@ -76,7 +78,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(lines))
 
 
-def lathe(column: str, name: str) -> Case:
+def lathe(column: str, name: str) -> Measured:
     """A lathe bed's slope, read by a level."""
     rows = _rows(DATA / "axis_dense" / "lathe_bed_2025-08-14.csv")
     x, y = (np.array([float(row[key]) for row in rows]) for key in ("position_mm", column))
@@ -84,7 +86,7 @@ def lathe(column: str, name: str) -> Case:
     return _curve(name, error, "level", "X", x * 1e-3, (y - y.mean()) * 1e-6, 14, "2 urad")
 
 
-def mirror(number: str, name: str, skipped: int, factor: float, std: str, readings: int) -> Case:
+def mirror(number: str, name: str, skipped: int, factor: float, std: str, readings: int) -> Measured:
     """The slope of a long mirror, as the pitch of a slide of its length."""
     lines = (DATA / "axis_dense" / f"dabam-{number}.dat").read_text().splitlines()[skipped:]
     x, y = np.array([[float(word) for word in line.split()[:2]] for line in lines if line.strip()]).T
@@ -93,7 +95,7 @@ def mirror(number: str, name: str, skipped: int, factor: float, std: str, readin
     return _curve(name, error, "autocollimator", "X", x * 1e-3, (y - y.mean()) * factor, readings, "0.1 urad")
 
 
-def spindle() -> Case:
+def spindle() -> Measured:
     """One turn of a milling spindle: the mean of ten turns is the truth."""
     rows = [line.split(",") for line in (DATA / "rotary" / "spindle_runout_fixed_z.csv").read_text().splitlines()]
     time, value = np.array([[float(a), float(b)] for a, b in (r for r in rows if r[0][:1].isdigit())]).T
@@ -108,7 +110,7 @@ def spindle() -> Case:
     return _curve("spindle, radial", error, "indicator", "C", x, y * 1e-6, 12, "0.3 um")
 
 
-def _map(name: str, steps: tuple[float, float], grid: Array, readings: int) -> Case:
+def _map(name: str, steps: tuple[float, float], grid: Array, readings: int) -> Measured:
     """A bed map (rows y, columns x, mm): two linear axes, one on the other; nodes not probed are NaN."""
     ny, nx = grid.shape
     (dx, dy), size = steps, ((nx - 1) * steps[0], (ny - 1) * steps[1])
@@ -128,16 +130,16 @@ def _map(name: str, steps: tuple[float, float], grid: Array, readings: int) -> C
     known = np.isfinite(grid.ravel())
     places = np.column_stack([x.ravel(), y.ravel()])[known] * 1e-3
     values = grid.ravel()[known]
-    return Case(name, text, campaign, places, (values - values.mean()) * 1e-3, readings)
+    return Measured(name, text, campaign, places, (values - values.mean()) * 1e-3, readings)
 
 
-def printer(index: int) -> Case:
+def printer(index: int) -> Measured:
     """A Klipper bed mesh, 11 x 11."""
     mesh = json.loads((DATA / "plane" / "klipper" / "neptune4.json").read_text())[index]
     return _map(f"printer bed {index + 1}, 11 x 11", (20.0, 20.0), np.array(mesh["points_mm"]), 25)
 
 
-def height_map(file: str, name: str, readings: int) -> Case:
+def height_map(file: str, name: str, readings: int) -> Measured:
     """A RepRapFirmware height map; a zero was not probed."""
     lines = (DATA / "plane" / "rrf" / file).read_text().splitlines()
     numbers = [float(word) for word in lines[2].split(",")]
@@ -145,7 +147,7 @@ def height_map(file: str, name: str, readings: int) -> Case:
     return _map(name, (numbers[5], numbers[6]), np.where(grid == 0, np.nan, grid), readings)
 
 
-def plug_plate() -> Case:
+def plug_plate() -> Measured:
     """Holes drilled by a mill and measured on a CMM: what is left along x after shift, scale and turn."""
     words = [line.split() for line in (DATA / "machine_xy" / "D2130A1").read_text().splitlines()]
     rows = np.array([[float(word) for word in line[:6]] for line in words if len(line) == 9 and _is_number(line[0])])
@@ -161,7 +163,7 @@ def plug_plate() -> Case:
     text += '[errors]\nEXX = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
     text += 'EXY = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
     campaign = CAMPAIGN.format(instrument="probe", direction="x", noise="3 um", raster="")
-    return Case("plug plate, x error", text, campaign, places, left[: len(x)] * 1e-3, 40)
+    return Measured("plug plate, x error", text, campaign, places, left[: len(x)] * 1e-3, 40)
 
 
 def _is_number(word: str) -> bool:
@@ -202,7 +204,7 @@ def iso_test() -> IsoTest:
     return IsoTest(machine, campaign, readings, passes)
 
 
-CASES: tuple[Callable[[], Case], ...] = (
+CASES: tuple[Callable[[], Measured], ...] = (
     lambda: lathe("level_y_um_per_m", "lathe bed, pitch"),
     lambda: lathe("level_x_um_per_m", "lathe bed, roll"),
     lambda: mirror("030", "mirror 480 mm, slope", 0, 1.0, "20 urad", 16),

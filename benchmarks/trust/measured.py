@@ -7,15 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.description import CampaignDescription, campaign_from_texts
-from axiscal.campaign.engine import Visit
-from axiscal.campaign.problem import Problem
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.planning.planner import Planner
 from axiscal.report.findings import findings
 from axiscal.units import to_unit
-from benchmarks.trust.curves import Case, IsoTest
+from benchmarks.trust.curves import IsoTest, Measured
 
 BAND = 1.96
 _DRAWS = 3
@@ -32,10 +33,10 @@ class Outcome:
     flags: tuple[str, ...]
 
 
-def outcomes(case: Case) -> list[Outcome]:
+def outcomes(case: Measured) -> list[Outcome]:
     """Return what planned, evenly spaced and random readings of a case, as many of each, make of it."""
     described = campaign_from_texts(case.campaign, "campaign.toml", case.machine, "measured")
-    problem = Problem(described)
+    problem = Case(described)
     low, high = np.array([axis.travel for axis in described.machine.axes]).T
     even = _judged("evenly spaced", case, problem, _nearest(case, _even(case, low, high)))
     draws = [_judged("random", case, problem, _random(case, low, high, seed)) for seed in range(_DRAWS)]
@@ -44,7 +45,7 @@ def outcomes(case: Case) -> list[Outcome]:
     return [_judged("planned", case, problem, None), even, mean]
 
 
-def _judged(design: str, case: Case, problem: Problem, poses: Array | None) -> Outcome:
+def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> Outcome:
     calibration = _planned(case, problem) if poses is None else _read(case, problem, poses)
     concluded = calibration.concluded()
     mean, std = predicted(concluded, case.places, np.zeros_like(case.places))
@@ -65,17 +66,17 @@ def predicted(calibration: Calibration, poses: Array, approaches: Array) -> tupl
     return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)
 
 
-def _planned(case: Case, problem: Problem) -> Calibration:
-    calibration, visits = Calibration(problem), list[Visit]()
-    while len(visits) < case.readings:
-        place = calibration.plan((), visits)[0]
-        pose = tuple(_nearest(case, np.array([place.position]))[0]) if case.places.shape[1] > 1 else place.position
+def _planned(case: Measured, problem: Case) -> Calibration:
+    calibration, taken = Planner(problem), list[Place]()
+    while len(taken) < case.readings:
+        place = calibration.plan((), taken)[0]
+        pose = tuple(_nearest(case, np.array([place.pose]))[0]) if case.places.shape[1] > 1 else place.pose
         calibration.absorb(Reading("gauge", pose, place.approach, case.read(pose)))
-        visits.append(Visit("gauge", pose))
+        taken.append(Place("gauge", pose))
     return calibration
 
 
-def _read(case: Case, problem: Problem, poses: Array) -> Calibration:
+def _read(case: Measured, problem: Case, poses: Array) -> Calibration:
     calibration = Calibration(problem)
     for pose in poses:
         at = tuple(map(float, pose))
@@ -83,7 +84,7 @@ def _read(case: Case, problem: Problem, poses: Array) -> Calibration:
     return calibration
 
 
-def _even(case: Case, low: Array, high: Array) -> Array:
+def _even(case: Measured, low: Array, high: Array) -> Array:
     if len(low) == 1:
         return np.linspace(low, high, case.readings)
     across = max(2, round(float(np.sqrt(case.readings * (high[0] - low[0]) / (high[1] - low[1])))))
@@ -92,7 +93,7 @@ def _even(case: Case, low: Array, high: Array) -> Array:
     return np.column_stack([x.ravel(), y.ravel()])
 
 
-def _random(case: Case, low: Array, high: Array, seed: int) -> Array:
+def _random(case: Measured, low: Array, high: Array, seed: int) -> Array:
     rng = np.random.default_rng(seed)
     if len(low) == 1:
         uniform: Array = np.sort(rng.uniform(low, high, (case.readings, 1)), axis=0)
@@ -101,7 +102,7 @@ def _random(case: Case, low: Array, high: Array, seed: int) -> Array:
     return chosen
 
 
-def _nearest(case: Case, poses: Array) -> Array:
+def _nearest(case: Measured, poses: Array) -> Array:
     """Move poses of a map onto places where the truth is known, each once."""
     if case.places.shape[1] == 1:
         return poses
@@ -111,7 +112,7 @@ def _nearest(case: Case, poses: Array) -> Array:
 def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
     """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
     described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
-    calibration = Calibration(Problem(described))
+    calibration = Calibration(Case(described))
     for reading in test.readings:
         calibration.absorb(reading)
     concluded = calibration.concluded()
@@ -129,6 +130,6 @@ def _pass(calibration: Calibration, x: Array, y: Array, direction: float) -> tup
     return missed - missed.mean(), std
 
 
-def table(cases: Sequence[Callable[[], Case]]) -> list[tuple[Case, list[Outcome]]]:
+def table(cases: Sequence[Callable[[], Measured]]) -> list[tuple[Measured, list[Outcome]]]:
     """Return the outcomes of every case."""
     return [(case, outcomes(case)) for case in (make() for make in cases)]

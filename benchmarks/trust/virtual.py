@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.description import CampaignDescription, campaign_from_texts
-from axiscal.campaign.prediction import tcp_prediction
-from axiscal.campaign.problem import Problem
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.prediction import tcp_prediction
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -60,13 +60,13 @@ def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription
 def covered(name: str, wrong: float, machines: int) -> Coverage:
     """Return the coverage over so many virtual machines; scales are learnt where the prior is wrong."""
     description, true = described(name, wrong, "stated" if wrong == 1 else "estimate")
-    problem, simulator = Problem(description), Simulator(true, description.setups)
+    problem, simulator = Case(description), Simulator(true, description.setups)
     rows = np.array([_one(problem, simulator.drawn(seed), seed, READINGS[name]) for seed in range(machines)])
     curves, tcp, misfit = np.nanmean(rows, axis=0)
     return Coverage(name, wrong, machines, curves, float(rows[:, 0].std() / np.sqrt(machines)), tcp, misfit)
 
 
-def _one(problem: Problem, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
+def _one(problem: Case, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
     rng = np.random.default_rng((seed, 9))
     calibration = read_evenly(problem, machine, rng, readings).concluded()
     inside = [_curve(calibration, index, machine) for index in range(len(machine.curves))]
@@ -84,7 +84,7 @@ def _one(problem: Problem, machine: VirtualMachine, seed: int, readings: int) ->
     return float(np.mean(np.concatenate(inside))), float(tcp.mean()), float(said)
 
 
-def read_evenly(problem: Problem, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> Calibration:
+def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> Calibration:
     """Return a calibration fed readings of a virtual machine that fill the space, each set-up in turn."""
     calibration, setups = Calibration(problem), problem.description.setups
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
@@ -130,7 +130,7 @@ class Moved:
 def gross(size: float, trials: int, readings: int = 30) -> Moved:
     """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
     description, true = described("one-axis", 1.0, "stated")
-    problem, simulator = Problem(description), Simulator(true, description.setups)
+    problem, simulator = Case(description), Simulator(true, description.setups)
     shifts, naive, believed, bent = [], [], [], []
     for seed in range(trials):
         rng = np.random.default_rng((seed, 11))
@@ -151,7 +151,7 @@ def _vouched_for(readings: Sequence[Reading]) -> list[Reading]:
     return [replace(reading, accepted=True) for reading in readings]
 
 
-def _estimated(problem: Problem, readings: Sequence[Reading]) -> Calibration:
+def _estimated(problem: Case, readings: Sequence[Reading]) -> Calibration:
     calibration = Calibration(problem)
     for reading in readings:
         calibration.absorb(reading)

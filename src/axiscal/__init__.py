@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from axiscal.belief import Belief
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.description import read_campaign
-    from axiscal.design.step import best_step
+    from axiscal.description.campaign import read_campaign
+    from axiscal.design.step.best_step import best_step
     from axiscal.error_model.model import ErrorModel
     from axiscal.machine.description import load_machine
     from axiscal.measurement.observation import Observation
@@ -51,9 +51,9 @@ _HOMES = {
     "Observation": "measurement.observation",
     "Setup": "measurement.setup",
     "Simulator": "simulation",
-    "best_step": "design.step",
+    "best_step": "design.step.best_step",
     "load_machine": "machine.description",
-    "read_campaign": "campaign.description",
+    "read_campaign": "description.campaign",
 }
 
 

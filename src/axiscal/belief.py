@@ -57,7 +57,7 @@ class Innovations:
 _NONE = Innovations(np.zeros(0), np.zeros(0))
 
 
-class Told(NamedTuple):
+class Updated(NamedTuple):
     """The belief after many readings, with the innovations of each at its turn.
 
     losses : (m, n), each row d takes d dᵀ off the covariance, in the order of the readings
@@ -119,7 +119,7 @@ class Belief:
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
         return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
 
-    def told(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Told:
+    def told(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
         """Return what many updates make of the belief, all at once, and what each of them was surprised by.
 
         rows : (m, n); values, noise : (m,); used : (m,) the variances of the updates, infinite for none
@@ -135,7 +135,7 @@ class Belief:
         if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
         surprise = Innovations(read - done.expected, np.sqrt(done.variance + own))
-        return Told(_fill(Belief.__new__(Belief), done.mean, done.factors, surprise), done.losses)
+        return Updated(_fill(Belief.__new__(Belief), done.mean, done.factors, surprise), done.losses)
 
     def _readings(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> tuple[Array, Array, Array]:
         table = np.atleast_2d(np.asarray(rows, dtype=float))

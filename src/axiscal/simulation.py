@@ -22,8 +22,8 @@ from axiscal.machine.kinematics import SmallMotions, tool_motion
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.drift import MEMORY
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.model import Actual, Place
-from axiscal.measurement.readers.truth import TruthCurve, read_truth
+from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import Motion
@@ -97,7 +97,7 @@ class VirtualMachine:
         seconds : since the campaign began
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
-        model, place = model_of(setup), Place(self.model.machine, at, setup.moves)
+        model, place = model_of(setup), Nominal(self.model.machine, at, setup.moves)
         stepped = setup.base is not None
         actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
         directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.description import campaign_from_texts
-from axiscal.campaign.prediction import tcp_prediction
-from axiscal.campaign.problem import Problem
-from axiscal.design.scorer import Scorer
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.gains.gain import Scorer
 from axiscal.error_model.model import ErrorFunction
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
@@ -68,8 +68,8 @@ class Trial:
         text = f'machine = "{name}"\n[target]\nreadings = 1\n{setups}'
         description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
         self.name, self.description = name, description
-        self.visits = planned(Problem(description), readings or usual)
-        self.calibration = Calibration(Problem(description))
+        self.visits = planned(Case(description), readings or usual)
+        self.calibration = Calibration(Case(description))
         for visit in self.visits:
             self.calibration.absorb(visit)
         self.gain = _gain(self.calibration, self.visits)
@@ -118,7 +118,7 @@ class Trial:
         return [*shares, _share(truth - rows @ estimate, self.tcp_std)]
 
 
-def planned(problem: Problem, readings: int) -> list[Reading]:
+def planned(problem: Case, readings: int) -> list[Reading]:
     """Return readings one after another, each the best of the program's candidates; their values are not looked at."""
     calibration, taken = Calibration(problem), list[Reading]()
     for _ in range(readings):

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.gcode import Options, Program, Visit, dialect, programs
+from axiscal.gcode import Program, ProgramOptions, dialect, programs
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from tests.certify.gcode_traces import (
     READERS,
@@ -49,12 +50,13 @@ class Plan:
     """A machine and what is to be measured on it."""
 
     machine: Machine
-    visits: tuple[Visit, ...]
-    options: Options
+    setups: tuple[Setup, ...]
+    places: tuple[Place, ...]
+    options: ProgramOptions
 
     def programs(self, controller: str) -> tuple[Program, ...]:
         """Return the plan as programs."""
-        return programs(self.machine, self.visits, dialect(controller), self.options)
+        return programs(self.machine, self.setups, self.places, dialect(controller), self.options)
 
 
 def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
@@ -64,8 +66,8 @@ def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
     machine = Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
     options = _options(rng, axes)
     setups = [_setup(rng, axes, number) for number in range(int(rng.integers(1, 3)))]
-    visits = [_visit(rng, axes, setups[int(rng.integers(len(setups)))]) for _ in range(rng.integers(1, 13))]
-    return Plan(machine, tuple(visits), options)
+    places = [_place(rng, axes, setups[int(rng.integers(len(setups)))]) for _ in range(rng.integers(1, 13))]
+    return Plan(machine, tuple(setups), tuple(places), options)
 
 
 def _axis(rng: np.random.Generator, name: str) -> Axis:
@@ -83,11 +85,11 @@ def _overrun(rng: np.random.Generator, length: float) -> float | None:
     return None if rng.random() < 0.5 else float(length * rng.uniform(0.001, 0.2))
 
 
-def _options(rng: np.random.Generator, axes: tuple[Axis, ...]) -> Options:
+def _options(rng: np.random.Generator, axes: tuple[Axis, ...]) -> ProgramOptions:
     families = [[a.name for a in axes if a.letter in letters] for letters in ("XYZ", "UVW", "ABC")]
     order = [tuple(group) for group in families if group]
     rng.shuffle(order)
-    return Options(
+    return ProgramOptions(
         wait="stop" if rng.random() < 0.5 else "dwell",
         feed=float(rng.uniform(0.2, 1)),
         order=None if rng.random() < 0.5 else tuple(order),
@@ -102,7 +104,7 @@ def _setup(rng: np.random.Generator, axes: tuple[Axis, ...], number: int) -> Set
     return Setup(name, "probe", (1, 0, 0), every, park, 1e-6, (), 0, settle, reading, (0.0,) * len(axes), "both")
 
 
-def _visit(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup) -> Visit:
+def _place(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup) -> Place:
     pose, approach = [], []
     for axis in axes:
         side = int(rng.integers(-1, 2))
@@ -113,7 +115,7 @@ def _visit(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup) -> Vi
             value = axis.travel[0 if side > 0 else 1]
         pose.append(value)
         approach.append(side)
-    return Visit(setup, tuple(pose), tuple(approach))
+    return Place(setup.name, tuple(pose), tuple(approach))
 
 
 @dataclass
@@ -131,12 +133,12 @@ class Judge:
     def follow(self, events: list[Event]) -> list[str]:
         """Return what is wrong with what a program does."""
         first, *rest = _pieces(events)
-        wanted = [(k, visit) for k, visit in enumerate(self.plan.visits, 1) if visit.setup == self.setup]
+        wanted = [(k, place) for k, place in enumerate(self.plan.places, 1) if place.setup == self.setup.name]
         if [mark.number for mark, _ in rest if mark] != [k for k, _ in wanted]:
             return [f"readings {[mark for mark, _ in rest]}"]
         self._start(first[1])
-        for (_, visit), (_, piece) in zip(wanted, rest, strict=True):
-            self._reading(visit)
+        for (_, place), (_, piece) in zip(wanted, rest, strict=True):
+            self._reading(place)
             self._pause(piece)
             self._moves(piece)
         return self.faults
@@ -154,8 +156,8 @@ class Judge:
             self.faults.append("an axis is not sent to the start")
         self._moves(events[halts[-1] :])
 
-    def _reading(self, visit: Visit) -> None:
-        for axis, value, side in zip(self.plan.machine.axes, visit.pose, visit.approach, strict=True):
+    def _reading(self, place: Place) -> None:
+        for axis, value, side in zip(self.plan.machine.axes, place.pose, place.approach, strict=True):
             planned, low, high, overrun = (_written(axis, v) for v in (value, *axis.travel, self._overrun(axis)))
             here, step = self.at[axis.name], 10.0**-self.decimals
             off = abs(here - planned)
@@ -232,7 +234,8 @@ def _written(axis: Axis, value: float) -> float:
 
 def setups_of(plan: Plan) -> list[Setup]:
     """Return the set-ups in the order of their programs."""
-    return list(dict.fromkeys(visit.setup for visit in plan.visits))
+    known = {setup.name: setup for setup in plan.setups}
+    return [known[name] for name in dict.fromkeys(place.setup for place in plan.places)]
 
 
 def interpreted(plan: Plan, folder: Path) -> Iterator[tuple[int, list[str]]]:

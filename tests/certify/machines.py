@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.accuracy.criterion import joint_root, volume_root
 from axiscal.belief import Belief
-from axiscal.design.criterion import joint_root, volume_root
-from axiscal.design.lattice import spread
-from axiscal.design.scorer import Scorer
-from axiscal.design.step import best_of
+from axiscal.design.gains.gain import Scorer
+from axiscal.design.step.best_step import best_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array

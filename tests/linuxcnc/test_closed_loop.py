@@ -11,18 +11,18 @@ import pytest
 from axiscal.belief import Belief
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, Tables
 from axiscal.compensation.controllers.linuxcnc import offer, pivots
-from axiscal.compensation.controllers.linuxcnc.headless import Joint, Session, available
-from axiscal.compensation.controllers.linuxcnc.headless.configuration import Cross
-from axiscal.compensation.controllers.linuxcnc.headless.probing import ball, touched
 from axiscal.compensation.effect import left_by, table_control
-from axiscal.compensation.estimate import Estimate
-from axiscal.compensation.options import Options
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.compensation.table import CompensationTable
 from axiscal.demo.linuxcnc import MACHINES, close_loop, description
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
+from axiscal.lab.linuxcnc import Joint, Session, available
+from axiscal.lab.linuxcnc.configuration import Cross
+from axiscal.lab.linuxcnc.probing import ball, touched
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 
@@ -65,7 +65,7 @@ def rms(deviation: Array) -> float:
 def test_linuxcnc_sends_every_axis_where_we_say_it_does(name: str) -> None:
     """COMP_FILEs and HAL text together, both directions: within 1e-5 mm and 1e-5 deg."""
     estimate, truth = known(name)
-    tables = export(estimate, "linuxcnc", Options())
+    tables = export(estimate, "linuxcnc", ExportOptions())
     poses, approaches = spread(estimate)
     with LinuxcncMachine(truth, Tables(tables.files)) as machine:
         sent = machine.sent(poses, approaches)
@@ -80,7 +80,7 @@ def test_tables_with_the_wrong_sign_make_it_worse() -> None:
     estimate, truth = known("three-axis")
     machine = estimate.machine
     poses, approaches = spread(estimate)
-    tables = export(estimate, "linuxcnc", Options())
+    tables = export(estimate, "linuxcnc", ExportOptions())
     wrong = [flipped(t) for t in tables.tables]
     text = {f"{t.axis}.comp": offer(t).text for t in wrong if t.over == t.axis}
     with LinuxcncMachine(truth, Tables(text)) as control:

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.compensation.controllers.linuxcnc.headless import Joint, run
 from axiscal.exceptions import ControlError
-from axiscal.gcode import Visit, dialect, programs
+from axiscal.gcode import dialect, programs
+from axiscal.lab.linuxcnc import Joint, run
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
+from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from tests.certify.gcode import HOSTILE, Plan, interpreted, random_plan, verdicts
@@ -37,9 +38,9 @@ def test_random_plans_stay_in_the_travel_and_come_from_the_planned_side(tens: in
 
 def named(plan: Plan, name: str) -> Plan:
     """Return the plan with its machine and its one set-up under another name."""
-    setup = replace(plan.visits[0].setup, name=name)
-    visits = tuple(replace(visit, setup=setup) for visit in plan.visits)
-    return Plan(replace(plan.machine, name=name), visits, plan.options)
+    first = next(setup for setup in plan.setups if setup.name == plan.places[0].setup)
+    places = tuple(replace(place, setup=name) for place in plan.places)
+    return Plan(replace(plan.machine, name=name), (replace(first, name=name),), places, plan.options)
 
 
 @pytest.mark.parametrize("name", HOSTILE)
@@ -96,8 +97,8 @@ def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else
     sides = [(0, 0, 0, 0)] * 2 + [tuple(map(int, row)) for row in rng.integers(-1, 2, (6, 4))]
     setup = Setup("s", "probe", (1, 0, 0), (0, 1, 2, 3), tuple(low), 1e-6, (), 0, 0.001, 0, (0.0,) * 4, "both")
     places = [tuple(map(inward, machine.axes, map(float, pose), side)) for pose, side in zip(poses, sides, strict=True)]
-    visits = [Visit(setup, place, side) for place, side in zip(places, sides, strict=True)]
-    (program,) = programs(machine, visits, dialect("linuxcnc"))
+    readings = [Place(setup.name, place, side) for place, side in zip(places, sides, strict=True)]
+    (program,) = programs(machine, [setup], readings, dialect("linuxcnc"))
     codes = [line for line in program.text.splitlines()[:-1] if line[0] == "G"]
     joints = [Joint(axis, *((0.0, 360.0) if axis == "C" else (-12.3, 45.6))) for axis in "XYZC"]
     done = run(joints, [*codes, "G53 G1 X45.6 F9000"])

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.compensation.controllers.linuxcnc.headless import available
+from axiscal.lab.linuxcnc import available
 
 pytestmark = [
     pytest.mark.linuxcnc,

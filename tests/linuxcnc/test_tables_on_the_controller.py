@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from axiscal.compensation.controllers.linuxcnc import correction, offer, parse
-from axiscal.compensation.controllers.linuxcnc.headless import Joint, Run, Step, available, run
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import ControlError
+from axiscal.lab.linuxcnc import Ending, Joint, Run, available, run
 from axiscal.numerics import Array
 
 pytestmark = [
@@ -51,7 +51,7 @@ def visited() -> Run:
     return run(joints, visits(POINTS))
 
 
-def reached(run: Run) -> list[tuple[int, Step]]:
+def reached(run: Run) -> list[tuple[int, Ending]]:
     """Direction of approach and end of every second move, those that end on a point."""
     return [(1 if number % 2 == 0 else -1, step) for number, step in enumerate(run.steps[1::2])]
 

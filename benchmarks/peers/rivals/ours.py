@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.design.lattice import Lattice
-from axiscal.design.plan import make_plan
-from axiscal.design.pool import Pool
-from axiscal.design.problem import Limits, Problem
-from axiscal.design.scoring import Scores
-from axiscal.design.step import best_step
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits, Task
+from axiscal.design.step.best_step import best_step
+from axiscal.measurement.place import Places
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import CANDIDATES, Array, Posed
 
 
-def _problem(posed: Posed) -> Problem:
+def _problem(posed: Posed) -> Task:
     return stacked(posed.case, CANDIDATES, posed.criterion == "volume")
 
 
@@ -39,7 +39,7 @@ def picker(posed: Posed) -> Callable[[Array], Array]:
 def candidate_picker(posed: Posed) -> Callable[[Array], Array]:
     """Return the best of the fixed candidates; the gains follow the reading that enters."""
     problem, poses = _problem(posed), posed.candidates
-    lattice = Lattice(np.zeros(len(poses), dtype=np.intp), poses, np.ones_like(poses))
+    lattice = Places(np.zeros(len(poses), dtype=np.intp), poses, np.ones_like(poses))
     problem = replace(problem, lattice=lattice)
     scores = Scores(Pool(problem.observation, lattice), problem.state)
 

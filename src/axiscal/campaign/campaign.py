@@ -18,28 +18,28 @@ from types import TracebackType
 from typing import Self
 
 from axiscal.campaign.building import build
-from axiscal.campaign.description import CampaignDescription, campaign_from_texts
-from axiscal.campaign.engine import Build, Engine, Known, Visit
-from axiscal.campaign.events import (
+from axiscal.campaign.engine import Build, Engine, Known
+from axiscal.campaign.interrupt import noted_interrupts
+from axiscal.campaign.sources import Request, Skip, Source
+from axiscal.campaign.versions import versions
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import (
     Asked,
     Created,
     Event,
     Finished,
-    Place,
     Planned,
     Recorded,
     Skipped,
     State,
-    Step,
+    Undoable,
     Undone,
 )
-from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.sources import Request, Skip, Source
-from axiscal.campaign.store import Record
-from axiscal.campaign.versions import versions
-from axiscal.exceptions import ReadingError, RecordError, SourceError
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.reading import Reading
+from axiscal.record.store import Record
 from axiscal.units import to_unit
 
 PATIENCE = 25
@@ -53,7 +53,7 @@ _GROSS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class Ended:
     """There is nothing more to ask, and why."""
 
     because: str
@@ -130,7 +130,7 @@ class Campaign:
             self._absorbed.append(reading)
         return self._engine
 
-    def next(self, *, beyond: bool = False) -> Asked | Stop:
+    def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
 
         beyond : ask although a target is reached
@@ -140,13 +140,13 @@ class Campaign:
             return self.state.pending
         because = None if beyond else self.reached()
         if because is not None:
-            return Stop(because)
+            return Ended(because)
         if not self.prepared():
-            return Stop("nothing is left to measure")
+            return Ended("nothing is left to measure")
         place, number = self.state.plan[0], len(self.state.readings) + len(self.state.skipped) + 1
-        asked = Asked(number, place.setup, place.position, place.approach)
+        asked = Asked(number, place)
         if not beyond and self._over_budget(self._seconds_until(asked)):
-            return Stop(_BUDGET)
+            return Ended(_BUDGET)
         self._append(asked)
         return asked
 
@@ -158,7 +158,7 @@ class Campaign:
         """
         if not self._plan_stands():
             engine, planned = self.engine, self.state.plan
-            places = tuple(engine.plan(self.state.skipped, self._visits(), planned))
+            places = tuple(engine.plan(self.state.skipped, self._taken(), planned))
             if places or planned:
                 self._append(Planned(places, engine.grounds()))
         return self.state.plan
@@ -179,7 +179,7 @@ class Campaign:
         self,
         value: float,
         std: float | None = None,
-        at: Asked | Recorded | None = None,
+        at: Place | None = None,
         *,
         accepted: bool = False,
         others: tuple[float, ...] = (),
@@ -187,21 +187,22 @@ class Campaign:
     ) -> Reading:
         """Keep a reading, of what was asked or of another place, and return it.
 
-        value, std : m or rad; at : the place, whose value and std are not looked at
+        value, std : m or rad; at : the place
         accepted : it is believed however much it surprises
         others : the values along y and z where an instrument reads three directions
         live : it was taken just now: the clock is kept with it
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
         self._refuse_finished()
-        place = at or self.open_question()
+        place = at or self.open_question().place
         if not all(math.isfinite(each) for each in (value, *others)):
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
         self._refuse_other_count(place.setup, 1 + len(others))
         if std is not None and not 0 < std < math.inf:
             raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
         time = self._clock() if live else None
-        self._append(Recorded(place.setup, place.position, place.approach, value, std, accepted, others, time))
+        at_place = place.setup, place.pose, place.approach
+        self._append(Recorded(Reading(*at_place, value, std, accepted=accepted, others=others, time=time)))
         return self.state.readings[-1]
 
     def _refuse_other_count(self, setup: str, count: int) -> None:
@@ -218,7 +219,7 @@ class Campaign:
         self._append(Skipped(reason.strip()))
         return asked
 
-    def undo(self) -> Step:
+    def undo(self) -> Undoable:
         """Take back the last reading, skip or finish, and return it; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
@@ -261,11 +262,11 @@ class Campaign:
 
     def history(self) -> tuple[Milestone, ...]:
         """Return how well the machine was known after each reading, from a belief built anew."""
-        engine, visits = self._build(self.description), self._visits()
+        engine, places = self._build(self.description), self._taken()
         milestones = [Milestone(0, None, engine.accuracy(), 0.0)]
         for number, reading in enumerate(self.state.readings, start=1):
             engine.absorb(reading)
-            milestones.append(Milestone(number, reading, engine.accuracy(), engine.elapsed(visits[:number])))
+            milestones.append(Milestone(number, reading, engine.accuracy(), engine.elapsed(places[:number])))
         return tuple(milestones)
 
     def adopt(self, readings: tuple[Reading, ...]) -> None:
@@ -275,7 +276,7 @@ class Campaign:
         """
         self._refuse_finished()
         setups = dict.fromkeys(reading.setup for reading in readings)
-        self._append(*(Recorded.of(reading) for setup in setups for reading in readings if reading.setup == setup))
+        self._append(*(Recorded(reading) for setup in setups for reading in readings if reading.setup == setup))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.
@@ -287,7 +288,7 @@ class Campaign:
         watch(path[0])
         in_a_row = 0
         with noted_interrupts() as interrupts:
-            while not isinstance(asked := Stop(OUT_OF_REACH) if self._futile(path) else self.next(), Stop):
+            while not isinstance(asked := Ended(OUT_OF_REACH) if self._futile(path) else self.next(), Ended):
                 with interrupts.waiting():
                     answer = source.read(self.request(asked))
                 if isinstance(answer, Skip):
@@ -305,8 +306,8 @@ class Campaign:
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
-        setup = self.description.setup(asked.setup)
-        place = self.description.machine.axes, asked.position, asked.approach
+        setup = self.description.setup(asked.place.setup)
+        place = self.description.machine.axes, asked.place.pose, asked.place.approach
         seconds = self._seconds_until(asked) if setup.drift > 0 else 0.0
         return Request(asked.reading, setup, *place, seconds)
 
@@ -339,13 +340,13 @@ class Campaign:
         return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _seconds_until(self, asked: Asked) -> float:
-        return self.engine.elapsed([*self._visits(), Visit(asked.setup, asked.position, asked.approach)])
+        return self.engine.elapsed([*self._taken(), asked.place])
 
-    def _visits(self) -> list[Visit]:
-        return [Visit(reading.setup, reading.pose, reading.approach) for reading in self.state.readings]
+    def _taken(self) -> list[Place]:
+        return [reading.place for reading in self.state.readings]
 
     def _seconds(self) -> float:
-        return self.engine.elapsed(self._visits())
+        return self.engine.elapsed(self._taken())
 
     def _over_budget(self, seconds: float) -> bool:
         budget = self.description.target.budget

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from axiscal.campaign.events import Gap, Place
+from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.events import Gap
 
 if TYPE_CHECKING:
-    from axiscal.campaign.description import CampaignDescription
-
-
-@dataclass(frozen=True, slots=True)
-class Visit:
-    """A set-up, a pose in it, (n_axes,) m or rad, and from where it was come to, (n_axes,) +1, -1, 0 for any side."""
-
-    setup: str
-    pose: tuple[float, ...]
-    approach: tuple[int, ...] = ()
+    from axiscal.description.campaign import CampaignDescription
 
 
 class Known(Protocol):
@@ -66,14 +57,14 @@ class Engine(Protocol):
         As long as it stays the same, readings that are taken where they were planned change nothing in the plan.
         """
 
-    def plan(self, gaps: Sequence[Gap], visits: Sequence[Visit], left: Sequence[Place]) -> Sequence[Place]:
-        """Return the readings to come, none of the `gaps`, after these visits; none if nothing is left to measure.
+    def plan(self, gaps: Sequence[Gap], taken: Sequence[Place], left: Sequence[Place]) -> Sequence[Place]:
+        """Return the readings to come, none of the `gaps`, after those taken; none if nothing is left to measure.
 
         left : of an earlier plan, to begin with
         """
 
-    def elapsed(self, visits: Sequence[Visit]) -> float:
-        """Return the seconds that these visits take in this order: mounting, travel, settling, reading."""
+    def elapsed(self, taken: Sequence[Place]) -> float:
+        """Return the seconds that readings at these places take in this order: mounting, travel, settling, reading."""
 
 
 Build = Callable[["CampaignDescription"], Engine]

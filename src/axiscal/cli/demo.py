@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from axiscal.campaign.events import Place
-    from axiscal.campaign.problem import Problem
+    from axiscal.estimate.case import Case
+    from axiscal.measurement.place import Place
     from axiscal.report.summary import Summary
 
 
@@ -27,12 +27,12 @@ def demo(
     Example:
       axiscal demo --out demo-out
     """
-    from axiscal.campaign.problem import Problem
     from axiscal.cli.printing import say
     from axiscal.cli.progress import shown_progress
     from axiscal.demo.five_axis import description, run_demo
+    from axiscal.estimate.case import Case
 
-    problem = Problem(description())
+    problem = Case(description())
     folder = _fresh(out)
     say(_beginning(problem))
     with shown_progress(problem.description.target) as watch:
@@ -50,8 +50,8 @@ def _fresh(out: Path) -> Path:
     return folder
 
 
-def _beginning(problem: Problem) -> str:
-    from axiscal.cli.wording import micrometres
+def _beginning(problem: Case) -> str:
+    from axiscal.cli.texts import micrometres
 
     machine = problem.description.machine
     setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in problem.description.setups)
@@ -63,7 +63,7 @@ def _beginning(problem: Problem) -> str:
     )
 
 
-def _planned(problem: Problem, places: Sequence[Place]) -> str:
+def _planned(problem: Case, places: Sequence[Place]) -> str:
     counts = Counter(place.setup for place in places)
     used = ", ".join(f'{count} in "{setup}"' for setup, count in counts.items())
     idle = [f'"{setup.name}"' for setup in problem.description.setups if setup.name not in counts]

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import CampaignFile, Json, Out
+from axiscal.cli.arguments import CampaignFile, Json, Out
 
 if TYPE_CHECKING:
-    from axiscal.campaign.description import CampaignDescription
-    from axiscal.report.assembly import Extras
+    from axiscal.description.campaign import CampaignDescription
+    from axiscal.report.summarising import Extras
 
 
 def estimate(
@@ -35,14 +35,14 @@ def estimate(
       axiscal estimate campaign.toml readings.csv --out results
     """
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.description import read_campaign
-    from axiscal.campaign.placing import placed_readings
-    from axiscal.campaign.trust import refuse_implausible
     from axiscal.cli.outputs import RECORD, write_outputs
+    from axiscal.description.campaign import read_campaign
+    from axiscal.description.placed_readings import placed_readings
+    from axiscal.estimate.wrong_unit import refuse_implausible
     from axiscal.exceptions import RecordError
     from axiscal.measurement.readers.files import read_any
-    from axiscal.report.assembly import Extras
     from axiscal.report.findings import untimed
+    from axiscal.report.summarising import Extras
 
     description = read_campaign(campaign, target_needed=False)
     raw = read_any(readings)
@@ -62,8 +62,8 @@ def estimate(
 def _standard_test(readings: Path, description: CampaignDescription) -> Extras:
     """Return the ISO 230-2 figures of a finished test, for the report."""
     from axiscal.evaluation import evaluate, read_iso230
-    from axiscal.report.assembly import Extras
     from axiscal.report.standard import iso230_block
+    from axiscal.report.summarising import Extras
 
     (axis,) = description.setups[0].moves
     return Extras(iso230=[iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))])

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 
 if TYPE_CHECKING:
+    from axiscal.compensation.export_options import ExportOptions
     from axiscal.compensation.offer import Export
-    from axiscal.compensation.options import Options
 
 MOST_BYTES = 4_000_000
 
@@ -55,7 +55,7 @@ def export(
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
     """
-    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.building import calibration_of
     from axiscal.campaign.campaign import Campaign
     from axiscal.cli.printing import say, say_document
     from axiscal.compensation import registry
@@ -88,8 +88,8 @@ def _options(
     pivots: bool,
     points: int | None,
     encoder: int,
-) -> Options:
-    from axiscal.compensation.options import Options
+) -> ExportOptions:
+    from axiscal.compensation.export_options import ExportOptions
     from axiscal.exceptions import TableError
     from axiscal.units import parse_quantity
 
@@ -99,7 +99,7 @@ def _options(
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
     chosen = dict(map(_numbered, numbers or []))
-    return Options(distance, unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
+    return ExportOptions(distance, unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
 
 
 def _numbered(text: str) -> tuple[str, int]:

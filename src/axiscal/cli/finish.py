@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.cli.options import Json, Out, RecordFile
+from axiscal.cli.arguments import Json, Out, RecordFile
 
 
 def finish(record: RecordFile, out: Out, json: Json = False) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.options import Json
+from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
 
 app = typer.Typer(

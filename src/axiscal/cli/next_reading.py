@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 
 
@@ -23,14 +23,14 @@ def next_reading(
     Example:
       axiscal next mill.axiscal
     """
-    from axiscal.campaign.campaign import Campaign, Stop
-    from axiscal.cli.wording import question_document, question_text
+    from axiscal.campaign.campaign import Campaign, Ended
+    from axiscal.cli.texts import question_document, question_text
 
     with Campaign.open(record) as campaign:
         asked = campaign.next(beyond=beyond)
         if json:
             say_document(question_document(campaign, asked))
-        elif isinstance(asked, Stop):
+        elif isinstance(asked, Ended):
             say(f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {record} --out DIR")
         else:
             say(question_text(campaign, asked))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.events import Recorded
-from axiscal.campaign.placing import placed_approach, placed_pose
+from axiscal.description.placed_readings import placed_approach, placed_pose
 from axiscal.exceptions import ReadingError
 from axiscal.machine import Machine
+from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.units import parse_quantity
 
@@ -16,14 +16,14 @@ _ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9
 _DIRECTION = re.compile(r"([A-Z][0-9]?)([+−-])")
 
 
-def typed_place(campaign: Campaign, setup: str | None, at: str, approach: str | None) -> Recorded:
+def typed_place(campaign: Campaign, setup: str | None, at: str, approach: str | None) -> Place:
     """Return the place of a reading that was not asked for; raises ReadingError, UnitError or DescriptionError.
 
     setup : name; None is the set-up of the question that is open, or the only one there is
     """
     chosen, machine = _setup(campaign, setup), campaign.description.machine
     pose = placed_pose(chosen, machine, _position(at, machine))
-    return Recorded(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")), 0.0, None)
+    return Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
 
 
 def _setup(campaign: Campaign, name: str | None) -> Setup:
@@ -31,7 +31,7 @@ def _setup(campaign: Campaign, name: str | None) -> Setup:
     if name is None and pending is None and len(description.setups) > 1:
         names = ", ".join(f'"{setup.name}"' for setup in description.setups)
         raise ReadingError("the campaign has several set-ups", f"Name one with --setup: {names}")
-    return description.setup(name or (pending.setup if pending else description.setups[0].name))
+    return description.setup(name or (pending.place.setup if pending else description.setups[0].name))
 
 
 def _position(text: str, machine: Machine) -> dict[str, float]:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import CampaignFile, Json
+from axiscal.cli.arguments import CampaignFile, Json
 
 if TYPE_CHECKING:
-    from axiscal.campaign.problem import Problem
-    from axiscal.campaign.proposal import Proposal, Thoroughness
-    from axiscal.design.plan import Plan
-    from axiscal.design.problem import Limits
+    from axiscal.design.plan.plan import Plan
+    from axiscal.design.plan.task import Limits
+    from axiscal.estimate.case import Case
+    from axiscal.planning.proposal import Proposal, Thoroughness
 
 _GAP = 0.5
 
@@ -66,14 +66,14 @@ def plan(
       axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 12 --prove
     """
-    from axiscal.campaign.description import read_campaign
-    from axiscal.campaign.feasibility import refuse_out_of_reach
-    from axiscal.campaign.inheritance import problem_of
-    from axiscal.campaign.plan_document import plan_document
-    from axiscal.campaign.proposal import Thoroughness, proposed, proven, refuse_unless_provable
     from axiscal.cli.printing import say, say_document, tell
+    from axiscal.description.campaign import read_campaign
+    from axiscal.estimate.inheritance import problem_of
     from axiscal.exceptions import PlanError
-    from axiscal.gcode.registry import dialect
+    from axiscal.gcode.controls import dialect
+    from axiscal.planning.feasibility import refuse_out_of_reach
+    from axiscal.planning.plan_document import plan_document
+    from axiscal.planning.proposal import Thoroughness, proposed, proven, refuse_unless_provable
 
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
@@ -100,13 +100,13 @@ def plan(
         say(f"Written: {file}")
 
 
-def _share(case: Problem, gap: float | None) -> float:
+def _share(case: Case, gap: float | None) -> float:
     """Return percents of the figure that is printed as a share of J: the RMS is the root of one."""
     return (_GAP if gap is None else gap) / 100 * (2 if case.description.target.criterion == "volume" else 1)
 
 
-def _limits(case: Problem, readings: int | None, target: str | None, budget: str | None) -> Limits:
-    from axiscal.design.problem import Limits
+def _limits(case: Case, readings: int | None, target: str | None, budget: str | None) -> Limits:
+    from axiscal.design.plan.task import Limits
     from axiscal.exceptions import TargetError
     from axiscal.units import parse_quantity
 
@@ -126,11 +126,11 @@ def _limits(case: Problem, readings: int | None, target: str | None, budget: str
     return Limits(own.readings, own.rms, own.worst, own.budget)
 
 
-def _compared(case: Problem, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
-    from axiscal.campaign.what_if import alternatives
+def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
     from axiscal.cli.printing import say, say_document, tell
+    from axiscal.planning.what_if import alternatives
     from axiscal.report.delivery import write_whole
-    from axiscal.report.what_if import render, table_row
+    from axiscal.report.what_if_page import render, table_row
 
     found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
     write_whole(page, render(f"Ways to measure: {case.description.machine.name}", found))
@@ -144,18 +144,18 @@ def _compared(case: Problem, limits: Limits, how: Thoroughness, page: Path, as_j
     say(f"The picture is in {page}.")
 
 
-def _programs(case: Problem, made: Plan, controller: str, out: Path) -> list[Path]:
-    from axiscal.campaign.planning import placed
+def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
     from axiscal.gcode import write_programs
+    from axiscal.planning.next_readings import placed
 
     out.mkdir(parents=True, exist_ok=True)
     return write_programs(case.description.machine, case.description.setups, placed(case, made), controller, out)
 
 
-def _table(case: Problem, limits: Limits, proposal: Proposal) -> str:
-    from axiscal.campaign.feasibility import not_to_the_letter
-    from axiscal.campaign.plan_document import bound_sentence
-    from axiscal.cli.wording import count_text, micrometres
+def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
+    from axiscal.cli.texts import count_text, micrometres
+    from axiscal.planning.feasibility import not_to_the_letter
+    from axiscal.planning.plan_document import bound_sentence
     from axiscal.units import to_unit
 
     made = proposal.plan
@@ -167,17 +167,17 @@ def _table(case: Problem, limits: Limits, proposal: Proposal) -> str:
     return "\n".join(lines if short is None else [*lines, f"Mind: {short}"])
 
 
-def _lines(case: Problem, made: Plan) -> list[str]:
+def _lines(case: Case, made: Plan) -> list[str]:
     """Return a line for each reading, and one for each mounting, in columns."""
-    from axiscal.campaign.planning import placed
-    from axiscal.cli.wording import micrometres
-    from axiscal.measurement.wording import approach_text, place_text
+    from axiscal.cli.texts import micrometres
+    from axiscal.measurement.place_texts import approach_text, place_text
+    from axiscal.planning.next_readings import placed
     from axiscal.units import to_unit
 
     axes, lines, mounted = case.description.machine.axes, list[str](), ""
     places = placed(case, made)
     moves = {setup.name: setup.moves for setup in case.description.setups}
-    where = [place_text(axes, place.position, moves[place.setup]) for place in places]
+    where = [place_text(axes, place.pose, moves[place.setup]) for place in places]
     come = [approach_text(axes, place.approach) for place in places]
     wide, side = (max((len(text) for text in texts), default=0) for texts in (where, come))
     for number, (place, reading) in enumerate(zip(places, made.readings, strict=True)):

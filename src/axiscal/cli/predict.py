@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 
 if TYPE_CHECKING:
-    from axiscal.campaign.prediction import PosePrediction
+    from axiscal.estimate.prediction import PosePrediction
 
 
 def predict(
@@ -26,10 +26,10 @@ def predict(
     Example:
       axiscal predict mill.axiscal poses.csv --json
     """
-    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.building import calibration_of
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.prediction import predict_poses
     from axiscal.cli.printing import say, say_document
+    from axiscal.estimate.prediction import predict_poses
     from axiscal.measurement.readers.poses import read_poses
 
     wanted = read_poses(poses)

@@ -8,12 +8,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from axiscal.cli.printing import tell
-from axiscal.cli.wording import accuracy_text
+from axiscal.cli.texts import accuracy_text
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:
     from axiscal.campaign.campaign import Campaign, Milestone
-    from axiscal.campaign.target import Target
+    from axiscal.description.target import Target
 
 
 @contextmanager
@@ -42,8 +42,8 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_out_of_reach(campaign: Campaign) -> None:
     """Say if the target cannot be reached with the set-ups."""
-    from axiscal.campaign.calibration import calibration_of
-    from axiscal.campaign.feasibility import out_of_reach
+    from axiscal.campaign.building import calibration_of
+    from axiscal.planning.feasibility import out_of_reach
 
     said = out_of_reach(calibration_of(campaign.engine).problem)
     if said is not None:

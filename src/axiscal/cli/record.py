@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with 
 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
-    from axiscal.campaign.calibration import calibration_of
+    from axiscal.campaign.building import calibration_of
 
     last, calibration = len(campaign.state.readings) - 1, calibration_of(campaign.engine)
     doubt = next((doubt for doubt in calibration.doubts if doubt.reading == last), None)
@@ -93,7 +93,7 @@ def _keep(
     from axiscal.measurement.instrument import INSTRUMENTS
     from axiscal.units import parse_quantity
 
-    place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question()
+    place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
     instrument = INSTRUMENTS[campaign.description.setup(place.setup).instrument]
     dimension = instrument.reads
     parts = [part.strip() for part in text.split(",")] if instrument.values > 1 else [text]
@@ -103,7 +103,7 @@ def _keep(
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
-    from axiscal.measurement.wording import place_text, reading_unit
+    from axiscal.measurement.place_texts import place_text, reading_unit
     from axiscal.units import format_quantity
 
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
@@ -113,7 +113,7 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
-    from axiscal.measurement.wording import reading_unit, shown_pose
+    from axiscal.measurement.place_texts import reading_unit, shown_pose
     from axiscal.units import to_unit
 
     unit = reading_unit(campaign.description.setup(reading.setup))

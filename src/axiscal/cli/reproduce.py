@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.options import Json
+from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell
 
 Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
@@ -26,7 +26,7 @@ def reproduce(out: Folder = None, json: Json = False) -> None:
     experiment = run()
     numbers = document(experiment)
     if out is not None:
-        from axiscal.reproduction.page import render
+        from axiscal.reproduction.paper_page import render
 
         out.mkdir(parents=True, exist_ok=True)
         page = out / "reproduce.html"

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import CampaignFile, Json, Out
+from axiscal.cli.arguments import CampaignFile, Json, Out
 
 if TYPE_CHECKING:
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.description import CampaignDescription
     from axiscal.campaign.sources import Source
+    from axiscal.description.campaign import CampaignDescription
 
 
 def run(
@@ -36,9 +36,9 @@ def run(
       axiscal run campaign.toml --source sim:7 --out results
       axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
     """
-    from axiscal.campaign.description import read_campaign
     from axiscal.cli.outputs import RECORD, write_outputs
     from axiscal.cli.progress import tell_out_of_reach
+    from axiscal.description.campaign import read_campaign
     from axiscal.units import parse_quantity
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
@@ -113,7 +113,7 @@ def _refuse_unreached(campaign: Campaign) -> None:
 
 
 def _kept(campaign: Campaign, again: str) -> str:
-    from axiscal.cli.wording import count_text
+    from axiscal.cli.texts import count_text
 
     count = len(campaign.state.readings)
     return (

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.options import CampaignFile, Json
+from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document
 
 
@@ -31,9 +31,9 @@ def start(
       axiscal start campaign.toml mill.axiscal
     """
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.description import read_campaign
     from axiscal.cli.progress import tell_out_of_reach
-    from axiscal.cli.wording import count_text
+    from axiscal.cli.texts import count_text
+    from axiscal.description.campaign import read_campaign
 
     if record is not None and out is not None:
         raise typer.BadParameter("give either RECORD or --out, not both")

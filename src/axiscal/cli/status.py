@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def status(record: RecordFile, json: Json = False) -> None:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    from axiscal.cli.wording import accuracy_text, count_text, question_text
-    from axiscal.measurement.wording import place_text
+    from axiscal.cli.texts import accuracy_text, count_text, question_text
+    from axiscal.measurement.place_texts import place_text
     from axiscal.units import format_quantity
 
     status, description = campaign.status(), campaign.description
@@ -39,7 +39,7 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
     ]
-    lines += [f"Skipped {place_text(axes, gap.position)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"Skipped {place_text(axes, gap.place.pose)}: {gap.reason}" for gap in state.skipped]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 
 
@@ -16,8 +16,8 @@ def undo(record: RecordFile, json: Json = False) -> None:
       axiscal undo mill.axiscal
     """
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.events import Finished, Recorded
-    from axiscal.cli.wording import count_text
+    from axiscal.cli.texts import count_text
+    from axiscal.record.events import Finished, Recorded
 
     with Campaign.open(record) as campaign:
         event = campaign.undo().event

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.cli.options import Json, RecordFile
+from axiscal.cli.arguments import Json, RecordFile
 
 if TYPE_CHECKING:
-    from axiscal.campaign.check import Check
+    from axiscal.acceptance.check import Check
 
 
 def verify(
@@ -45,10 +45,10 @@ def verify(
       axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
       axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
     """
+    from axiscal.acceptance.check import Check
     from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.check import Check
     from axiscal.cli.printing import say, say_document
-    from axiscal.report.check import judgement_document, judgement_text
+    from axiscal.report.check_report import judgement_document, judgement_text
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
@@ -72,7 +72,7 @@ def verify(
 
 def _plan(check: Check, points: int, plan: Path | None, json: bool) -> None:
     from axiscal.cli.printing import say, say_document
-    from axiscal.report.check import plan_lines, plan_rows
+    from axiscal.report.check_report import plan_lines, plan_rows
     from axiscal.report.delivery import write_whole
 
     chosen = check.planned(points)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.effect import Control, Effect, effect_of_control, tour
-from axiscal.compensation.estimate import Estimate
-from axiscal.compensation.options import Options
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.table import CompensationTable
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -64,7 +64,7 @@ class Export:
         return float(np.hypot(self.effect.after, self.unknown))
 
 
-Maker = Callable[[Estimate, Options], Draft]
+Maker = Callable[[Estimate, ExportOptions], Draft]
 
 
 def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:

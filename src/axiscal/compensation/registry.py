@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, Maker, tried_out
-from axiscal.compensation.options import Options
 from axiscal.document import nearest, shown
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 
 _ROOM = "axiscal.compensation.controllers"
@@ -26,7 +26,7 @@ CONTROLLERS = {
 """Name -> module and function that writes the files."""
 
 
-def export(estimate: Estimate, controller: str, options: Options) -> Export:
+def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
     return tried_out(name, estimate, _maker(name)(estimate, options))

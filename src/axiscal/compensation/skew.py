@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.effect import Control
-from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.sampling import cross_tables
 from axiscal.compensation.surface import plane_axes
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.effect import Control
-from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.hats import Hats
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array

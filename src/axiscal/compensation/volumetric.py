@@ -8,23 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.effect import Control
-from axiscal.compensation.estimate import Estimate
 from axiscal.compensation.hats import Hats
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Curve:
+class SampledError:
     """One error at positions (n,) of its axis, m or rad; a constant has one position."""
 
     positions: Array
     values: Array
 
 
-def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, Curve]:
+def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, SampledError]:
     """Return the error motions and location errors by name; grids : positions of each axis.
 
     Reversal values have no place among them.
@@ -33,16 +33,16 @@ def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, Curve]:
     for function in estimate.model.functions:
         control = estimate.mean[function.columns]
         if function.kind == "location":
-            found[function.name] = Curve(np.zeros(1), control)
+            found[function.name] = SampledError(np.zeros(1), control)
         elif function.kind == "motion":
             at = grids[function.axis]
             closed = estimate.machine.axes[function.axis].cyclic
             hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
-            found[function.name] = Curve(at, hats.best() @ (function.basis.rows(hats.nodes) @ control))
+            found[function.name] = SampledError(at, hats.best() @ (function.basis.rows(hats.nodes) @ control))
     return found
 
 
-def tip_control(model: ErrorModel, found: Mapping[str, Curve]) -> Control:
+def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control:
     """Return the control that takes the TCP deviation of these errors away with its linear axes.
 
     Raises TableError when the machine has not three linear axes that span space.
@@ -65,7 +65,7 @@ def tip_control(model: ErrorModel, found: Mapping[str, Curve]) -> Control:
     return control
 
 
-def _value(model: ErrorModel, index: int, found: Mapping[str, Curve], poses: Array) -> Array:
+def _value(model: ErrorModel, index: int, found: Mapping[str, SampledError], poses: Array) -> Array:
     function = model.functions[index]
     curve = found[function.name]
     return np.interp(poses[:, function.axis], curve.positions, curve.values)

@@ -6,16 +6,19 @@ from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 
-from axiscal.campaign.calibration import Calibration, calibration_of
+from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
-from axiscal.campaign.description import CampaignDescription, campaign_from_texts
-from axiscal.campaign.events import Asked, Place
-from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.demo.truth import measured_truth
+from axiscal.demo.measured_truth import measured_truth
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
 from axiscal.machine import load_machine
-from axiscal.report.assembly import Extras
+from axiscal.measurement.place import Place
+from axiscal.planning.planner import Planner
+from axiscal.record.events import Asked
 from axiscal.report.delivery import deliver, reached
+from axiscal.report.summarising import Extras
 from axiscal.report.summary import Summary, TruthCheck
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
@@ -29,14 +32,14 @@ def description() -> CampaignDescription:
     return campaign_from_texts(text, "demo campaign.toml", load_machine("dmu60").text, "dmu60")
 
 
-def hidden_machine(problem: Problem) -> VirtualMachine:
+def hidden_machine(problem: Case) -> VirtualMachine:
     """Return the machine with the measured curves, which the estimate never sees."""
     simulator = Simulator(problem.description.machine, problem.description.setups)
     return simulator.with_curves(measured_truth(problem.errors, SEED), SEED)
 
 
 def run_demo(
-    problem: Problem, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
+    problem: Case, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
 ) -> Summary:
     """Run the campaign into a folder and return what is said of it.
 
@@ -44,10 +47,10 @@ def run_demo(
     Raises RecordError if there is a campaign already.
     """
     truth = hidden_machine(problem)
-    with Campaign.create(out / "campaign.axiscal", problem.description, lambda _: Calibration(problem)) as campaign:
+    with Campaign.create(out / "campaign.axiscal", problem.description, lambda _: Planner(problem)) as campaign:
         first = campaign.next()
         if isinstance(first, Asked):
-            planned((Place(first.setup, first.position, first.approach), *campaign.state.plan))
+            planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
         calibration = calibration_of(campaign.engine)
         extras = Extras(truth=truth, truth_check=truth_check(calibration, truth), compared=True)

@@ -16,19 +16,21 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration, calibration_of
+from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
-from axiscal.campaign.description import CampaignDescription, campaign_from_texts
-from axiscal.campaign.problem import Problem
 from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.compensation.effect import left_by, rms
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
-from axiscal.compensation.options import Options
 from axiscal.compensation.registry import export
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
+from axiscal.planning.planner import Planner
 from axiscal.report.delivery import write_files
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
@@ -69,17 +71,17 @@ def description(name: str) -> CampaignDescription:
 
 def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
-    problem = Problem(description(name))
+    problem = Case(description(name))
     truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
-    with Campaign.create(record, problem.description, lambda _: Calibration(problem)) as campaign:
+    with Campaign.create(record, problem.description, lambda _: Planner(problem)) as campaign:
         source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed))
         try:
             campaign.run(source, _unwatched)
         finally:
             source.close()
         calibration, readings = calibration_of(campaign.engine), len(campaign.state.readings)
-    tables = export(calibration.estimate(), "linuxcnc", Options())
+    tables = export(calibration.estimate(), "linuxcnc", ExportOptions())
     write_files(tables, out / "tables" / name)
     return _verified(calibration, tables, truth, readings)
 

@@ -1,8 +1,8 @@
 """A TOML document that knows its lines, so that every fault in it can be shown where it stands."""
 
-from axiscal.document.model import Angle, Length, QuantityOf, QuantityText, Time, model_fault, read_model
-from axiscal.document.source import Document
-from axiscal.document.wording import dotted, nearest, quantity_text, shown
+from axiscal.document.file import Document
+from axiscal.document.quoting import dotted, nearest, quantity_text, shown
+from axiscal.document.validation import Angle, Length, QuantityOf, QuantityText, Time, model_fault, read_model
 
 __all__ = [
     "Angle",

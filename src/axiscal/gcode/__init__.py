@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.gcode.options import Options
-from axiscal.gcode.program import Program, Visit, programs
-from axiscal.gcode.registry import controllers, dialect
-from axiscal.gcode.writing import write_programs
+from axiscal.gcode.controls import controllers, dialect
+from axiscal.gcode.plan_files import write_programs
+from axiscal.gcode.program import Program, programs
+from axiscal.gcode.program_options import ProgramOptions
 
-__all__ = ["Options", "Program", "Visit", "controllers", "dialect", "programs", "write_programs"]
+__all__ = ["Program", "ProgramOptions", "controllers", "dialect", "programs", "write_programs"]

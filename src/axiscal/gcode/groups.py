@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.exceptions import ProgramError
-from axiscal.gcode.options import Options
+from axiscal.gcode.program_options import ProgramOptions
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import FAMILIES, family_groups
@@ -46,7 +46,7 @@ class Group:
         return 2 * math.sqrt(length / acceleration) if short else length / speed + speed / acceleration
 
 
-def groups(machine: Machine, options: Options) -> tuple[Group, ...]:
+def groups(machine: Machine, options: ProgramOptions) -> tuple[Group, ...]:
     """Return the groups in the order they move; raises ProgramError for an order that cannot be."""
     order = _usual(machine) if options.order is None else options.order
     _check(order, machine)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.wording import approach_text
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
+from axiscal.document import shown
 from axiscal.exceptions import ProgramError
 from axiscal.gcode.dialect import Dialect
 from axiscal.gcode.groups import Group, groups
 from axiscal.gcode.listing import Listed, listing
-from axiscal.gcode.options import Options
-from axiscal.gcode.scale import Scale
-from axiscal.gcode.steps import Arrival, Dwell, Move, Remark, Step, Stop, run_through
-from axiscal.gcode.targets import Target, target
-from axiscal.gcode.wording import plain, program_name
+from axiscal.gcode.plain_words import plain, program_name
+from axiscal.gcode.program_options import ProgramOptions
+from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.steps import Arrival, Dwell, Halt, Move, Remark, Step, run_through
+from axiscal.gcode.targets import ReadingTarget, target
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
-
-
-@dataclass(frozen=True, slots=True)
-class Visit:
-    """A planned reading: set-up, pose (n_axes,) m or rad, approach (n_axes,) +1, −1, 0 per axis."""
-
-    setup: Setup
-    pose: tuple[float, ...]
-    approach: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,53 +43,64 @@ class Program:
 
 
 def programs(
-    machine: Machine, visits: Sequence[Visit], dialect: Dialect, options: Options | None = None
+    machine: Machine,
+    setups: Sequence[Setup],
+    places: Sequence[Place],
+    dialect: Dialect,
+    options: ProgramOptions | None = None,
 ) -> tuple[Program, ...]:
     """Return a program for each set-up, in the order in which the plan first uses them.
 
     Readings keep their number in the plan, from 1.  Raises ProgramError before anything is written.
     """
-    if not visits:
+    if not places:
         raise ProgramError("the plan has no readings", "Plan at least one")
-    writer = _Writer(machine, dialect, options or Options())
-    setups = list(dict.fromkeys(visit.setup for visit in visits))
-    numbered = list(enumerate(visits, start=1))
+    writer = _Writer(machine, dialect, options or ProgramOptions())
+    known = {setup.name: setup for setup in setups}
+    used = dict.fromkeys(place.setup for place in places)
+    numbered = list(enumerate(places, start=1))
     return tuple(
-        writer.program(number, setup, [(k, visit) for k, visit in numbered if visit.setup == setup])
-        for number, setup in enumerate(setups, start=1)
+        writer.program(number, _named(known, name), [(k, place) for k, place in numbered if place.setup == name])
+        for number, name in enumerate(used, start=1)
     )
+
+
+def _named(known: Mapping[str, Setup], name: str) -> Setup:
+    if name not in known:
+        raise ProgramError(f"the plan has a set-up {shown(name)}", f"Known are {', '.join(map(shown, known))}")
+    return known[name]
 
 
 class _Writer:
     """Writes the programs of one machine in one dialect."""
 
-    def __init__(self, machine: Machine, dialect: Dialect, options: Options) -> None:
+    def __init__(self, machine: Machine, dialect: Dialect, options: ProgramOptions) -> None:
         dialect.check(machine.axes)
         self._machine, self._dialect, self._options = machine, dialect, options
-        self._scales = tuple(Scale.of(axis, dialect.decimals) for axis in machine.axes)
+        self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
         self._groups = groups(machine, options)
 
-    def program(self, number: int, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> Program:
+    def program(self, number: int, setup: Setup, places: Sequence[tuple[int, Place]]) -> Program:
         dialect = self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
-        run = list(self._steps(setup, visits))
-        lines = [self._comment(text) for text in self._head(setup, visits)]
+        run = list(self._steps(setup, places))
+        lines = [self._comment(text) for text in self._head(setup, places)]
         lines += [line for step in run for line in self._lines(step)]
         text = dialect.framed(name, number, self._machine.axes, lines)
         readings = tuple(self._listed(setup, run))
         return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
 
-    def _steps(self, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> Iterator[Step]:
-        targets = [target(self._scales, setup.name, number, visit.pose, visit.approach) for number, visit in visits]
+    def _steps(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
+        targets = [target(self._scales, setup.name, number, place.pose, place.approach) for number, place in places]
         reading = setup.reading_time if self._options.wait == "dwell" else None
         return run_through(targets, self._scales, self._groups, setup.settle, reading)
 
-    def _head(self, setup: Setup, visits: Sequence[tuple[int, Visit]]) -> list[str]:
+    def _head(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> list[str]:
         return [
             "AXISCAL MEASURING PROGRAM",
             f"MACHINE {self._machine.name}",
             f"SET-UP {setup.name}",
-            f"READINGS {visits[0][0]} TO {visits[-1][0]}",
+            f"READINGS {places[0][0]} TO {places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
         ]
@@ -108,7 +112,7 @@ class _Writer:
                 return [self._dialect.move(words, step.feed)]
             case Dwell():
                 return self._dialect.dwell_s(step.seconds)
-            case Stop():
+            case Halt():
                 return self._dialect.stop(self._machine.axes)
             case Remark():
                 return [self._comment(step.text)]
@@ -128,7 +132,7 @@ class _Writer:
             elif isinstance(step, Arrival):
                 yield self._row(setup, step.target, seconds)
 
-    def _row(self, setup: Setup, reached: Target, seconds: float) -> Listed:
+    def _row(self, setup: Setup, reached: ReadingTarget, seconds: float) -> Listed:
         texts = [scale.written(value) for scale, value in zip(self._scales, reached.position, strict=True)]
         return Listed(reached.number, seconds, setup, self._machine.axes, tuple(texts), reached.approach)
 
@@ -144,7 +148,7 @@ class _Writer:
         )
 
     def _overruns(self) -> str:
-        def text(axis: Axis, step: Decimal, scale: Scale) -> str:
+        def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
             return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
 
         return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)

@@ -20,7 +20,7 @@ def exact(value: float) -> Decimal:
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class AxisScale:
     """One axis in its written unit.
 
     step : the last decimal; low, high : the travel; first, last : the multiples of the step next to its ends
@@ -34,7 +34,7 @@ class Scale:
     last: Decimal
 
     @classmethod
-    def of(cls, axis: Axis, decimals: int) -> Scale:
+    def of(cls, axis: Axis, decimals: int) -> AxisScale:
         """Return the scale of an axis; raises ProgramError when no number that can be written lies in its travel."""
         step = Decimal(1).scaleb(-decimals)
         low, high = (exact(to_unit(end, axis.unit)) for end in axis.travel)

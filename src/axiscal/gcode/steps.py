@@ -11,8 +11,8 @@ import numpy as np
 
 from axiscal.exceptions import ProgramError
 from axiscal.gcode.groups import Group
-from axiscal.gcode.scale import Scale
-from axiscal.gcode.targets import Numbers, Target
+from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.targets import Decimals, ReadingTarget
 from axiscal.machine.motion import turn_parts
 from axiscal.units import format_quantity
 
@@ -43,7 +43,7 @@ class Dwell:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class Halt:
     """The program halts until somebody presses start."""
 
 
@@ -58,14 +58,18 @@ class Remark:
 class Arrival:
     """The axes have come to a reading."""
 
-    target: Target
+    target: ReadingTarget
 
 
-Step = Move | Dwell | Stop | Remark | Arrival
+Step = Move | Dwell | Halt | Remark | Arrival
 
 
 def run_through(
-    targets: Sequence[Target], scales: Sequence[Scale], groups: Sequence[Group], settle: float, reading: float | None
+    targets: Sequence[ReadingTarget],
+    scales: Sequence[AxisScale],
+    groups: Sequence[Group],
+    settle: float,
+    reading: float | None,
 ) -> Iterator[Step]:
     """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
 
@@ -74,7 +78,7 @@ def run_through(
     """
     standing = targets[0].turning
     for text in ("PRESS START WHEN THE WAY TO THE START IS CLEAR", "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"):
-        yield from (Remark(text), Stop())
+        yield from (Remark(text), Halt())
         yield from (Move({k: standing[k] for k in group.axes}, group.feed(None), 0.0) for group in groups)
     for target in targets:
         turning = target.way_in(standing)
@@ -84,7 +88,7 @@ def run_through(
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
         yield from _dwells(settle)
-        yield from [Stop()] if reading is None else _dwells(reading)
+        yield from [Halt()] if reading is None else _dwells(reading)
 
 
 def _dwells(seconds: float) -> Iterator[Dwell]:
@@ -96,7 +100,7 @@ def _dwells(seconds: float) -> Iterator[Dwell]:
     yield from [Dwell(seconds / max(parts, 1))] * parts
 
 
-def _moves(start: Numbers, stop: Numbers, scales: Sequence[Scale], groups: Sequence[Group]) -> Iterator[Move]:
+def _moves(start: Decimals, stop: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group]) -> Iterator[Move]:
     """Yield the moves from one place to another, group after group; none where nothing is to move."""
     for group in groups:
         begin: Places = {k: start[k] for k in group.axes}
@@ -107,7 +111,7 @@ def _moves(start: Numbers, stop: Numbers, scales: Sequence[Scale], groups: Seque
             begin = end
 
 
-def _places(begin: Places, end: Places, scales: Sequence[Scale]) -> Iterator[Places]:
+def _places(begin: Places, end: Places, scales: Sequence[AxisScale]) -> Iterator[Places]:
     """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
     if begin == end:
         return

@@ -8,26 +8,26 @@ from decimal import Decimal
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
-from axiscal.gcode.scale import Scale
+from axiscal.gcode.scale import AxisScale
 from axiscal.units import format_quantity
 
-Numbers = tuple[Decimal, ...]
+Decimals = tuple[Decimal, ...]
 _ROUNDED = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class ReadingTarget:
     """A reading: its number in the plan, where the axes stand, and from where they come at least.
 
     turning : the position, less the overrun where the side counts; approach : +1, −1, 0 per axis
     """
 
     number: int
-    position: Numbers
-    turning: Numbers
+    position: Decimals
+    turning: Decimals
     approach: tuple[int, ...]
 
-    def way_in(self, standing: Numbers | None) -> Numbers:
+    def way_in(self, standing: Decimals | None) -> Decimals:
         """Return where to turn on the way from where the axes stand: an axis that comes far enough does not turn."""
         if standing is None:
             return self.turning
@@ -36,22 +36,22 @@ class Target:
 
 
 def target(
-    scales: Sequence[Scale],
+    scales: Sequence[AxisScale],
     setup: str,
     number: int,
     pose: Sequence[float],
     approach: Sequence[int],
-) -> Target:
+) -> ReadingTarget:
     """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
     where = f"reading {number} of the set-up {shown(setup)}"
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
         raise ProgramError(f"{where} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
     placed = [_placed(s, where, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
     position, turning = zip(*placed, strict=True)
-    return Target(number, position, turning, tuple(int(side) for side in approach))
+    return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))
 
 
-def _placed(scale: Scale, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
+def _placed(scale: AxisScale, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
     """Return position and turning point of one axis."""
     number = scale.nearest(value)
     if number is None:
@@ -65,7 +65,7 @@ def _placed(scale: Scale, where: str, value: float, side: int) -> tuple[Decimal,
     return sided
 
 
-def _sided(scale: Scale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
+def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
     """Return a position and its turning point, at the other end of a turn where this one leaves no room for it.
 
     None where no end leaves room: what rounding to the numbers of the program takes is not asked for.
@@ -79,7 +79,7 @@ def _sided(scale: Scale, number: Decimal, side: int) -> tuple[Decimal, Decimal] 
     return None
 
 
-def _no_room(scale: Scale, where: str, number: Decimal, side: int) -> ProgramError:
+def _no_room(scale: AxisScale, where: str, number: Decimal, side: int) -> ProgramError:
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
     overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.inference.numbers import Numbers, Part
+from axiscal.inference.numbers import Part, ReadingSet
 from axiscal.inference.scales import Kind, Scale
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -36,7 +36,7 @@ class Evidence:
         prior: tuple[Array, Array] | None = None,
     ) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
-        seen = Numbers(observation, readings)
+        seen = ReadingSet(observation, readings)
         self.reading, self.values, self.rows = seen.reading, seen.values, seen.rows
         self._parts, unknowns = seen.parts(), seen.unknowns()
         self._sharing = [part.sharing() for part in self._parts]

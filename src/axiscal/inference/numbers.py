@@ -55,7 +55,7 @@ class Part:
         return Sharing(where, products[where])
 
 
-class Numbers:
+class ReadingSet:
     """All numbers of all readings.
 
     reading : (m,) index of the reading of each number; values : (m,), what is not linear taken off

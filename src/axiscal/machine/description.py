@@ -72,7 +72,7 @@ def machine_from_text(text: str, source_name: str | Path = "machine.toml") -> Ma
 
 
 def _built(document: Document) -> Machine:
-    from axiscal.machine.assembly import assemble
+    from axiscal.machine.building import assemble
 
     parts = assemble(document)
     return Machine(parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text)

@@ -7,8 +7,8 @@ from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
 from axiscal.machine.limits import Keys, within
+from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name
-from axiscal.machine.schema import ErrorTable
 from axiscal.units import Dimension
 
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, Distance
-from axiscal.measurement.instruments.model import Model, Reads
+from axiscal.measurement.instruments.kind import Model, Reads
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.instruments.stepped import Stepped

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from axiscal.error_model.model import ErrorModel
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
-from axiscal.measurement.instruments.model import Place
+from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import Way, feet
@@ -52,14 +52,14 @@ class Seen(NamedTuple):
     values: Array
 
 
-class Numbers(NamedTuple):
+class JointRows(NamedTuple):
     """All numbers of readings of a set-up.  rows : (m, k, size); covariances : (m, k, k) of noise and fresh rests."""
 
     rows: Array
     covariances: Array
 
 
-class Felt(NamedTuple):
+class RestEffect(NamedTuple):
     """How readings feel the rest of one error function.
 
     reach : (m,) what a unit of it adds; cells : (m,) the number of the cell that they are in
@@ -147,7 +147,7 @@ class Observation:
             return self.errors.along(levers, poses, approaches)
         return Way(self.errors, mounted, mounted.base).rows(poses)
 
-    def numbers(self, setup: int, poses: Array, approaches: Array) -> Numbers:
+    def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
         """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
@@ -155,7 +155,7 @@ class Observation:
         mounted, directions = self.setups[setup], directions_of(self.setups[setup])
         if len(directions) == 1:
             alone = self.rows(setup, poses, approaches)
-            return Numbers(alone.rows[:, None], alone.variances[:, None, None])
+            return JointRows(alone.rows[:, None], alone.variances[:, None, None])
         field = self._field(mounted, poses)
         levers = [self._towards(mounted, poses, direction, field) for direction in directions]
         parts = [self._told(setup, poses, approaches, d, along) for d, along in zip(directions, levers, strict=True)]
@@ -167,7 +167,7 @@ class Observation:
             covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
         every = np.arange(len(parts))
         covariances[:, every, every] = np.stack([part.variances for part in parts], axis=1)
-        return Numbers(np.stack([part.rows for part in parts], axis=1), covariances)
+        return JointRows(np.stack([part.rows for part in parts], axis=1), covariances)
 
     def reading(self, reading: Reading) -> Seen:
         """Return rows, variances and values of all numbers of a reading, of cells that are visited or not."""
@@ -212,29 +212,33 @@ class Observation:
             effects[straight] *= float(np.sqrt(2.0)) / mounted.base
         return effects
 
-    def felt(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> list[Felt]:
+    def felt(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> list[RestEffect]:
         """Return how readings feel the rests, of cells that were visited or not; arguments as for `rows`."""
         mounted = self.setups[setup]
         return self._felt(mounted, self._levers(mounted, poses, direction), poses, approaches)
 
-    def felt_by_all(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> list[Felt]:
+    def felt_by_all(
+        self, setup: int, poses: Array, approaches: Array, direction: Array | None = None
+    ) -> list[RestEffect]:
         """Return how readings would feel the rests if every error had one."""
         mounted, everyone = self.setups[setup], range(len(self.errors.functions))
         return self._felt(mounted, self._levers(mounted, poses, direction), poses, approaches, everyone)
 
     def _felt(
         self, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int] | None = None
-    ) -> list[Felt]:
-        functions, found = self.errors.functions, list[Felt]()
+    ) -> list[RestEffect]:
+        functions, found = self.errors.functions, list[RestEffect]()
         wanted = self._with_rest if among is None else among
         effects = self.errors.effects(levers, approaches) if wanted else levers
         for i in wanted:
             at = poses[:, functions[i].axis]
             if mounted.base is None:
-                found.append(Felt(i, effects[i], functions[i].cells(at)))
+                found.append(RestEffect(i, effects[i], functions[i].cells(at)))
             elif mounted.base and np.any(effects[i]):  # a base without length is refused where its way has a rest
                 stands = feet(mounted.base)
-                found += [Felt(i, foot.weight * effects[i], functions[i].cells(at + foot.shift)) for foot in stands]
+                found += [
+                    RestEffect(i, foot.weight * effects[i], functions[i].cells(at + foot.shift)) for foot in stands
+                ]
         return found
 
     def visited(self, pose: Array, setup: int | None = None, time: float | None = None) -> Observation:
@@ -347,8 +351,8 @@ class Observation:
         along: Array = np.einsum("fmc,mc->fm", field, towards)
         return along
 
-    def _place(self, mounted: Setup, poses: Array) -> Place:
-        return Place(self.errors.machine, poses, mounted.moves)
+    def _place(self, mounted: Setup, poses: Array) -> Nominal:
+        return Nominal(self.errors.machine, poses, mounted.moves)
 
     def cell_columns(self, function: int) -> NDArray[np.intp]:
         """Return the column of the rest of every cell of a function, -1 where there is none."""
@@ -363,7 +367,7 @@ class Observation:
             columns[owner][cell] = column
         return columns
 
-    def _add_rest(self, felt: Felt, result: Array, variances: Array) -> None:
+    def _add_rest(self, felt: RestEffect, result: Array, variances: Array) -> None:
         columns = self.cell_columns(felt.function)[felt.cells]
         known = np.flatnonzero(columns >= 0)
         result[known, columns[known]] += felt.reach[known]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from axiscal.measurement.place import Place
+
 
 @dataclass(frozen=True, slots=True)
 class Reading:
@@ -29,6 +31,11 @@ class Reading:
     accepted: bool = False
     others: tuple[float, ...] = ()
     time: float | None = None
+
+    @property
+    def place(self) -> Place:
+        """Where it was taken."""
+        return Place(self.setup, self.pose, self.approach)
 
     @property
     def values(self) -> tuple[float, ...]:

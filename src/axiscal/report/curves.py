@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.wander import paths
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.zero_drift import paths
 from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.wording import reading_unit
 from axiscal.numerics import Array
-from axiscal.report.summary import Constant, Curve, CurvePoint
+from axiscal.report.summary import ConstantSummary, CurvePoint, CurveSummary
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -24,7 +24,7 @@ _BEARS_ON = 0.1
 _SEEN = 0.5
 
 
-def curves(calibration: Calibration, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[Curve]:
+def curves(calibration: Calibration, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
     parts = _partial_residuals(calibration, readings)
     return [
@@ -41,7 +41,7 @@ def value_unit(function: ErrorFunction) -> str:
 
 def _curve(
     calibration: Calibration, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
-) -> Curve:
+) -> CurveSummary:
     axis = calibration.problem.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
@@ -50,7 +50,7 @@ def _curve(
     before = calibration.problem.prior.factor[function.columns]
     prior = np.sqrt(np.sum((rows @ before) ** 2, axis=1) + function.rest**2)
     shown = to_unit(positions, position_unit).tolist()
-    return Curve(
+    return CurveSummary(
         name=function.name,
         axis=axis.name,
         caption=words(function.name),
@@ -82,18 +82,18 @@ def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> 
     return np.zeros_like(positions)
 
 
-def constants(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+def constants(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
     own = [_constant(calibration, f, truth) for f in calibration.problem.errors.functions if f.basis.size == 1]
     return own + _setup_unknowns(calibration, truth) + _drifts(calibration, truth)
 
 
-def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualMachine | None) -> Constant:
+def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
     std = float(np.linalg.norm(calibration.belief.factor[column]))
     prior = float(np.sqrt(function.covariance[0, 0]))
     hidden = float(np.linalg.norm(calibration.problem.yardstick.unseen[column]))
-    return Constant(
+    return ConstantSummary(
         name=function.name,
         words=words(function.name),
         mean=to_unit(float(calibration.belief.mean[column]), unit),
@@ -105,7 +105,7 @@ def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualM
     )
 
 
-def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
     result = []
     for index, setup in enumerate(calibration.problem.description.setups):
         columns = calibration.observation.unknowns_of(index)
@@ -113,7 +113,7 @@ def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> l
             unit = calibration.problem.unit_of(setup, unknown)
             known = None if truth is None else truth.offsets.get(setup.name, {}).get(unknown.name, 0.0)
             result.append(
-                Constant(
+                ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
                     words=f"{unknown.name} of the set-up",
                     mean=to_unit(float(calibration.belief.mean[column]), unit),
@@ -126,7 +126,7 @@ def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> l
     return result
 
 
-def _drifts(calibration: Calibration, truth: VirtualMachine | None) -> list[Constant]:
+def _drifts(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
     """Return how far the zeros that may wander have come from the first reading of their set-up to the last."""
     result = []
     for setup in calibration.problem.description.setups:
@@ -136,7 +136,7 @@ def _drifts(calibration: Calibration, truth: VirtualMachine | None) -> list[Cons
             first, last = path.times[0], path.times[-1]
             moved = truth.drifts.get(setup.name) if truth is not None else None
             result.append(
-                Constant(
+                ConstantSummary(
                     name=name,
                     words=f"how far its zero came in {to_unit(last - first, 'min'):.3g} min",
                     mean=to_unit(float(path.mean[-1]), unit),

@@ -11,17 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
 from axiscal.campaign.campaign import Campaign
 from axiscal.compensation import registry
 from axiscal.compensation.effect import Deviation, rms, tour
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, effect_sentence
-from axiscal.compensation.options import Options
-from axiscal.design.lattice import even_points
 from axiscal.error_model.volume import Box
+from axiscal.estimate.calibration import Calibration
 from axiscal.exceptions import TableError
+from axiscal.measurement.candidates import even_points
 from axiscal.numerics import Array
-from axiscal.report.assembly import Extras, summarise
+from axiscal.report.summarising import Extras, summarise
 from axiscal.report.summary import Summary, TableOffer, result_json
 
 CONTROLLERS = ("linuxcnc", "csv")
@@ -55,7 +55,7 @@ def _tables(calibration: Calibration, controller: str, folder: Path, warnings: S
     """Write the files for one control and return what they hold and leave, or why there are none."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        offered = registry.export(calibration.estimate(), controller, Options())
+        offered = registry.export(calibration.estimate(), controller, ExportOptions())
     except TableError as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(warned(offered, warnings), folder / controller)

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from axiscal.report.summary import HistoryRow, Iso230, Summary, number, numbers
-from axiscal.report.wording import (
+from axiscal.report.sentences import (
     axis_unit,
     coordinate,
     figure,
@@ -18,6 +17,7 @@ from axiscal.report.wording import (
     standardised,
     unit_text,
 )
+from axiscal.report.summary import HistoryRow, Iso230, Summary, number, numbers
 
 Figure = dict[str, Any]
 

@@ -6,19 +6,19 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from axiscal.campaign.calibration import Calibration
-from axiscal.campaign.changes import changes
-from axiscal.campaign.problem import Problem
-from axiscal.campaign.wander import paths
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.undescribed import undescribed
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.changes import changes
+from axiscal.estimate.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
-from axiscal.inference.drift import Trend, trend
-from axiscal.inference.judgement import Misfit, misfits
+from axiscal.inference.misfit import Misfit, misfits
+from axiscal.inference.repeats import Trend, trend
 from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.wording import reading_unit
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
@@ -34,7 +34,7 @@ _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
 
-def observability(problem: Problem) -> list[str]:
+def observability(problem: Case) -> list[str]:
     """Return what no allowed reading can see, in sentences, and what is not in the model at all."""
     absent = undescribed(problem.description.machine)
     return [*(part.text for part in problem.hidden), *([absent] if absent else [])]
@@ -205,7 +205,7 @@ def _drift(calibration: Calibration) -> Iterator[Finding]:
             yield Finding("drift", None, found)
 
 
-def _side_known(reading: Reading, problem: Problem) -> bool:
+def _side_known(reading: Reading, problem: Case) -> bool:
     """Whether what a reading repeats is not another side of a reversal."""
     reverses = {function.axis for function in problem.errors.functions if function.kind == "reversal"}
     moves = problem.description.setup(reading.setup).moves

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from axiscal.report.figures import Figure, axis_style, band, finite_range, layout, plain
-from axiscal.report.summary import Curve, CurvePoint, number, numbers
-from axiscal.report.wording import BAND, axis_unit, coordinate, figure, quantity, unit_text
+from axiscal.report.sentences import BAND, axis_unit, coordinate, figure, quantity, unit_text
+from axiscal.report.summary import CurvePoint, CurveSummary, number, numbers
 
 _HEIGHT, _HEIGHT_ALONE = 210, 360
 
@@ -17,7 +17,7 @@ _HEIGHT, _HEIGHT_ALONE = 210, 360
 class Panel:
     """A curve and its picture."""
 
-    curve: Curve
+    curve: CurveSummary
     figure: Figure
 
 
@@ -29,25 +29,25 @@ class AxisGroup:
     rows: Sequence[Sequence[Panel]]
 
 
-def groups(curves: Sequence[Curve]) -> list[AxisGroup]:
+def groups(curves: Sequence[CurveSummary]) -> list[AxisGroup]:
     """Return the curves grouped by axis in order of appearance, and by unit within."""
     axes = dict.fromkeys(curve.axis for curve in curves)
     height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
     return [AxisGroup(axis, _rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes]
 
 
-def _rows(curves: list[Curve], height: int) -> list[list[Panel]]:
+def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:
     ordered = sorted(curves, key=lambda curve: curve.value_unit)
     ordered.sort(key=lambda curve: curve.value_unit != "um")
     return [_row(list(row), height) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
 
 
-def _row(curves: list[Curve], height: int) -> list[Panel]:
+def _row(curves: list[CurveSummary], height: int) -> list[Panel]:
     shared = finite_range([value for curve in curves for value in _content(curve)])
     return [Panel(curve, panel_figure(curve, shared, height)) for curve in curves]
 
 
-def _content(curve: Curve) -> list[float]:
+def _content(curve: CurveSummary) -> list[float]:
     size = len(curve.position)
     means = numbers(curve.mean, f"mean of {curve.name}", size)
     halves = [BAND * std for std in numbers(curve.std, f"std of {curve.name}", size)]
@@ -56,7 +56,7 @@ def _content(curve: Curve) -> list[float]:
     return [*edges, *truth, *(point.value for point in curve.points), 0.0]
 
 
-def panel_figure(curve: Curve, shared: list[float], height: int) -> Figure:
+def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figure:
     """Return one panel; `ranges` holds its own scale and the one it shares with its row."""
     size, where = len(curve.position), numbers(curve.position, f"position of {curve.name}")
     mean = numbers(curve.mean, f"mean of {curve.name}", size)
@@ -88,12 +88,12 @@ def _span(where: list[float]) -> list[float]:
     return numbers([low - pad, high + pad], "range")
 
 
-def _turns(curve: Curve) -> Figure:
+def _turns(curve: CurveSummary) -> Figure:
     span = max(curve.position, default=0.0) - min(curve.position, default=0.0)
     return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
 
 
-def _mean(curve: Curve, where: list[float], mean: list[float], whole: list[float]) -> Figure:
+def _mean(curve: CurveSummary, where: list[float], mean: list[float], whole: list[float]) -> Figure:
     text = [
         plain(f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}")
         for x, m, w in zip(where, mean, whole, strict=True)
@@ -102,7 +102,7 @@ def _mean(curve: Curve, where: list[float], mean: list[float], whole: list[float
     return {"type": "scatter", "mode": "lines", "x": where, "y": mean, "text": text, **style}
 
 
-def _truth(curve: Curve) -> list[Figure]:
+def _truth(curve: CurveSummary) -> list[Figure]:
     if curve.truth is None:
         return []
     where, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
@@ -110,13 +110,13 @@ def _truth(curve: Curve) -> list[Figure]:
     return [{"type": "scatter", "mode": "lines", "x": where, "y": value, **style}]
 
 
-def _points(curve: Curve) -> list[Figure]:
+def _points(curve: CurveSummary) -> list[Figure]:
     kinds = (False, "circle", "var(--ink)"), (True, "x", "var(--alarm)")
     chosen = (([p for p in curve.points if p.rejected is rejected], s, c) for rejected, s, c in kinds)
     return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
 
 
-def _point_trace(curve: Curve, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
+def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
     bars = {"type": "data", "array": [number(BAND * p.std, "std of a point") for p in points], "width": 0}
     bars |= {"thickness": 1, "color": "var(--whisker)"}
     text = [_point_text(point, curve.value_unit) for point in points]

@@ -70,7 +70,7 @@ class CurvePoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class CurveSummary:
     """One error function over its axis; all sequences have the length of `position`.
 
     std : whole standard deviation, unmodelled rest and unseen part included
@@ -96,7 +96,7 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
-class Constant:
+class ConstantSummary:
     """A location error, a constant reversal or a set-up's unknown; `seen`: an allowed reading bears on it."""
 
     name: str
@@ -194,9 +194,9 @@ class Summary:
     worst_um: float
     unseen_rms_um: float
     history: Sequence[HistoryRow]
-    curves: Sequence[Curve] = ()
-    reversals: Sequence[Curve] = ()
-    constants: Sequence[Constant] = ()
+    curves: Sequence[CurveSummary] = ()
+    reversals: Sequence[CurveSummary] = ()
+    constants: Sequence[ConstantSummary] = ()
     observability: Sequence[str] = ()
     rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
@@ -281,7 +281,7 @@ def _history(row: HistoryRow) -> dict[str, Any]:
     }
 
 
-def _curve(curve: Curve) -> dict[str, Any]:
+def _curve(curve: CurveSummary) -> dict[str, Any]:
     size = len(curve.position)
     return {
         "axis": curve.axis,
@@ -296,7 +296,7 @@ def _curve(curve: Curve) -> dict[str, Any]:
     }
 
 
-def _constant(constant: Constant) -> dict[str, Any]:
+def _constant(constant: ConstantSummary) -> dict[str, Any]:
     return {
         "mean": number(constant.mean, f"mean of {constant.name}"),
         "std": number(constant.std, f"std of {constant.name}"),

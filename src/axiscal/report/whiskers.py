@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axiscal.report.summary import Constant, number
-from axiscal.report.wording import BAND, constant_note, short, unit_text
+from axiscal.report.sentences import BAND, constant_note, short, unit_text
+from axiscal.report.summary import ConstantSummary, number
 
 
 @dataclass(frozen=True, slots=True)
 class Whisker:
     """One constant; positions are per cent of the width, cut at the edges."""
 
-    constant: Constant
+    constant: ConstantSummary
     note: str
     prior: tuple[float, float]
     now: tuple[float, float]
@@ -22,7 +22,7 @@ class Whisker:
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class UnitScale:
     """The constants of one unit, and the ticks of their scale as (place, text)."""
 
     unit: str
@@ -34,7 +34,7 @@ _LARGEST_RATIO = 6.0
 """Constants that differ by more than this in extent get scales of their own, or the small ones would be dots."""
 
 
-def scales(constants: Sequence[Constant]) -> list[Scale]:
+def scales(constants: Sequence[ConstantSummary]) -> list[UnitScale]:
     """Return the constants grouped by unit and magnitude, each group on one symmetric scale."""
     units = dict.fromkeys(constant.unit for constant in constants)
     return [
@@ -44,32 +44,32 @@ def scales(constants: Sequence[Constant]) -> list[Scale]:
     ]
 
 
-def _magnitudes(constants: list[Constant]) -> list[list[Constant]]:
+def _magnitudes(constants: list[ConstantSummary]) -> list[list[ConstantSummary]]:
     """Return the constants in groups of like extent, in the order in which each group first appears."""
     tops: list[float] = []
     for reach in sorted((_reach(constant) for constant in constants), reverse=True):
         if not tops or reach * _LARGEST_RATIO < tops[-1]:
             tops.append(reach)
-    found: dict[float, list[Constant]] = {}
+    found: dict[float, list[ConstantSummary]] = {}
     for constant in constants:
         found.setdefault(min(top for top in tops if top >= _reach(constant)), []).append(constant)
     return list(found.values())
 
 
-def _scale(unit: str, constants: list[Constant]) -> Scale:
+def _scale(unit: str, constants: list[ConstantSummary]) -> UnitScale:
     reach = max(_reach(constant) for constant in constants) or 1.0
     step = _round_step(reach / 2.5)
     ticks = [(_place(step * i, reach), short(step * i)) for i in range(-2, 3) if abs(step * i) <= reach]
-    return Scale(unit_text(unit), ticks, [_whisker(constant, reach) for constant in constants])
+    return UnitScale(unit_text(unit), ticks, [_whisker(constant, reach) for constant in constants])
 
 
-def _reach(constant: Constant) -> float:
+def _reach(constant: ConstantSummary) -> float:
     known = [abs(constant.mean) + BAND * constant.std, 0.0 if constant.truth is None else abs(constant.truth)]
     prior = BAND * constant.prior_std
     return number(1.05 * max(*known, prior), f"extent of {constant.name}")
 
 
-def _whisker(constant: Constant, reach: float) -> Whisker:
+def _whisker(constant: ConstantSummary, reach: float) -> Whisker:
     half, prior = BAND * constant.std, BAND * constant.prior_std
     return Whisker(
         constant,

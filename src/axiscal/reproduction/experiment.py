@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.numerics import Array
-from axiscal.reproduction.stack import Plan, greedy, one_joint, three_joints
+from axiscal.reproduction.stack import GreedyPlan, greedy, one_joint, three_joints
 
 SCHEMA = "axiscal-reproduce/1"
 SINGLE_READINGS = 10
@@ -36,9 +36,9 @@ class Simulated:
 class Experiment:
     """The single spline, and the stacked machine under the paper's criterion and under `volume`."""
 
-    single: Plan
-    stacked: Plan
-    stacked_volume: Plan
+    single: GreedyPlan
+    stacked: GreedyPlan
+    stacked_volume: GreedyPlan
 
     @cached_property
     def spline(self) -> Simulated:
@@ -135,15 +135,15 @@ def table(experiment: Experiment) -> str:
     return "\n".join(lines)
 
 
-def _columns(plan: Plan) -> tuple[list[str], list[float], list[float]]:
+def _columns(plan: GreedyPlan) -> tuple[list[str], list[float], list[float]]:
     return _texts(plan), plan.overall_variances, [v**0.5 for v in plan.height_variances]
 
 
-def _texts(plan: Plan) -> list[str]:
+def _texts(plan: GreedyPlan) -> list[str]:
     return ["–", *(" ".join(f"{x:.4f}"[:6] for x in position) for position in plan.positions)]
 
 
-def _sequence(plan: Plan) -> dict[str, object]:
+def _sequence(plan: GreedyPlan) -> dict[str, object]:
     return {
         "positions": plan.positions.tolist(),
         "J": plan.overall_variances,
@@ -151,6 +151,6 @@ def _sequence(plan: Plan) -> dict[str, object]:
     }
 
 
-def _simulated(plan: Plan, seed: int) -> Simulated:
+def _simulated(plan: GreedyPlan, seed: int) -> Simulated:
     truth = plan.stack.prior.sample(np.random.default_rng(seed), 1)[0]
     return Simulated(truth, plan.measured(truth, seed))

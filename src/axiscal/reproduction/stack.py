@@ -11,15 +11,16 @@ from functools import cached_property
 
 import numpy as np
 
+from axiscal.accuracy import criterion
 from axiscal.belief import Belief
-from axiscal.design import criterion
-from axiscal.design.lattice import Lattice, spread
-from axiscal.design.step import best_step
+from axiscal.design.step.best_step import best_step
 from axiscal.error_model.gauge import unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
 from axiscal.machine import Machine, load_machine, machine_from_text
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -80,7 +81,7 @@ class Stack:
         return criterion.volume_root(volume_moments(self.errors, whole_travel(self.errors)))
 
     @cached_property
-    def candidates(self) -> Lattice:
+    def candidates(self) -> Places:
         """Where the search for the next reading begins."""
         return spread(self.machine, (self.setup,), _CANDIDATES)
 
@@ -114,7 +115,7 @@ class Stack:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Plan:
+class GreedyPlan:
     """Readings chosen one after another, each the best there is (B&H eq. 27, 37).
 
     stack : what is measured; poses : (m, q) m; rows : (m, size)
@@ -183,14 +184,14 @@ def three_joints() -> Stack:
     return Stack(load_machine("paper-three-stacked"), std=0.01)
 
 
-def greedy(stack: Stack, weight: Array, count: int) -> Plan:
+def greedy(stack: Stack, weight: Array, count: int) -> GreedyPlan:
     """Return so many readings, each chosen to make tr(VᵀV C) least (B&H eq. 27, 37).  weight : V (w, size)."""
     steps, beliefs = [], [stack.prior]
     for _ in range(count):
         step = best_step(stack.observation, beliefs[-1], weight, stack.candidates)
         steps.append(step)
         beliefs.append(beliefs[-1].update(step.row, 0.0, step.variance))
-    return Plan(stack, np.array([s.pose for s in steps]), np.array([s.row for s in steps]), tuple(beliefs))
+    return GreedyPlan(stack, np.array([s.pose for s in steps]), np.array([s.row for s in steps]), tuple(beliefs))
 
 
 def _gains(belief: Belief, rows: Array, stack: Stack) -> Array:

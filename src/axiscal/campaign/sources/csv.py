@@ -10,8 +10,8 @@ from pathlib import Path
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.exceptions import SourceError
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.readers.table import Column, Row, Table, read_table
-from axiscal.measurement.wording import approach_text, reading_unit
+from axiscal.measurement.place_texts import approach_text, reading_unit
+from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, read_table
 from axiscal.units import dimension_of, to_unit
 
 _SAME = {False: 1e-6, True: math.radians(1e-5)}
@@ -53,7 +53,7 @@ class CsvSource:
 class _Columns:
     """Which column of the table says what."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: CsvTable) -> None:
         self.values, self.stds = table.all_of("value"), table.all_of("std")
         texts = {column.stem: column for column in table.columns if column.unit is None}
         self.setup, self.approach = texts.pop("setup", None), texts.pop("approach", None)

@@ -18,8 +18,8 @@ from typing import IO, Any
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.wording import reading_unit
 from axiscal.units import dimension_of, format_quantity, from_unit
 
 TIMEOUT = 600.0

@@ -14,8 +14,8 @@ from axiscal.campaign.sources.source import Answer, Request, Skip, Source
 from axiscal.exceptions import SourceError
 
 if TYPE_CHECKING:
-    from axiscal.compensation.controllers.linuxcnc.headless import Joint, Session
-    from axiscal.compensation.controllers.linuxcnc.headless.configuration import Cross
+    from axiscal.lab.linuxcnc import Joint, Session
+    from axiscal.lab.linuxcnc.configuration import Cross
     from axiscal.machine import Axis
     from axiscal.numerics import Array
     from axiscal.simulation import VirtualMachine
@@ -41,7 +41,7 @@ class LinuxcncMachine:
 
     def __init__(self, truth: VirtualMachine, tables: Tables | None = None) -> None:
         from axiscal.compensation.commanded import CommandedMachine
-        from axiscal.compensation.controllers.linuxcnc.headless import Session
+        from axiscal.lab.linuxcnc import Session
 
         self._machine = truth.model.machine
         self._axes = sorted(range(len(self._machine.axes)), key=lambda k: _ORDER.index(_letter(self._machine.axes[k])))
@@ -134,14 +134,14 @@ def _scale(axis: Axis) -> float:
 
 
 def _joint(axis: Axis, files: Mapping[str, str]) -> Joint:
-    from axiscal.compensation.controllers.linuxcnc.headless import Joint
+    from axiscal.lab.linuxcnc import Joint
 
     low, high = (bound * _scale(axis) for bound in axis.travel)
     return Joint(axis.name, min(low, 0.0) - _ROOM, max(high, 0.0) + _ROOM, table=files.get(f"{axis.name}.comp"))
 
 
 def _cross(joints: Sequence[Joint], files: Mapping[str, str]) -> Cross | None:
-    from axiscal.compensation.controllers.linuxcnc.headless.configuration import Cross
+    from axiscal.lab.linuxcnc.configuration import Cross
 
     text = next((text for name, text in files.items() if name.endswith(".hal")), "")
     axes = tuple(joint.axis for joint in joints if f"axiscal-{joint.axis.lower()}-motor" in text)

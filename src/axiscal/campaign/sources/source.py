@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from axiscal.machine import Axis
+from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.wording import shown_approach, shown_pose
 
 
 @dataclass(frozen=True, slots=True)

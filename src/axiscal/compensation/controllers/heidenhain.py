@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.effect import table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import Lookup, lookup_control
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -72,7 +72,7 @@ class Layout:
         return line
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return one file for each axis, in the form of the template; raises TableError."""
     machine = estimate.machine
     if options.template is None:

@@ -7,11 +7,11 @@ import re
 
 import numpy as np
 
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.skew import Skew, skew_control, skew_of
 from axiscal.compensation.surface import Mesh, mesh_control, mesh_of, sum_of
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import from_unit, to_unit
 
@@ -23,7 +23,7 @@ _LEFT = "positioning errors, straightness in the plane, reversal, and what the h
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
     mesh, skew = mesh_of(estimate, options.mesh), skew_of(estimate)

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from axiscal.compensation.effect import Control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew, skew_control, skew_of
 from axiscal.compensation.surface import Mesh, mesh_control, mesh_of, sum_of
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
@@ -27,7 +27,7 @@ _LEFT = (
 )
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the file; raises TableError."""
     machine, box = estimate.machine, estimate.box
     mesh, skew, play = mesh_of(estimate, options.mesh), skew_of(estimate), backlash(estimate)

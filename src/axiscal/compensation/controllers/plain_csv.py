@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.compensation.effect import table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable, TableFile
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
-from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, parse_table
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
@@ -80,7 +80,7 @@ def offer(table: CompensationTable) -> TableFile:
     return TableFile(f"{_stem(table)}.csv", text, notes, resolution, residual)
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return one file for each axis, and for each axis over another; raises TableError."""
     own = axis_tables(estimate, options.spacing, _MOST, anchored=False)
     tables = (*own, *cross_tables(estimate, options.spacing, _MOST))

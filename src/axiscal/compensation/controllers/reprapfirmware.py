@@ -6,10 +6,10 @@ import csv
 
 import numpy as np
 
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.surface import Mesh, mesh_control, mesh_of
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import from_unit, to_unit
 
@@ -23,7 +23,7 @@ _NOTES = (
 )
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the file; raises TableError."""
     mesh = mesh_of(estimate, options.mesh)
     text = write(mesh)

@@ -14,7 +14,7 @@ import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.model import Actual, Place, Reads, along
+from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -27,42 +27,44 @@ class Displacement:
     directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "length", "slope": "angle", "growth": "angle"})
 
-    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
-        return along(direction, place.count)
+        return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,)."""
         if unknown == "zero":
-            return np.ones(place.count)
-        return place.travelled if unknown == "slope" else _travelled_along(direction, place)
+            return np.ones(nominal.count)
+        return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return dᵀδp + zero + tan(slope) s + growth dᵀe s, (m,)."""
-        tilted = np.tan(own.get("slope", 0.0)) * place.travelled
-        grown = _grown(own.get("growth", 0.0) + setup.growth, direction, place)
+        tilted = np.tan(own.get("slope", 0.0)) * nominal.travelled
+        grown = _grown(own.get("growth", 0.0) + setup.growth, direction, nominal)
         shown: Array = actual.displacement @ direction + own.get("zero", 0.0) + tilted + grown
         return shown
 
-    def beyond(self, setup: Setup, place: Place) -> Array:
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
         """Return the growth that is known, (m,)."""
-        return _grown(setup.growth, np.array(setup.direction), place)
+        return _grown(setup.growth, np.array(setup.direction), nominal)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""
 
 
-def _grown(strain: float, direction: Array, place: Place) -> Array:
+def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:
     """Return by what a strain of the material lengthens the readings, (m,), m."""
-    return strain * _travelled_along(direction, place) if strain else np.zeros(place.count)
+    return strain * _travelled_along(direction, nominal) if strain else np.zeros(nominal.count)
 
 
-def _travelled_along(direction: Array, place: Place) -> Array:
+def _travelled_along(direction: Array, nominal: Nominal) -> Array:
     """Return the travel from the middle, as far as it goes along the direction, (m,), m; negative against it."""
-    axes = place.machine.axes
-    axis = next((k for k in place.moves if not axes[k].rotary), None)
+    axes = nominal.machine.axes
+    axis = next((k for k in nominal.moves if not axes[k].rotary), None)
     if axis is None:
-        return np.zeros(place.count)
-    ways = frames(place.machine, place.poses).rotations[axis] @ np.array(axes[axis].direction)
-    along_it: Array = place.travelled * (ways @ direction)
+        return np.zeros(nominal.count)
+    ways = frames(nominal.machine, nominal.poses).rotations[axis] @ np.array(axes[axis].direction)
+    along_it: Array = nominal.travelled * (ways @ direction)
     return along_it

@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Place, Reads, need_station
+from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, need_station
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -29,32 +29,34 @@ class Distance:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
 
-    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the unit vector from the station to the TCP, (m, 3)."""
-        line = place.tcp - _found(setup)
+        line = nominal.tcp - _found(setup)
         unit: Array = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), _LEAST)
         return unit
 
-    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, less the unit vector's part for a shift of the station, (m,)."""
         if unknown == "zero":
-            return np.ones(place.count)
-        part: Array = -self.towards(setup, direction, place)[:, SHIFTS.index(unknown)]
+            return np.ones(nominal.count)
+        part: Array = -self.towards(setup, direction, nominal)[:, SHIFTS.index(unknown)]
         return part
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return |p + δp − station − shift| − |p − station| + zero, (m,)."""
         stated = _stated(setup)
         shift = np.array([own.get(name, 0.0) for name in SHIFTS])
-        seen = np.linalg.norm(place.tcp + actual.displacement - stated - shift, axis=1)
-        shown: Array = seen - np.linalg.norm(place.tcp - stated, axis=1) + own.get("zero", 0.0)
+        seen = np.linalg.norm(nominal.tcp + actual.displacement - stated - shift, axis=1)
+        shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + own.get("zero", 0.0)
         return shown
 
-    def beyond(self, setup: Setup, place: Place) -> Array:
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
         """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
         shift = _found(setup) - _stated(setup)
-        now, first = (np.linalg.norm(place.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))
-        beyond: Array = now - first + self.towards(setup, shift, place) @ shift
+        now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))
+        beyond: Array = now - first + self.towards(setup, shift, nominal) @ shift
         return beyond
 
     def check(self, setup: Setup, machine: Machine) -> None:

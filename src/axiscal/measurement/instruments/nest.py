@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Place, Reads, along
+from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -26,23 +26,25 @@ class Nest:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(_ZEROS, "length"))
 
-    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
-        return along(direction, place.count)
+        return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of the zero along d, (m,)."""
-        return np.full(place.count, direction[_ZEROS.index(unknown)])
+        return np.full(nominal.count, direction[_ZEROS.index(unknown)])
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return dᵀ(δp + zero), (m,)."""
         zero = np.array([own.get(name, 0.0) for name in _ZEROS])
         shown: Array = (actual.displacement + zero) @ direction
         return shown
 
-    def beyond(self, setup: Setup, place: Place) -> Array:
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
-        return np.zeros(place.count)
+        return np.zeros(nominal.count)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense: it reads all directions."""

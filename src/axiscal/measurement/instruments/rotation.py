@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Angle, Place
+from axiscal.measurement.instruments.kind import Actual, Angle, Nominal
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -16,7 +16,9 @@ from axiscal.numerics import Array
 class Rotation(Angle):
     """One angle about the set-up's direction."""
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return dᵀε + zero, (m,)."""
         shown: Array = actual.rotation @ direction + own.get("zero", 0.0)
         return shown

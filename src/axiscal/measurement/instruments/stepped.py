@@ -13,7 +13,7 @@ import numpy as np
 from axiscal.error_model.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Angle, Place
+from axiscal.measurement.instruments.kind import Actual, Angle, Nominal
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import Way, across
 from axiscal.numerics import Array
@@ -26,9 +26,11 @@ _UNFELT = 1e-9
 class Stepped(Angle):
     """One slope, as an angle about the set-up's direction."""
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
-        slope = np.sum(across(place.machine, setup, place.poses) * actual.displacement, axis=1)
+        slope = np.sum(across(nominal.machine, setup, nominal.poses) * actual.displacement, axis=1)
         shown: Array = np.arctan(slope) + own.get("zero", 0.0)
         return shown
 

@@ -1,6 +1,6 @@
 """The laser tracker: it reads where the TCP is, in all directions, from a station of unknown place and orientation.
 
-What it shows in its own frame, less the nominal place: y = R(turn)(p + δp − station) + station + zero − p, to first
+What it shows in its own frame, less the nominal nominal: y = R(turn)(p + δp − station) + station + zero − p, to first
 order δp + zero + turn × (p − station).
 """
 
@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.model import Actual, Place, Reads, along, need_station
+from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along, need_station
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, rigid
 
@@ -29,29 +29,31 @@ class Tracker:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
 
-    def towards(self, setup: Setup, direction: Array, place: Place) -> Array:
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
-        return along(direction, place.count)
+        return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, place: Place) -> Array:
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of a zero along d, or of the turn of the frame about the station, (m,)."""
         if unknown in _ZEROS:
-            return np.full(place.count, direction[_ZEROS.index(unknown)])
+            return np.full(nominal.count, direction[_ZEROS.index(unknown)])
         about = np.eye(3)[_TURNS.index(unknown)]
-        turned: Array = np.cross(about, place.tcp - _station(setup)) @ direction
+        turned: Array = np.cross(about, nominal.tcp - _station(setup)) @ direction
         return turned
 
-    def shown(self, setup: Setup, direction: Array, place: Place, actual: Actual, own: Mapping[str, float]) -> Array:
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
         """Return dᵀ( R(turn)(p + δp − station) + station + zero − p ), (m,)."""
         turn = rigid.rotation(np.array([[own.get(name, 0.0) for name in _TURNS]]))[0]
         zero = np.array([own.get(name, 0.0) for name in _ZEROS])
-        seen = (place.tcp + actual.displacement - _station(setup)) @ turn.T + _station(setup) + zero
-        shown: Array = (seen - place.tcp) @ direction
+        seen = (nominal.tcp + actual.displacement - _station(setup)) @ turn.T + _station(setup) + zero
+        shown: Array = (seen - nominal.tcp) @ direction
         return shown
 
-    def beyond(self, setup: Setup, place: Place) -> Array:
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
-        return np.zeros(place.count)
+        return np.zeros(nominal.count)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""

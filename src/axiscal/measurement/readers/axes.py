@@ -5,22 +5,22 @@ from __future__ import annotations
 import re
 
 from axiscal.machine.names import AXIS_NAME
-from axiscal.measurement.readers.table import ANGLES, LENGTHS, Row, Table
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, CsvTable, Row
 
 _APPROACH = re.compile(f"({AXIS_NAME})([+-])")
 
 
-def axis_names(table: Table) -> tuple[str, ...]:
+def axis_names(table: CsvTable) -> tuple[str, ...]:
     """Return the axes that have a column, in the order of the header."""
     return tuple(dict.fromkeys(column.stem for column in table.columns if re.fullmatch(AXIS_NAME, column.stem)))
 
 
-def axis_layout(table: Table) -> dict[str, tuple[str, ...]]:
+def axis_layout(table: CsvTable) -> dict[str, tuple[str, ...]]:
     """Return which columns may name an axis, with the units of each: the usual axes and those of this table."""
     return {name: ANGLES if name[0] in "ABC" else LENGTHS for name in (*"XYZABC", *axis_names(table))}
 
 
-def read_position(table: Table, row: Row) -> dict[str, float]:
+def read_position(table: CsvTable, row: Row) -> dict[str, float]:
     """Return the coordinates (m or rad) that a line gives, by axis; an empty cell gives none.  Raises ReadingError."""
     position = {}
     for name in axis_names(table):
@@ -30,7 +30,7 @@ def read_position(table: Table, row: Row) -> dict[str, float]:
     return position
 
 
-def read_approach(table: Table, row: Row) -> dict[str, int]:
+def read_approach(table: CsvTable, row: Row) -> dict[str, int]:
     """Return the direction of the last motion (+1, -1) by axis from `X+ Y-` or `X+;Y-`; raises ReadingError."""
     columns = table.all_of("approach")
     approach: dict[str, int] = {}

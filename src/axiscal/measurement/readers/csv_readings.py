@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Literal
 
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
-from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
 from axiscal.measurement.readers.times import read_times
 from axiscal.measurement.setup import FINEST
 
@@ -79,7 +79,7 @@ def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
     )
 
 
-def _reading(table: Table, row: Row, setup: Column) -> RawReading:
+def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
     column = row.only_filled([*table.all_of("value"), *table.all_of("value_x")])
     if column is None:
@@ -100,7 +100,7 @@ def _others(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[
     return tuple(row.quantity(column) for column in filled)
 
 
-def _std(table: Table, row: Row, value: Column) -> float | None:
+def _std(table: CsvTable, row: Row, value: Column) -> float | None:
     column = row.only_filled(table.all_of("std"))
     if column is None:
         return None

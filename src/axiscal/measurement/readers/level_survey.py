@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from axiscal.exceptions import UnitError
 from axiscal.machine.names import AXIS_NAME
-from axiscal.measurement.readers.table import Column, Row, Table, parse_table
+from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, parse_table
 from axiscal.measurement.readers.text import TextFile
 from axiscal.measurement.readers.times import read_times
 from axiscal.units import from_unit, parse_quantity
@@ -130,7 +130,7 @@ def _remarks(file: TextFile) -> Iterator[tuple[int, str]]:
             yield number, text
 
 
-def _columns(table: Table, head: _Head) -> tuple[Column, list[_Way], Column | None]:
+def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[_Way], Column | None]:
     """Return the column of stations, those of readings, the way there first, and that of times."""
     station, clock, ways = None, None, list[_Way]()
     for column in table.columns:
@@ -159,7 +159,7 @@ def _angle(file: TextFile, row: Row, way: _Way, head: _Head) -> float:
     return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit)
 
 
-def _refuse_unread(table: Table, ways: list[_Way], clock: Column | None) -> None:
+def _refuse_unread(table: CsvTable, ways: list[_Way], clock: Column | None) -> None:
     for row in table.rows:
         filled = sum(bool(row.text(way.column)) for way in ways)
         if not filled:

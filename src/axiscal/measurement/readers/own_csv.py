@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from axiscal.exceptions import DescriptionError, UnitError
 from axiscal.machine.names import parse_error_name
-from axiscal.measurement.readers.table import TEXT, Row, Table, parse_table
+from axiscal.measurement.readers.csv_table import TEXT, CsvTable, Row, parse_table
 from axiscal.measurement.readers.text import TextFile
 from axiscal.measurement.setup import FINEST
 from axiscal.units import dimension_of, from_unit
@@ -53,7 +53,7 @@ def own_readings(file: TextFile) -> tuple[OwnReading, ...]:
     return tuple(_reading(file, table, row) for row in table.rows)
 
 
-def _reading(file: TextFile, table: Table, row: Row) -> OwnReading:
+def _reading(file: TextFile, table: CsvTable, row: Row) -> OwnReading:
     cells = {column.name: row.text(column) for column in table.columns}
     try:
         error = parse_error_name(cells["error"])

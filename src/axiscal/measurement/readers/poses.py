@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.measurement.readers.axes import axis_layout, axis_names, read_approach, read_position
-from axiscal.measurement.readers.table import TEXT, Row, Table, read_table
+from axiscal.measurement.readers.csv_table import TEXT, CsvTable, Row, read_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ def read_poses(path: str | Path) -> tuple[RawPose, ...]:
     return tuple(_pose(table, row, len(axes)) for row in table.rows)
 
 
-def _pose(table: Table, row: Row, axes: int) -> RawPose:
+def _pose(table: CsvTable, row: Row, axes: int) -> RawPose:
     position = read_position(table, row)
     if len(position) < axes:
         raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from axiscal.measurement.readers.table import ANGLES, LENGTHS, TEXT, Column, Row, Table, read_table
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 
 STEMS = frozenset({"target", "direction", "run", "deviation"})
 _LAYOUT = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
@@ -37,7 +37,7 @@ def read_positioning(path: str | Path) -> PositioningRows:
     return positioning_rows(read_table(path))
 
 
-def positioning_rows(table: Table) -> PositioningRows:
+def positioning_rows(table: CsvTable) -> PositioningRows:
     """Interpret a table as readings of one axis; raises ReadingError, also for a reading given twice."""
     table.allow(_LAYOUT)
     target, direction = table.one_of("target", "target_mm"), table.one_of("direction", "direction")
@@ -55,7 +55,7 @@ def positioning_rows(table: Table) -> PositioningRows:
     return PositioningRows(table.file, rotary, tuple(rows))
 
 
-def _is_rotary(table: Table, target: Column, deviation: Column) -> bool:
+def _is_rotary(table: CsvTable, target: Column, deviation: Column) -> bool:
     kinds = {column.dimension for column in (target, deviation)}
     if len(kinds) > 1:
         remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"

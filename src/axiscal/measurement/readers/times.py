@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from axiscal.exceptions import UnitError
-from axiscal.measurement.readers.table import Column, Row
+from axiscal.measurement.readers.csv_table import Column, Row
 from axiscal.units import parse_quantity
 
 _CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)

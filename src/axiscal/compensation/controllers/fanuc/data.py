@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.compensation.controllers.fanuc.plan import APART, DETECTION, Plan
+from axiscal.compensation.controllers.fanuc.plan import APART, DETECTION, PitchParameters
 from axiscal.compensation.controllers.fanuc.records import Records, replace_values
 from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.table import CompensationTable
@@ -31,7 +31,7 @@ class Increments:
     apart: int = 0
 
 
-def increments(table: CompensationTable, plan: Plan, sign: int = 1) -> Increments:
+def increments(table: CompensationTable, plan: PitchParameters, sign: int = 1) -> Increments:
     """Return the entries: the sums, not the increments, are rounded, so that nothing adds up.
 
     sign : -1 for a control that takes them away.  Raises TableError where one is larger than the format holds.
@@ -43,14 +43,14 @@ def increments(table: CompensationTable, plan: Plan, sign: int = 1) -> Increment
     return Increments(sign * sides[0], sign * sides[1], sign * apart)
 
 
-def _added(table: CompensationTable, plan: Plan, downwards: bool) -> Array:
+def _added(table: CompensationTable, plan: PitchParameters, downwards: bool) -> Array:
     """Return what is to be added at the ends of the sections, nothing at the reference point as it is returned to."""
     home = table.reverse if plan.downwards else table.forward
     added: Array = home[plan.origin] - (table.reverse if downwards else table.forward)
     return added
 
 
-def _entries(axis: str, deviation: Array, plan: Plan) -> Array:
+def _entries(axis: str, deviation: Array, plan: PitchParameters) -> Array:
     sums = np.round((deviation[plan.origin] - deviation) / plan.step).astype(int)
     entries: Array = np.diff(sums)
     worst = int(np.max(np.abs(entries)))
@@ -62,7 +62,11 @@ def _entries(axis: str, deviation: Array, plan: Plan) -> Array:
 
 
 def fill(
-    text: str, plans: Mapping[str, Plan], found: Mapping[str, Increments], numbers: Mapping[str, int], file: str
+    text: str,
+    plans: Mapping[str, PitchParameters],
+    found: Mapping[str, Increments],
+    numbers: Mapping[str, int],
+    file: str,
 ) -> str:
     """Return the text with the pitch data of the axes replaced; raises TableError for points that it has no row for.
 
@@ -78,7 +82,9 @@ def fill(
     return replace_values(text, wanted, file)
 
 
-def read(records: Records, plans: Mapping[str, Plan], numbers: Mapping[str, int], sign: int = 1) -> list[Lookup]:
+def read(
+    records: Records, plans: Mapping[str, PitchParameters], numbers: Mapping[str, int], sign: int = 1
+) -> list[Lookup]:
     """Return what the control adds: entries add up from the reference point, times the magnification.
 
     sign : -1 for a control that takes them away
@@ -96,7 +102,7 @@ def read(records: Records, plans: Mapping[str, Plan], numbers: Mapping[str, int]
     return lookups
 
 
-def _sums(records: Records, points: range, plan: Plan) -> Array:
+def _sums(records: Records, points: range, plan: PitchParameters) -> Array:
     steps = np.array([float(records[FIRST_DATA + n][0]) for n in points])
     sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
     added: Array = (sums - sums[plan.origin]) * plan.step

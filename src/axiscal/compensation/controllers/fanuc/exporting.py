@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from axiscal.compensation.controllers.fanuc.data import FIRST_DATA, fill, increments, read
-from axiscal.compensation.controllers.fanuc.plan import DETECTION, Plan, read_plans
+from axiscal.compensation.controllers.fanuc.plan import DETECTION, PitchParameters, read_plans
 from axiscal.compensation.controllers.fanuc.records import read_records
 from axiscal.compensation.effect import table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.units import format_quantity
@@ -25,7 +25,7 @@ _LEFT = "rotary axes, straightness, squareness and angular errors{}."
 _BACKLASH = ", and the reversal of {} (enter it as backlash, parameter 1851, or give 3605#0, 3626 and 3627)"
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the template with its pitch data replaced; raises TableError."""
     machine, text, name = estimate.machine, options.template, options.template_name
     if text is None:
@@ -44,12 +44,12 @@ def make(estimate: Estimate, options: Options) -> Draft:
     return Draft({_FILE: filled}, held, wanted, resolution, tuple(tables.values()), holds, left, notes, tried=False)
 
 
-def linear_numbers(machine: Machine, options: Options) -> dict[str, int]:
+def linear_numbers(machine: Machine, options: ExportOptions) -> dict[str, int]:
     """Return the controlled-axis number of each linear axis."""
     return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
 
 
-def _table(estimate: Estimate, name: str, plan: Plan) -> CompensationTable:
+def _table(estimate: Estimate, name: str, plan: PitchParameters) -> CompensationTable:
     """Return the deviation at the ends of the sections; raises TableError where they do not cover the volume."""
     axis = estimate.machine.index(name)
     low, high = estimate.box[axis]
@@ -61,7 +61,7 @@ def _table(estimate: Estimate, name: str, plan: Plan) -> CompensationTable:
     return own_table(estimate, axis, plan.positions)
 
 
-def _zeroed(table: CompensationTable, plan: Plan) -> CompensationTable:
+def _zeroed(table: CompensationTable, plan: PitchParameters) -> CompensationTable:
     """Return the table as the control holds it: nothing at the reference point, one curve without a second set."""
     if plan.negative is None:
         table = table.averaged()
@@ -69,12 +69,12 @@ def _zeroed(table: CompensationTable, plan: Plan) -> CompensationTable:
     return replace(table, forward=table.forward - home, reverse=table.reverse - home)
 
 
-def _apart(plan: Plan) -> float:
+def _apart(plan: PitchParameters) -> float:
     """Return what rounding leaves of the distance between two sets, m."""
     return 0.0 if plan.negative is None else 0.5 * DETECTION
 
 
-def _said(plans: Mapping[str, Plan]) -> tuple[str, str]:
+def _said(plans: Mapping[str, PitchParameters]) -> tuple[str, str]:
     """Return what the file holds, and what it leaves out."""
     both = [axis for axis, plan in plans.items() if plan.negative is not None]
     mean = [axis for axis, plan in plans.items() if plan.negative is None]
@@ -83,7 +83,7 @@ def _said(plans: Mapping[str, Plan]) -> tuple[str, str]:
     return _HOLDS.format(" and ".join(parts)), _LEFT.format(_BACKLASH.format(", ".join(mean)) if mean else "")
 
 
-def _notes(plans: Mapping[str, Plan]) -> tuple[str, ...]:
+def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
     parts = [
         f"{axis} from N{FIRST_DATA + points[0]} to N{FIRST_DATA + points[-1]}"
         for axis, plan in plans.items()
@@ -101,7 +101,7 @@ def _notes(plans: Mapping[str, Plan]) -> tuple[str, ...]:
     )
 
 
-def _both_notes(plans: Mapping[str, Plan]) -> tuple[str, ...]:
+def _both_notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
     both = [axis for axis, plan in plans.items() if plan.negative is not None]
     if not both:
         return ()

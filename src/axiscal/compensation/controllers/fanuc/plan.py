@@ -21,7 +21,7 @@ _BACKWARDS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PitchParameters:
     """The points of one axis.
 
     reference, first, last : numbers of points; magnification : multiplies each entry; interval : m
@@ -69,7 +69,7 @@ class Plan:
         return self.reference + int(below) + 1, self.reference + int(above)
 
 
-def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[str, Plan]:
+def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
     """Return what the parameters say; axes without a positive interval are left out.
 
     numbers : of the controlled axes by name.  Raises TableError.
@@ -82,7 +82,7 @@ def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[
     return plans
 
 
-def _plan(records: Records, file: str, name: str, number: int) -> Plan | None:
+def _plan(records: Records, file: str, name: str, number: int) -> PitchParameters | None:
     values = [records.get(key, {}).get(number) for key in _NEEDED]
     missing = [key for key, value in zip(_NEEDED, values, strict=True) if value is None]
     if missing:
@@ -94,7 +94,9 @@ def _plan(records: Records, file: str, name: str, number: int) -> Plan | None:
         return None
     negative = _second_set(records, file, name, number)
     downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
-    plan = Plan(int(reference), int(first), int(last), max(1, int(magnification)), width, negative, downwards)
+    plan = PitchParameters(
+        int(reference), int(first), int(last), max(1, int(magnification)), width, negative, downwards
+    )
     _refuse_order(name, plan, file)
     return plan
 
@@ -113,13 +115,13 @@ def _bit(value: str, place: int) -> bool:
     return value.rjust(8, "0")[-1 - place] == "1"
 
 
-def _refuse_order(name: str, plan: Plan, file: str) -> None:
+def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
     if not plan.first - 1 <= plan.reference <= plan.last or plan.first == plan.last:
         what = f"{name} has points {plan.first} to {plan.last} and the reference point {plan.reference}"
         raise TableError(what, "the reference point lies between the others", file)
 
 
-def _refuse_shared_points(plans: Mapping[str, Plan], file: str) -> None:
+def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
     owner: dict[int, str] = {}
     for name, plan in plans.items():
         for number in (number for points in plan.numbers for number in points):

@@ -21,14 +21,14 @@ from axiscal.compensation.controllers.isg.formats import (
     write_etalon,
 )
 from axiscal.compensation.effect import table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, points
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
-from axiscal.compensation.volumetric import Curve, curves, tip_control
+from axiscal.compensation.volumetric import SampledError, curves, tip_control
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 
@@ -39,23 +39,23 @@ _RECORDS = 1000
 _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return ISG_CSV and the list file; raises TableError."""
     return _draft(estimate, options, "volcomp.csv", "ISG_CSV", write_csv, read_csv)
 
 
-def make_etalon(estimate: Estimate, options: Options) -> Draft:
+def make_etalon(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return ETALON_EXCHANGE and the list file; raises TableError."""
     return _draft(estimate, options, "volcomp.txt", "ETALON_EXCHANGE", write_etalon, read_etalon)
 
 
 def _draft(
     estimate: Estimate,
-    options: Options,
+    options: ExportOptions,
     name: str,
     kind: str,
-    write: Callable[[Mapping[str, Curve], Machine], str],
-    read: Callable[[str, Machine], dict[str, Curve]],
+    write: Callable[[Mapping[str, SampledError], Machine], str],
+    read: Callable[[str, Machine], dict[str, SampledError]],
 ) -> Draft:
     machine = estimate.machine
     grids = {
@@ -82,7 +82,7 @@ def _draft(
     return Draft(files, held, wanted, resolution, halves, holds, _LEFT, notes, tried=False)
 
 
-def apart(estimate: Estimate, options: Options) -> tuple[CompensationTable, ...]:
+def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
     """Return what each direction of an axis is off by beside the mean of both, for axes with a reversal."""
     tables = axis_tables(estimate, options.spacing, _RECORDS, _MULTIPLE)
     halves = (replace(t, forward=(t.forward - t.reverse) / 2, reverse=(t.reverse - t.forward) / 2) for t in tables)
@@ -90,7 +90,7 @@ def apart(estimate: Estimate, options: Options) -> tuple[CompensationTable, ...]
     return tuple(half for half in halves if np.max(np.abs(half.forward)) >= units[half.axis] / 2)
 
 
-def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], options: Options) -> dict[str, str]:
+def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], options: ExportOptions) -> dict[str, str]:
     """Return the bilateral tables by the names of their files."""
     numbers = options.numbered(machine)
     return {
@@ -99,24 +99,24 @@ def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], optio
     }
 
 
-def nominal(machine: Machine) -> dict[str, Curve]:
+def nominal(machine: Machine) -> dict[str, SampledError]:
     """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
     places = {"P0{}": (0.0, 0.0, -machine.tool)}
     places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
     return {
-        name.format(direction): Curve(np.zeros(1), np.array([value]))
+        name.format(direction): SampledError(np.zeros(1), np.array([value]))
         for name, place in places.items()
         for direction, value in zip("XYZ", place, strict=True)
     }
 
 
-def _refuse_names(found: Mapping[str, Curve]) -> None:
+def _refuse_names(found: Mapping[str, SampledError]) -> None:
     for name in found:
         if not NAMES.fullmatch(name):
             raise TableError(f"{name} is not an error that the ISG kernel knows", "it has axes X Y Z A B C only")
 
 
-def _notes(machine: Machine, found: Mapping[str, Curve], name: str, flip: bool) -> tuple[str, ...]:
+def _notes(machine: Machine, found: Mapping[str, SampledError], name: str, flip: bool) -> tuple[str, ...]:
     records = sum(len(curve.positions) for curve in found.values())
     negated = " The list file negates them, as --flip asks." if flip else ""
     return (

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from axiscal.compensation.options import Options
-from axiscal.compensation.volumetric import Curve
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.volumetric import SampledError
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.machine.names import parse_error_name
@@ -23,7 +23,7 @@ NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
 _GRID = re.compile(r"\[(\w+)\]\s*(?:VALUE\s*=\s*(\S+)|Gridpoints\s*=\s*\{([^}]*)\})")
 
 
-def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
+def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
     """Return the ISG_CSV text."""
     constants = {name: curve for name, curve in found.items() if len(curve.positions) == 1}
     blocks = []
@@ -41,9 +41,9 @@ def write_csv(found: Mapping[str, Curve], machine: Machine) -> str:
     return "// mm, deg and rad\n" + "#\n".join(blocks)
 
 
-def read_csv(text: str, machine: Machine) -> dict[str, Curve]:
+def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
     """Return the errors of an ISG_CSV text; raises TableError where the kernel would report 70468 or 70469."""
-    found: dict[str, Curve] = {}
+    found: dict[str, SampledError] = {}
     rows: list[list[str]] = []
     for line in [*text.splitlines(), "#"]:
         words = line.split("//")[0].split()
@@ -56,7 +56,7 @@ def read_csv(text: str, machine: Machine) -> dict[str, Curve]:
     return found
 
 
-def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Curve]) -> None:
+def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, SampledError]) -> None:
     header, *lines = rows
     arguments = [name for name in header if name in {axis.name for axis in machine.axes}]
     table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
@@ -68,10 +68,10 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Curve]
             continue
         if not NAMES.fullmatch(name) or name in found:
             raise TableError(f"the kernel would refuse the column {name[:20]!r}", "this is a defect of axiscal")
-        found[name] = Curve(at, _inside(name, np.asarray(table[:, column])))
+        found[name] = SampledError(at, _inside(name, np.asarray(table[:, column])))
 
 
-def write_etalon(found: Mapping[str, Curve], machine: Machine) -> str:
+def write_etalon(found: Mapping[str, SampledError], machine: Machine) -> str:
     """Return the ETALON_EXCHANGE text."""
     parts = []
     for name, curve in found.items():
@@ -85,9 +85,9 @@ def write_etalon(found: Mapping[str, Curve], machine: Machine) -> str:
     return "".join(parts)
 
 
-def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
+def read_etalon(text: str, machine: Machine) -> dict[str, SampledError]:
     """Return the errors of an ETALON_EXCHANGE text; raises TableError for anything else in it."""
-    found: dict[str, Curve] = {}
+    found: dict[str, SampledError] = {}
     end = 0
     for match in _GRID.finditer(text):
         name, value, grid = match.groups()
@@ -95,15 +95,15 @@ def read_etalon(text: str, machine: Machine) -> dict[str, Curve]:
             raise TableError(f"the kernel would refuse {match[0][:30]!r}", "this is a defect of axiscal")
         end = match.end()
         if value is not None:
-            found[name] = Curve(np.zeros(1), _inside(name, np.array([float(value)])))
+            found[name] = SampledError(np.zeros(1), _inside(name, np.array([float(value)])))
             continue
         at, values = np.array([float(word) for word in grid.split()]).reshape(-1, 2).T
         unit = machine.axis(parse_error_name(name).axis).unit
-        found[name] = Curve(from_unit(at, unit), _inside(name, values))
+        found[name] = SampledError(from_unit(at, unit), _inside(name, values))
     return found
 
 
-def list_file(machine: Machine, options: Options, name: str, kind: str) -> str:
+def list_file(machine: Machine, options: ExportOptions, name: str, kind: str) -> str:
     """Return the configuration of one compensation, as TF5280 has it."""
     workpiece = sum(axis.workpiece_side for axis in machine.axes)
     chain = "".join(axis.name for axis in machine.axes)

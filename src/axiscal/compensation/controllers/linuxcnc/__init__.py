@@ -5,7 +5,7 @@ file is read back by the controller's own rules (`reading`), applied, and offere
 """
 
 from axiscal.compensation.controllers.linuxcnc.notes import dead_band
-from axiscal.compensation.controllers.linuxcnc.reading import LinuxcncTable, correction, parse
-from axiscal.compensation.controllers.linuxcnc.writing import offer, verify, write
+from axiscal.compensation.controllers.linuxcnc.reader import LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.writer import offer, verify, write
 
 __all__ = ["LinuxcncTable", "correction", "dead_band", "offer", "parse", "verify", "write"]

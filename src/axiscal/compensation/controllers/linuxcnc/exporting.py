@@ -10,16 +10,16 @@ import numpy as np
 from axiscal.belief import Belief
 from axiscal.compensation.controllers.linuxcnc import cross, pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
-from axiscal.compensation.controllers.linuxcnc.reading import ROWS, LinuxcncTable, correction, parse
+from axiscal.compensation.controllers.linuxcnc.reader import ROWS, LinuxcncTable, correction, parse
 from axiscal.compensation.controllers.linuxcnc.turns import over_turns
-from axiscal.compensation.controllers.linuxcnc.writing import offer, resolution
+from axiscal.compensation.controllers.linuxcnc.writer import offer, resolution
 from axiscal.compensation.effect import Control, table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
@@ -40,7 +40,7 @@ _LEFT = (
 )
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
     joints = options.numbered(machine, first=0)
@@ -119,12 +119,12 @@ def _through(hal: Hal, machine: Machine, joints: Mapping[str, int], shown: Array
     return np.stack([signals.get(f"axiscal-{a.name.lower()}-motor", motors[k]) for k, a in enumerate(machine.axes)])
 
 
-def _unit(table: CompensationTable, options: Options) -> str:
+def _unit(table: CompensationTable, options: ExportOptions) -> str:
     return "deg" if table.rotary else options.unit
 
 
 def _resolution(
-    own: Sequence[CompensationTable], over: Sequence[CompensationTable], options: Options
+    own: Sequence[CompensationTable], over: Sequence[CompensationTable], options: ExportOptions
 ) -> dict[str, float]:
     steps: dict[str, float] = {}
     for table in own:

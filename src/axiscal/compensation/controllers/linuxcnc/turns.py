@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc.reading import ROWS
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.controllers.linuxcnc.reader import ROWS
 from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.axis import Axis
 from axiscal.numerics import Array
 

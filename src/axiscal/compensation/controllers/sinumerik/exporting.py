@@ -12,11 +12,11 @@ from axiscal.compensation.controllers.sinumerik.notes import notes
 from axiscal.compensation.controllers.sinumerik.reading import read
 from axiscal.compensation.controllers.sinumerik.writing import blocks_of, write
 from axiscal.compensation.effect import table_control
-from axiscal.compensation.estimate import Estimate
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.options import Options
 from axiscal.compensation.sampling import axis_tables, cross_tables
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.units import from_unit
@@ -31,7 +31,7 @@ _HOLDS = (
 _LEFT = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
 
 
-def make(estimate: Estimate, options: Options) -> Draft:
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
     if options.unit != "mm":
         raise TableError("tables for SINUMERIK are written in mm and deg", "leave --unit out, and load them in metric")
@@ -49,7 +49,7 @@ def make(estimate: Estimate, options: Options) -> Draft:
     return Draft(files, held, wanted, resolution, (*own, *over), _HOLDS, _LEFT, said, tried=False)
 
 
-def axis_names(machine: Machine, options: Options) -> dict[str, str]:
+def axis_names(machine: Machine, options: ExportOptions) -> dict[str, str]:
     """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
     found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
     if len(set(found.values())) < len(found):

@@ -1,0 +1,1 @@
+"""Whether a compensated machine is as good as its tables promise."""

@@ -1,0 +1,127 @@
+"""A check of a machine whose tables were loaded: where to read, what was read there, and what it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.acceptance.as_found_and_left import as_found_and_left
+from axiscal.acceptance.verification import (
+    Judgement,
+    expected,
+    judge,
+    plan_check,
+    values_at,
+    with_displacements,
+    without_zeros,
+)
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources import Request
+from axiscal.compensation import registry
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.offer import Export
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.placed_readings import placed_readings
+from axiscal.description.target import Target
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.machine_estimate import Estimate
+from axiscal.exceptions import TargetError
+from axiscal.measurement.place import Places
+from axiscal.measurement.place_texts import approach_text
+from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.simulation import Simulator
+from axiscal.units import parse_quantity, to_unit
+
+FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
+"""Readings without the tables and with them, of the same places."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Check:
+    """The campaign's estimate, and the tables of one controller that come from it."""
+
+    description: CampaignDescription
+    calibration: Calibration
+    used: tuple[Reading, ...]
+    estimate: Estimate
+    tables: Export
+
+    @classmethod
+    def of(cls, campaign: Campaign, controller: str) -> Check:
+        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
+        calibration = calibration_of(campaign.engine)
+        estimate = calibration.estimate()
+        tables = registry.export(estimate, controller, ExportOptions())
+        return cls(campaign.description, calibration, tuple(campaign.state.readings), estimate, tables)
+
+    def planned(self, count: int) -> Places:
+        """Return where to read, places that were not read before; raises ReadingError when there are not as many."""
+        setups, lattice = self.description.setups, self.calibration.problem.lattice
+        candidates = with_displacements(setups, lattice)
+        return plan_check(self.estimate, setups, candidates, self.used, self.tables.control, count)
+
+    def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
+        """Return the values (k,) that each place is expected to show without the tables and with them, m."""
+        setups = self.description.setups
+        of = values_at(setups, places).of
+        before, after = (
+            without_zeros(setups, places, *expected(self.estimate, setups, places, control))[0]
+            for control in (None, self.tables.control)
+        )
+        each = range(len(places.setups))
+        return [before[of == i] for i in each], [after[of == i] for i in each]
+
+    def asked(self, source: str, places: Places) -> FoundAndLeft:
+        """Return what a virtual machine shows there; raises SourceError, InputError, ControlError."""
+        description = self.description
+        columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist())
+        wanted = [
+            Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
+            for n, (s, pose, approach) in enumerate(zip(*columns, strict=True))
+        ]
+        return as_found_and_left(source, Simulator(description.machine, description.setups), self.tables, wanted)
+
+    def read(self, found: Path, left: Path) -> FoundAndLeft:
+        """Return the readings of two files; raises ReadingError."""
+        before, after = (placed_readings(read_readings(file), self.description, file) for file in (found, left))
+        return before, after
+
+    def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
+        """Return what readings say; raises ReadingError, TargetError.  tolerance : from the target without one"""
+        allowed = tolerance_of(self.description.target, tolerance)
+        return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed)
+
+    def sheet(self, places: Places) -> str:
+        """Return the places as a file of readings to fill in."""
+        setups, axes = self.description.setups, self.description.machine.axes
+        counts = {len(row) for row in self.predicted(places)[0]}
+        values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
+        lines = [",".join(["setup", *(f"{a.name}_{a.unit}" for a in axes), "approach", *values])]
+        columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
+        for s, pose, approach in zip(*columns, strict=True):
+            at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
+            empty = [""] * len(values)
+            lines.append(",".join([_quoted(setups[s].name), *at, approach_text(axes, approach), *empty]))
+        return "\n".join(lines) + "\n"
+
+
+def tolerance_of(target: Target, text: str | None) -> float:
+    """Return the largest deviation allowed, m: as said, or from the target; raises TargetError, UnitError."""
+    if text is not None:
+        value = parse_quantity(text, "length")
+        if value <= 0:
+            raise TargetError(f'a tolerance of "{text}"', "Give a length above zero")
+        return value
+    if target.worst is not None:
+        return target.worst
+    if target.rms is not None:
+        return 2 * target.rms
+    raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
+
+
+def _quoted(name: str) -> str:
+    guarded = f"'{name}" if name[:1] in "=+-@" else name
+    return '"' + guarded.replace('"', '""') + '"'

@@ -1,0 +1,124 @@
+"""What set-ups bring to readings themselves: datums that are taken off, and the rest, which is uncertainty.
+
+A zero is a datum: a length is judged against the others of its set-up. So is a slope that is not known to the
+tolerance: what is left is judged against its own line. A slope that is known well enough, and a growth always, is not
+fitted, for that could swallow an error of the machine: it adds U diag(std²) Uᵀ to the covariance of the readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.exceptions import ReadingError
+from axiscal.machine.description import Machine
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+GUARD = 1.645
+"""Expanded uncertainty in standard deviations: one side, 95 %."""
+_FAR = 3.0
+_LINES = ("slope", "turn")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Datum:
+    """One unknown that is taken off.  row : (m,) gives its value from the readings; reach : the most it adds to one."""
+
+    setup: str
+    unknown: str
+    std: float
+    row: Array
+    reach: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Datums:
+    """What set-ups bring to m readings.
+
+    free : (m, m) projection that takes the datums off; spread : (m, m) covariance by what is not taken off, m²
+    """
+
+    free: Array
+    spread: Array
+    taken: tuple[Datum, ...]
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Names of the set-ups that are judged against their own line, or as they turn out to be turned."""
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if not is_zero(datum.unknown)))
+
+    def strained(self, values: Array, noise: Array, tolerance: float) -> tuple[Datum, ...]:
+        """Return datums that would have to be far larger than stated, the tolerance on top, for these readings (m,)."""
+        covariance = self.spread + np.diag(noise**2)
+        return tuple(
+            datum
+            for datum in self.taken
+            if abs(datum.row @ values)
+            > _FAR * np.sqrt(datum.std**2 + datum.row @ covariance @ datum.row) + tolerance / datum.reach
+        )
+
+
+def is_zero(unknown: str) -> bool:
+    """Return whether an unknown of a set-up is one of its zeros."""
+    return unknown.partition("_")[0] == "zero"
+
+
+def datums_of(
+    machine: Machine,
+    setups: Sequence[Setup],
+    indices: NDArray[np.intp],
+    poses: Array,
+    directions: Array,
+    tolerance: float,
+) -> Datums:
+    """Return what the set-ups bring; raises ReadingError when readings are too few for the datums of their set-up.
+
+    indices : (m,) of the set-ups; poses : (m, q) m or rad; directions : (m, 3) of the values; tolerance : m
+    """
+    count = len(indices)
+    free, spread, taken = np.eye(count), np.zeros((count, count)), list[Datum]()
+    for index in np.unique(indices):
+        mine, setup = np.flatnonzero(indices == index), setups[index]
+        own = _own_rows(machine, setup, poses[mine], directions[mine])
+        stds = np.array([unknown.std for unknown in setup.unknowns])
+        off = _are_datums(setup, own, stds, tolerance)
+        _refuse_few(setup, len(mine), int(off.sum()))
+        inverse = np.linalg.pinv(own[:, off])
+        free[np.ix_(mine, mine)] -= own[:, off] @ inverse
+        spread[np.ix_(mine, mine)] = own[:, ~off] @ np.diag(stds[~off] ** 2) @ own[:, ~off].T
+        for column, part in zip(np.flatnonzero(off).tolist(), inverse, strict=True):
+            row = np.zeros(count)
+            row[mine] = part
+            unknown, reach = setup.unknowns[column], max(float(np.max(np.abs(own[:, column]))), 1e-12)
+            taken.append(Datum(setup.name, unknown.name, unknown.std, row, reach))
+    return Datums(free, spread, tuple(taken))
+
+
+def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:
+    """Return how the unknowns of a set-up show in its values, (m, unknowns)."""
+    model, result = model_of(setup), np.zeros((len(poses), len(setup.unknowns)))
+    for direction in np.unique(directions, axis=0):
+        mine = np.all(directions == direction, axis=1)
+        place = Nominal(machine, poses[mine], setup.moves)
+        for column, unknown in enumerate(setup.unknowns):
+            result[mine, column] = model.own(setup, unknown.name, direction, place)
+    return result
+
+
+def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Return which unknowns are taken off, (unknowns,): zeros, and slopes and turns that may hide the tolerance."""
+    wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
+    pairs = zip((unknown.name for unknown in setup.unknowns), wide, strict=True)
+    return np.array([is_zero(n) or (n.partition("_")[0] in _LINES and bool(w)) for n, w in pairs], dtype=bool)
+
+
+def _refuse_few(setup: Setup, readings: int, datums: int) -> None:
+    if readings <= datums:
+        what = f'{readings} reading(s) with "{setup.name}" cannot tell the machine from the set-up'
+        raise ReadingError(what, f"Take {datums + 1} or more with it, or leave it out")

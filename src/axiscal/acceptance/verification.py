@@ -1,0 +1,332 @@
+"""A short independent check of a machine after its tables were loaded: where to look, and what the readings decide.
+
+Points are new ones, half of them where the estimate expects the machine to be worst, half where it expects it to be
+best. As-left readings are judged against a tolerance with a guard band (after ISO 14253-1): pass when every deviation
+with its expanded uncertainty lies inside, fail when one lies outside with all of it, undecided between. They pass only
+when the readings changed by what the tables take away, and when no set-up is further off than it was said to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
+from axiscal.compensation.effect import Control, left_by
+from axiscal.estimate.machine_estimate import Estimate
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.instrument import INSTRUMENTS, model_of
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.nest import Nest
+from axiscal.measurement.instruments.tracker import Tracker
+from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+_DISPLACEMENTS = (Displacement, Nest, Tracker)
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
+"""Instruments that read displacements along fixed directions: the ones a check is made with."""
+_REMEDY = f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind"
+_FRESH, _APART = 0.05, 0.15
+_PER_SETUP = 4
+_FEWEST = 2
+_UNLIKELY = 0.01
+_HARDLY = 1e-4
+"""A change of the readings that is less likely than this is not the one that the tables make."""
+_SAME = 1e-7
+_STILL = 4
+"""So many readings of a set-up that show one and the same number are an instrument that does not move."""
+_NOTHING = 1e-9
+
+Verdict = Literal["pass", "fail", "undecided"]
+
+
+class Values(NamedTuple):
+    """All values of readings, one after another.
+
+    of : (m,) index of the place; number : (m,) which one of its reading; directions : (m, 3) along which
+    """
+
+    of: NDArray[np.intp]
+    number: NDArray[np.intp]
+    directions: Array
+
+
+def values_at(setups: Sequence[Setup], places: Places) -> Values:
+    """Return the values that readings at these places have."""
+    each = [(i, s, n, d) for i, s in enumerate(places.setups) for n, d in enumerate(directions_of(setups[s]))]
+    towards = [setups[s].direction if d is None else d for _, s, _, d in each]
+    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 2))
+    return Values(of, number, np.array(towards, dtype=float).reshape(-1, 3))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Judgement:
+    """What as-found and as-left readings say; m.
+
+    found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
+    std : (m,) of each, from the instrument and from what else is not known of its set-up
+    agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
+    changed : probability that the tables change readings as little like they should as these, if they are loaded
+    share : by which multiple of what the tables take away the readings changed; None when that is nothing
+    lines : set-ups that are judged against their own line; strained : datums further off than stated
+    still : set-ups all of whose as-left readings show one and the same number
+    """
+
+    verdict: Verdict
+    tolerance: float
+    found: Array
+    left: Array
+    std: Array
+    agrees: float
+    changed: float
+    share: float | None
+    lines: tuple[str, ...]
+    strained: tuple[Datum, ...]
+    still: tuple[str, ...] = ()
+
+    @property
+    def loaded(self) -> bool:
+        """Whether the readings changed as the tables make them."""
+        return self.changed >= _HARDLY
+
+    @property
+    def believed(self) -> bool:
+        """Whether the readings agree with the estimate and its uncertainty."""
+        return self.agrees >= _UNLIKELY
+
+
+def expected(
+    estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
+) -> tuple[Array, Array]:
+    """Return the deviation that is expected under a control for each value, (m,), and its factor (m, n), m.
+
+    The values of a reading stand one after another.
+    """
+    values = values_at(setups, places)
+    if control is None:
+        tips = estimate.deviation(places.poses, places.approaches)
+    else:
+        tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
+    rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches)[values.of], values.directions)
+    levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses)[:, values.of], values.directions)
+    rests = levers * np.array([function.rest for function in estimate.model.functions])
+    loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
+    return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
+
+
+def plan_check(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    candidates: Places,
+    used: Sequence[Reading],
+    control: Control,
+    count: int,
+) -> Places:
+    """Return `count` of the candidates that were not read before: half of them the worst, half the best.
+
+    They share the few set-ups that promise most, four places or more each. Raises ReadingError when there are not as
+    many.
+    """
+    mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
+    squares = mean**2 + np.sum(factor**2, axis=1)
+    score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
+    lengths = np.array([axis.length for axis in estimate.machine.axes])
+    fresh = _fresh(setups, candidates, used, lengths)
+    indices = np.unique(candidates.setups[fresh])
+    promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
+    shares = [part.size for part in np.array_split(np.arange(count), max(1, min(len(indices), count // _PER_SETUP)))]
+    chosen: list[int] = []
+    for setup, share in zip(promising, shares, strict=False):
+        mine = np.flatnonzero(fresh & (candidates.setups == setup))
+        worst = _spread(mine[np.argsort(-score[mine], kind="stable")], candidates, lengths, (share + 1) // 2, [])
+        best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
+        chosen += [*worst, *best]
+    if len(chosen) < count:
+        raise ReadingError(f"only {len(chosen)} places of {count} are new", _fewer(len(chosen)))
+    order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
+    return candidates.within(np.array(order, dtype=np.intp))
+
+
+def _fewer(new: int) -> str:
+    if new >= _FEWEST:
+        return f"Ask for --points {new} or fewer"
+    return "Take the check at places of your own, and give them with --found and --left"
+
+
+def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
+    """Return expectation and factor with the mean of each set-up that has unknown zeros taken off."""
+    mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
+    for index in np.unique(places.setups):
+        if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
+            for number in range(len(directions_of(setups[index]))):
+                mine = (places.setups[values.of] == index) & (values.number == number)
+                mean[mine] -= mean[mine].mean()
+                factor[mine] -= factor[mine].mean(axis=0)
+    return mean, factor
+
+
+def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
+    """Return the candidates of set-ups that read displacements; raises ReadingError when there are none."""
+    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in _CHECKING]
+    if not kept:
+        raise ReadingError("no set-up of this campaign reads a length along a direction", _REMEDY)
+    return candidates.within(np.array(kept, dtype=np.intp))
+
+
+def judge(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    found: Sequence[Reading],
+    left: Sequence[Reading],
+    control: Control,
+    tolerance: float,
+) -> Judgement:
+    """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
+
+    What a set-up brings itself, its zero and a slope that nobody knows, is taken off each set of readings.
+    """
+    _refuse_different(found, left)
+    names = [setup.name for setup in setups]
+    _refuse_others([setups[names.index(reading.setup)] for reading in left])
+    indices = np.array([names.index(reading.setup) for reading in left])
+    places = Places(
+        indices,
+        np.array([r.pose for r in left], dtype=float),
+        np.array([r.approach for r in left], dtype=float),
+    )
+    of, _, directions = values_at(setups, places)
+    datums = datums_of(estimate.machine, setups, indices[of], places.poses[of], directions, tolerance)
+    before, after = (_seen(estimate, setups, places, readings) for readings in (found, left))
+    mean, factor = expected(estimate, setups, places, control)
+    change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
+    free, spread = datums.free, datums.spread + np.diag(after.noise**2)
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
+    decided = verdict(free @ after.values, std, tolerance)
+    still = _still(left)
+    if decided == "pass" and (change.likely < _HARDLY or strained or still):
+        decided = "undecided"
+    return Judgement(
+        decided,
+        tolerance,
+        free @ before.values,
+        free @ after.values,
+        std,
+        _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
+        change.likely,
+        change.share,
+        datums.lines,
+        strained,
+        still,
+    )
+
+
+def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Return the set-ups whose readings at several places are all the same: noise and machine would not leave that."""
+    shown: dict[str, list[tuple[float, ...]]] = {}
+    for reading in readings:
+        shown.setdefault(reading.setup, []).append(reading.values)
+    return tuple(name for name, values in shown.items() if len(values) >= _STILL and len(set(values)) == 1)
+
+
+class _Seen(NamedTuple):
+    """values : (m,) what was read less what is known of the instruments; noise : (m,) standard deviations; m."""
+
+    values: Array
+    noise: Array
+
+
+class _Change(NamedTuple):
+    """How as-found minus as-left compares with what the tables take away; likely and share as in `Judgement`."""
+
+    likely: float
+    share: float | None
+
+    @classmethod
+    def of(cls, datums: Datums, before: _Seen, after: _Seen, taken: Array) -> _Change:
+        """Return the comparison; a set-up may have been mounted anew between the two.  taken : (m,) m."""
+        free = datums.free
+        change, should = free @ (before.values - after.values), free @ taken
+        covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+        weight = float(should @ should)
+        share = float(change @ should) / weight if weight > _NOTHING**2 else None
+        return cls(_likelihood(change - should, covariance), share)
+
+
+def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
+    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1)."""
+    sizes = np.abs(deviations)
+    if np.all(sizes + GUARD * std <= tolerance):
+        return "pass"
+    return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"
+
+
+def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
+    """Return what was read, less what is known of the instruments, such as their growth by temperature."""
+    of = values_at(setups, places).of
+    values = np.array([value for reading in readings for value in reading.values])
+    for index in np.unique(places.setups):
+        mine, setup = places.setups[of] == index, setups[index]
+        place = Nominal(estimate.machine, places.poses[of[mine]], setup.moves)
+        values[mine] -= model_of(setup).beyond(setup, place)
+    noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
+    return _Seen(values, noise[of])
+
+
+def _likelihood(values: Array, covariance: Array) -> float:
+    """Return the probability of values at least this large from a singular normal."""
+    from scipy.special import chdtrc
+
+    scale, vectors = np.linalg.eigh(covariance)
+    kept = scale > 1e-9 * scale[-1]
+    parts = vectors[:, kept].T @ values
+    return float(chdtrc(int(kept.sum()), float(np.sum(parts**2 / scale[kept]))))
+
+
+def _refuse_others(used: Sequence[Setup]) -> None:
+    for setup in used:
+        if setup.instrument not in _CHECKING:
+            what = f'"{setup.name}" reads no displacement along a direction ({setup.instrument})'
+            raise ReadingError(what, _REMEDY)
+
+
+def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
+    if len(found) != len(left) or not left:
+        what = f"there are {len(found)} as-found and {len(left)} as-left readings"
+        raise ReadingError(what, "Take both at the same places, in the same order")
+    for before, after in zip(found, left, strict=True):
+        apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
+        if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
+            what = "as found and as left were not read at the same place from the same side"
+            raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)
+
+
+def _fresh(setups: Sequence[Setup], candidates: Places, used: Sequence[Reading], lengths: Array) -> NDArray[np.bool_]:
+    fresh = np.ones(len(candidates.setups), dtype=bool)
+    for reading in used:
+        same = np.array([setups[s].name == reading.setup for s in candidates.setups])
+        near = np.max(np.abs(candidates.poses - np.array(reading.pose)) / lengths, axis=1) < _FRESH
+        fresh &= ~(same & near)
+    return fresh
+
+
+def _spread(
+    ranked: NDArray[np.intp], candidates: Places, lengths: Array, count: int, taken: Sequence[int]
+) -> list[int]:
+    """Return the first of the ranked candidates that keep apart from each other and from those taken."""
+    chosen: list[int] = []
+    for i in ranked.tolist():
+        if len(chosen) == count:
+            break
+        others = [j for j in (*chosen, *taken) if candidates.setups[j] == candidates.setups[i]]
+        apart = np.abs(candidates.poses[others] - candidates.poses[i]) / lengths if others else np.ones((1, 1))
+        if np.all(np.max(apart, axis=1) >= _APART):
+            chosen.append(i)
+    return chosen

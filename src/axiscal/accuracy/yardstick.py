@@ -1,0 +1,172 @@
+"""How good the machine is known to be: the figures a campaign reports and stops by.
+
+The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
+C_∞. A constant shift of the TCP that no reading tells is a matter of where the workpiece zero is set and is not
+counted; along a direction in which the second part holds most of it, what is left of the first is not counted either.
+Everything else is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.accuracy import criterion
+from axiscal.belief import Belief
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import Box, VolumeMoments
+from axiscal.measurement.candidates import corners, even_points
+from axiscal.numerics import Array
+
+_INNER_POINTS = 400
+_REST_SHARE = 0.7
+
+
+class Accuracy(NamedTuple):
+    """What is known of the TCP over the volume, all in m.
+
+    rms, worst : RMS and largest standard deviation; seen, worst_seen : the same without what no allowed reading sees
+    rest : RMS of what no spline follows, which readings cannot reduce; it is part of all the others
+    """
+
+    rms: float
+    worst: float
+    seen: float
+    worst_seen: float
+    rest: float = 0.0
+
+    def attainable(self, target: float) -> float:
+        """Return the target that the readings can be held to: one that the rests alone (nearly) use up is widened by
+        them, or no reading would ever end the campaign.
+        """
+        return target if self.rest <= _REST_SHARE * target else float(np.hypot(target, self.rest))
+
+
+def _summed(parts: Array) -> Array:
+    """Return the sums of the first 0, 1, 2, ... parts."""
+    return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
+
+
+@dataclass(frozen=True, eq=False)
+class Yardstick:
+    """Measures a belief against the working volume.
+
+    moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
+    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
+    """
+
+    errors: ErrorModel
+    box: Box
+    moments: VolumeMoments
+    unseen: Array
+    zeroed: tuple[bool, bool, bool] = (False, False, False)
+
+    @cached_property
+    def _shift(self) -> Array:
+        """E[H] in the directions in which the constant shift is not counted, else nought, (3, size)."""
+        shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
+        return shift
+
+    @cached_property
+    def root(self) -> Array:
+        """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
+        return criterion.weight_root(self.moments.weight - self._shift.T @ self._shift)
+
+    @cached_property
+    def unseen_rms(self) -> float:
+        """RMS over the volume of what no allowed reading sees, m."""
+        return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
+
+    @cached_property
+    def _unseen_total(self) -> float:
+        """tr(V C_∞ Vᵀ), m²."""
+        return float(np.sum((self.root @ self.unseen) ** 2))
+
+    @cached_property
+    def _unseen_shift(self) -> float:
+        """What of it is a constant shift in the other directions, m²."""
+        return float(np.sum(((self.moments.mean - self._shift) @ self.unseen) ** 2))
+
+    def measure(self, belief: Belief) -> Accuracy:
+        """Return the figures of a belief."""
+        return self.figures(criterion.value(belief, self.root), self.variances(belief.factor))
+
+    def along(self, belief: Belief, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
+        """Return the figures after each of many readings.
+
+        belief : before them; losses : (m, size) what each number takes off the covariance, d dᵀ
+        ends : how many numbers there were after each reading
+        """
+        own = losses[:, : self.errors.size]
+        total, variances = criterion.value(belief, self.root), self.variances(belief.factor)
+        totals = total - _summed(np.sum((own @ self.root.T) ** 2, axis=1))[ends]
+        lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
+        left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]
+        return [self.figures(float(each), spread) for each, spread in zip(totals, left, strict=True)]
+
+    def figures(self, total: float, variances: Array) -> Accuracy:
+        """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
+        seen = max(total - self._unseen_total, 0.0)
+        variance = total - self._unseen_shift + self.moments.rest
+        worst = max(float(np.max(variances)), variance)
+        worst_seen = float(np.max(variances - self._hidden))
+        figures = variance, worst, seen + self.moments.rest, worst_seen, self.moments.rest
+        return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
+
+    def rms_of(self, total: float) -> float:
+        """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
+
+    def worst_rows(self, belief: Belief) -> Array:
+        """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
+        rows: Array = self.rows[self.variances(belief.factor).argmax()]
+        return rows
+
+    @cached_property
+    def _poses(self) -> tuple[Array, Array]:
+        low, high = np.array(self.box).T
+        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
+        poses = np.concatenate([corners(self.box), inner])
+        if not any(f.kind == "reversal" for f in self.errors.functions):
+            return poses, np.ones_like(poses)
+        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
+
+    @cached_property
+    def rows(self) -> Array:
+        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size)."""
+        rows: Array = self.errors.rows(*self._poses) - self._shift
+        return rows
+
+    @cached_property
+    def _here(self) -> Array:
+        """What no allowed reading sees, at each pose: (m, 3, r)."""
+        here = self.rows.reshape(-1, self.errors.size) @ self.unseen
+        return here.reshape(len(self.rows), 3, -1)
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """What no allowed reading sees of the variance at each pose, constant shifts not counted, m²."""
+        shift = (self.moments.mean - self._shift) @ self.unseen
+        hidden: Array = np.sum((self._here - shift) ** 2, axis=(1, 2))
+        return hidden
+
+    @cached_property
+    def _correction(self) -> Array:
+        """What the rests add to the variance at each pose, less the constant shifts that are not counted, m²."""
+        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
+        added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
+        corrected: Array = added + self._hidden - np.sum(self._here**2, axis=(1, 2))
+        return corrected
+
+    def variances(self, factor: Array) -> Array:
+        """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
+        own = factor[: self.errors.size]
+        if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
+            own = np.linalg.qr(own.T).R.T
+        seen = self.rows.reshape(-1, self.errors.size) @ own
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        return spread

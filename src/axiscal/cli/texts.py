@@ -1,0 +1,60 @@
+"""Places, questions and accuracies in the words and units of the workshop."""
+
+from __future__ import annotations
+
+from axiscal.campaign.campaign import Campaign, Ended
+from axiscal.campaign.engine import Known
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
+from axiscal.measurement.setup import Setup
+from axiscal.record.events import Asked
+from axiscal.units import to_unit
+
+_COMING = {1: "from below", -1: "from above"}
+
+
+def micrometres(length: float) -> str:
+    """Return a length in um with three significant digits."""
+    value = to_unit(length, "um")
+    return f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um"
+
+
+def way_text(setup: Setup) -> str:
+    """Return which way a set-up reads: "along x", "about -y" or "along (0.6, 0.8, 0)"."""
+    return f"{'along' if INSTRUMENTS[setup.instrument].reads == 'length' else 'about'} {direction_text(setup)}"
+
+
+def question_text(campaign: Campaign, asked: Asked) -> str:
+    """Return what the operator is to do."""
+    axes, setup = campaign.description.machine.axes, campaign.description.setup(asked.place.setup)
+    parked = [k for k in range(len(axes)) if k not in setup.moves]
+    come = ", ".join(f"{axes[k].name} {_COMING[s]}" for k, s in enumerate(asked.place.approach) if s)
+    lines = [
+        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {way_text(setup)}',
+        f"  go to     {place_text(axes, asked.place.pose, setup.moves)}",
+        f"  coming    {come}" if come else "",
+        f"  parked    {place_text(axes, asked.place.pose, parked)}" if parked else "",
+        f'  then      axiscal record {campaign.path} "VALUE {reading_unit(setup)}"',
+    ]
+    return "\n".join(line for line in lines if line)
+
+
+def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:
+    """Return the question, or why there is none, as the document `axiscal-next/1`."""
+    if isinstance(asked, Ended):
+        return {"schema": "axiscal-next/1", "question": None, "stop": asked.because}
+    return {"schema": "axiscal-next/1", "question": campaign.request(asked).message(), "stop": None}
+
+
+def accuracy_text(known: Known, rms: float | None, worst: float | None) -> str:
+    """Return the accuracy with the targets, where there are any."""
+    parts = [("RMS", known.rms, rms), ("worst", known.worst, worst)]
+    return ", ".join(
+        f"{name} {micrometres(value)}" + (f" (target {micrometres(target)})" if target is not None else "")
+        for name, value, target in parts
+    )
+
+
+def count_text(count: int, noun: str) -> str:
+    """Return "1 reading", "3 readings"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

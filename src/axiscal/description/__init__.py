@@ -1,0 +1,1 @@
+"""What a person says of one calibration: set-ups, target, and the readings that are at hand, checked."""

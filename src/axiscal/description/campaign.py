@@ -1,0 +1,120 @@
+"""campaign.toml -> CampaignDescription: what is to be reached, with which set-ups, on which machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.description.target import Target
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.measurement.setup import Setup
+from axiscal.units import format_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignDescription:
+    """A campaign as described by its owner.
+
+    setups : in the order of the file; text, source : the campaign.toml it came from, and where that was read
+    machine_source : the file or the built-in name of the machine, whose text is `machine.text`
+    scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
+    prior_text : the campaign whose result is the prior (see `heritage`), empty for none
+    kept : share of each error that is as that campaign found it
+    """
+
+    machine: Machine
+    target: Target
+    setups: tuple[Setup, ...]
+    text: str
+    source: str
+    machine_source: str
+    scales_estimated: bool = False
+    prior_text: str = ""
+    kept: float = 1.0
+
+    def setup(self, name: str) -> Setup:
+        """Return the set-up of that name; raises DescriptionError when there is none."""
+        for setup in self.setups:
+            if setup.name == name:
+                return setup
+        known = ", ".join(f'"{setup.name}"' for setup in self.setups)
+        raise DescriptionError(f"there is no set-up {shown(name)}", f"The set-ups are {known}", self.source)
+
+
+def read_campaign(path: str | Path, *, target_needed: bool = True) -> CampaignDescription:
+    """Return the campaign in a file, with its machine (a file beside it, or a built-in name).
+
+    target_needed : refuse a campaign that nothing would ever stop
+    Raises DescriptionError or UnitError with file, line, value and remedy.
+    """
+    document = Document.read(path)
+    name = _machine_name(document)
+    source = name if name in builtin_names() else str(document.path.parent / name)
+    return _described(document, load_machine(source), source, target_needed, _prior_text(document))
+
+
+def _prior_text(document: Document) -> str:
+    """Return the campaign that `prior` names, "" where there is none."""
+    name = document.data.get("prior")
+    if not isinstance(name, str) or not name.strip():
+        return ""
+    from axiscal.record.carried import heritage_text
+
+    return heritage_text(document.path.parent / name)
+
+
+def campaign_from_texts(
+    text: str,
+    source: str,
+    machine_text: str,
+    machine_source: str,
+    *,
+    target_needed: bool = False,
+    prior_text: str = "",
+) -> CampaignDescription:
+    """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does."""
+    document = Document.parse(text, source)
+    machine = machine_from_text(machine_text, machine_source)
+    return _described(document, machine, machine_source, target_needed, prior_text)
+
+
+def _machine_name(document: Document) -> str:
+    name = document.data.get("machine")
+    if isinstance(name, str) and name.strip() and name.isprintable():
+        return name
+    what = '"machine" is missing' if name is None else f"machine: {shown(name)} is not the name of a machine"
+    remedy = f'Give a file, machine = "machine.toml", or one of {", ".join(builtin_names())}'
+    raise DescriptionError(what, remedy, document.path, document.line("machine") or 1)
+
+
+def _described(
+    document: Document, machine: Machine, machine_source: str, target_needed: bool, prior_text: str
+) -> CampaignDescription:
+    from axiscal.description.campaign_schema import CampaignTable
+    from axiscal.description.setups import read_setups
+    from axiscal.description.target import read_target
+    from axiscal.document import read_model
+
+    table = read_model(document, CampaignTable)
+    target = read_target(table.target, machine, document)
+    setups = read_setups(table.setups, machine, document)
+    if target_needed and target.empty:
+        remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
+        raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
+    _refuse_budget(target, setups, document)
+    learnt = table.scales == "estimate"
+    source = str(document.path)
+    return CampaignDescription(
+        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept
+    )
+
+
+def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:
+    quickest = min(setup.setup_time + setup.settle + setup.reading_time for setup in setups)
+    if target.budget is not None and target.budget < quickest:
+        needs = format_quantity(quickest, "min", 3)
+        what = f"{format_quantity(target.budget, 'min', 3)} is less than the {needs} that the first reading takes"
+        fault = DescriptionError(what, "Allow more time, or give a shorter setup_time")
+        raise document.fault(fault, "target", "budget")

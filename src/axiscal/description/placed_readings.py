@@ -1,0 +1,187 @@
+"""Where a person says a reading was taken, checked against the set-up and the machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NoReturn
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.machine import Axis, Machine
+from axiscal.machine.names import parse_error_name
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.units import format_quantity
+
+_ALONG = 1 - 1e-9
+_STILL = {False: 1e-6, True: math.radians(1e-5)}
+"""How far from its park position an axis may be said to stand: 1 um, or 1e-5 deg."""
+
+
+def placed_readings(
+    raw: tuple[RawReading, ...], campaign: CampaignDescription, file: str | Path
+) -> tuple[Reading, ...]:
+    """Return readings of a file as readings of the campaign; raises ReadingError at the line that does not fit."""
+    readings = []
+    for row in raw:
+        try:
+            readings.append(_placed(row, campaign))
+        except InputError as failure:
+            raise ReadingError(failure.what, failure.remedy, file, row.line) from None
+    return tuple(readings)
+
+
+def placed_pose(setup: Setup, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
+
+    Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
+    """
+    _refuse_unknown_axis(position, machine)
+    return tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+
+
+def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
+    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked."""
+    _refuse_unknown_axis(approach, machine)
+    for name in approach:
+        if machine.index(name) not in setup.moves:
+            what = f'{name} is parked in the set-up "{setup.name}" and has no direction of approach'
+            raise ReadingError(what, "Leave it out of the approach")
+    return tuple(approach.get(axis.name, 0) for axis in machine.axes)
+
+
+def _noun(dimension: str) -> str:
+    return "an angle" if dimension == "angle" else f"a {dimension}"
+
+
+def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
+    setup, sign = _setup_of(row, campaign)
+    reads = INSTRUMENTS[setup.instrument].reads
+    if row.dimension != reads:
+        what = f'the {setup.instrument} of the set-up "{setup.name}" reads {_noun(reads)}, not {_noun(row.dimension)}'
+        raise ReadingError(what, f"Give the value as value_{reading_unit(setup)}")
+    _refuse_other_count(row, setup)
+    _refuse_other_base(row, setup)
+    position, approach = row.position, row.approach
+    if "" in position:
+        moving = campaign.machine.axes[setup.moves[0]].name
+        _refuse_other_kind(row, campaign.machine.axes[setup.moves[0]])
+        position, approach = {moving: position[""]}, {moving: approach[""]}
+    pose = placed_pose(setup, campaign.machine, position)
+    directions = placed_approach(setup, campaign.machine, approach)
+    return Reading(setup.name, pose, directions, sign * row.value, row.std, row.line, others=row.others, time=row.time)
+
+
+def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
+    """Return the set-up of a reading, and −1 where it reads against the error that the file names."""
+    if row.setup:
+        return campaign.setup(row.setup), 1
+    if not row.error:
+        return _only_setup(campaign), 1
+    if row.error == "slope":
+        return _levelled(row, campaign), 1
+    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
+    moving = {campaign.machine.index(name) for name in row.position}
+    fitting = [
+        setup
+        for setup in campaign.setups
+        if moving <= set(setup.moves)
+        and INSTRUMENTS[setup.instrument].reads == row.dimension
+        and abs(setup.direction[component]) > _ALONG
+    ]
+    if len(fitting) != 1:
+        axis, what = "xyz"[component], "rotation about" if row.dimension == "angle" else "length along"
+        many = "several set-ups read" if fitting else "no set-up reads"
+        remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
+        raise ReadingError(f"{many} a {what} {axis} while {', '.join(row.position)} moves", remedy)
+    return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
+
+
+def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
+    """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
+    (axis,) = row.position
+    moving = (campaign.machine.index(axis),)
+    fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].reads == "angle"]
+    fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
+    if len(fitting) != 1:
+        what = f"{'several set-ups' if fitting else 'no set-up'} of this campaign read an angle while only {axis} moves"
+        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one")
+    return fitting[0]
+
+
+def _same_base(row: RawReading, setup: Setup) -> bool:
+    if row.base is None or setup.base is None:
+        return row.base is setup.base
+    return abs(row.base - setup.base) <= _STILL[False]
+
+
+def _refuse_other_base(row: RawReading, setup: Setup) -> None:
+    if row.base is not None and not _same_base(row, setup):
+        own = "rides on what moves" if setup.base is None else f"has a base of {format_quantity(setup.base, 'mm', 6)}"
+        what = f'the level stood on a base of {format_quantity(row.base, "mm", 6)}, and that of "{setup.name}" {own}'
+        raise ReadingError(what, "Let # base in the file and base in the campaign be the same")
+
+
+def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
+    if axis.rotary != (row.dimension == "angle"):
+        kind = "an angle" if axis.rotary else "a length"
+        what = f"the axis that moves is {axis.name}, whose position is {kind}, and the file gives the other kind"
+        raise ReadingError(what, "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one")
+
+
+def _refuse_other_count(row: RawReading, setup: Setup) -> None:
+    values = INSTRUMENTS[setup.instrument].values
+    if 1 + len(row.others) != values:
+        remedy = "Give value_x_um, value_y_um and value_z_um" if values > 1 else "Give one value, as value_um"
+        raise ReadingError(f'the {setup.instrument} of "{setup.name}" gives {values} values a reading', remedy)
+
+
+def _only_setup(campaign: CampaignDescription) -> Setup:
+    """Return the set-up of an ISO 230-2 file, which names neither set-up nor axis."""
+    setup = campaign.setups[0]
+    if len(campaign.setups) > 1 or len(setup.moves) > 1:
+        what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
+        raise ReadingError(what, "Give the columns setup and X_mm, or a campaign of one set-up with one moving axis")
+    return setup
+
+
+def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
+    try:
+        for name in names:
+            machine.index(name)
+    except DescriptionError as failure:
+        raise ReadingError(failure.what, failure.remedy) from None
+
+
+def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, float]) -> float:
+    moves = index in setup.moves
+    if axis.name not in position:
+        if moves:
+            what = f'{axis.name} moves in the set-up "{setup.name}", and its position is not given'
+            raise ReadingError(what, f"Say where it stood, anywhere from {axis.travel_text}")
+        return setup.park[index]
+    value, unit = position[axis.name], axis.unit
+    slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
+    if not low - slack <= value <= high + slack:
+        _refuse_outside(setup, axis, value)
+    if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
+        park = format_quantity(setup.park[index], unit, 9)
+        what = f'{axis.name} = {format_quantity(value, unit, 9)}, but the set-up "{setup.name}" parks it at {park}'
+        raise ReadingError(what, f"Park it there in the description, or add {axis.name} to its moves")
+    return min(max(value, low), high)
+
+
+def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
+    shown, unit = format_quantity(value, axis.unit, 9), axis.unit
+    if not axis.travel[0] <= value <= axis.travel[1]:
+        raise ReadingError(f"{axis.name} = {shown} is outside the travel", f"{axis.name} goes from {axis.travel_text}")
+    what = f"at {axis.name} = {shown} a foot of the {setup.instrument} stands outside the travel"
+    base = format_quantity(setup.base or 0.0, unit, 9)
+    raise ReadingError(
+        what, f"Give where the middle of its base of {base} stood; {axis.name} goes from {axis.travel_text}"
+    )

@@ -1,0 +1,307 @@
+"""[[setups]] of campaign.toml read into `Setup`, with the instrument's usual figures where the file is silent."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.target import coordinate
+from axiscal.document import Document, nearest, shown
+from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.machine import Axis, Machine
+from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
+from axiscal.measurement.instruments.rotation import Rotation
+from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
+from axiscal.units import EXAMPLES, format_quantity, parse_quantity
+
+LONGEST_NAME = 80
+_REFERENCE = 293.15
+"""20 degC (ISO 1), K."""
+_ALONG = 0.99
+_FASTEST = 1e-3 / 60
+"""A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
+_DIAGONAL = 1 / math.sqrt(3)
+_LETTER = re.compile(r"([+-]?)([xyzXYZ])")
+
+
+def read_setups(tables: list[SetupTable], machine: Machine, document: Document) -> tuple[Setup, ...]:
+    """Return the set-ups; raises DescriptionError or UnitError at the line that is wrong."""
+    if not tables:
+        raise document.fault(DescriptionError("there is no set-up", "Add a table [[setups]]"), "setups")
+    setups = tuple(_Reader(table, machine, document, number).setup() for number, table in enumerate(tables))
+    _refuse_same_name(setups, document)
+    return setups
+
+
+def _refuse_same_name(setups: tuple[Setup, ...], document: Document) -> None:
+    seen: set[str] = set()
+    for number, setup in enumerate(setups):
+        if setup.name in seen:
+            what = f'two set-ups are called "{setup.name}"'
+            raise document.fault(DescriptionError(what, "Give each a name of its own"), "setups", number, "name")
+        seen.add(setup.name)
+
+
+class _Reader:
+    """Reads one table; every failure is placed at the key it is about."""
+
+    def __init__(self, table: SetupTable, machine: Machine, document: Document, number: int) -> None:
+        self._table, self._machine, self._document, self._number = table, machine, document, number
+
+    def setup(self) -> Setup:
+        table = self._table
+        with self._at("name"):
+            name = _name(table.name)
+        with self._at("instrument"):
+            usual = _instrument(table.instrument)
+        with self._at("direction"):
+            direction = _direction(table.direction, usual)
+        with self._at("station"):
+            station = self._station()
+        with self._at("moves"):
+            moves = self._moves()
+        with self._at("noise"):
+            noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
+        growth, spread = self._growth(usual, direction, moves)
+        base = self._base(usual)
+        setup = Setup(
+            name=name,
+            instrument=usual.name,
+            direction=direction,
+            moves=moves,
+            park=self._park(moves),
+            noise=noise,
+            unknowns=(*self._unknowns(usual, moves), *spread),
+            setup_time=self._time("setup_time", usual.setup_time),
+            settle=self._time("settle", usual.settle),
+            reading_time=self._time("reading_time", usual.reading_time),
+            raster=self._raster(moves, base or 0.0),
+            approach=table.approach,
+            station=station,
+            growth=growth,
+            base=base,
+            drift=self._drift(usual),
+        )
+        with self._at("instrument" if base is None else "base"):
+            model_of(setup).check(setup, self._machine)
+        return setup
+
+    def _base(self, usual: Instrument) -> float | None:
+        text = self._table.base
+        if text is None:
+            return None
+        with self._at("base"):
+            if not isinstance(usual.model, Rotation):
+                what = f"a {usual.name} has no feet that are stepped along a way"
+                raise DescriptionError(what, "Take base out; a level and the mirror of an autocollimator have one")
+            base = parse_quantity(text, "length")
+            if base < 0:
+                raise DescriptionError(f"{shown(text)} is not a length", 'Give one such as "100 mm"')
+        return base
+
+    def _growth(
+        self, usual: Instrument, direction: Vector, moves: tuple[int, ...]
+    ) -> tuple[float, tuple[Unknown, ...]]:
+        """Return by which strain the material is longer than at 20 °C, and the unknown that its uncertainty is."""
+        table = self._table
+        if table.temperature is None and table.expansion is None:
+            return 0.0, ()
+        with self._at("temperature" if table.temperature is not None else "expansion"):
+            if table.temperature is None or table.expansion is None:
+                raise DescriptionError("temperature and expansion go together", "Give both, or neither of them")
+            self._refuse_growth(usual, direction, moves)
+            warmer = parse_quantity(table.temperature, "temperature") - _REFERENCE
+            coefficient = parse_quantity(table.expansion, "expansion")
+            degrees = parse_quantity(table.temperature_std or "0 K", "temperature_difference")
+            doubt = parse_quantity(table.expansion_std or "0 um/m/K", "expansion")
+        std = math.hypot(coefficient * degrees, warmer * doubt)
+        return coefficient * warmer, (Unknown("growth", std),) if std > 0 else ()
+
+    def _refuse_growth(self, usual: Instrument, direction: Vector, moves: tuple[int, ...]) -> None:
+        linear = [self._machine.axes[index] for index in moves if not self._machine.axes[index].rotary]
+        along = len(linear) == 1 and abs(sum(a * b for a, b in zip(linear[0].direction, direction, strict=True)))
+        if "growth" not in usual.model.unknown_reads or not along or along < _ALONG:
+            what = "a temperature corrects a length along the one linear axis that moves, and this set-up reads none"
+            raise DescriptionError(what, "Take temperature and expansion out, or name the axis in moves")
+
+    def _station(self) -> Vector | None:
+        given = self._table.station
+        if given is None:
+            return None
+        if len(given) != 3:
+            remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+            raise DescriptionError(f"{shown(given)} is not a place", remedy)
+        x, y, z = (parse_quantity(text, "length") for text in given)
+        return x, y, z
+
+    @contextmanager
+    def _at(self, *keys: str) -> Iterator[None]:
+        try:
+            yield
+        except InputError as failure:
+            raise self._document.fault(failure, "setups", self._number, *keys) from None
+
+    def _moves(self) -> tuple[int, ...]:
+        names = self._table.moves
+        if names is None:
+            return tuple(range(len(self._machine.axes)))
+        indices = [self._machine.index(name) for name in names]
+        if not indices:
+            raise DescriptionError(
+                "nothing moves", f"Name axes, such as moves = [{self._axis_names()}], or leave it out"
+            )
+        if len(set(indices)) < len(indices):
+            raise DescriptionError(f"{shown(names)} names an axis twice", "Name each axis once")
+        return tuple(sorted(indices))
+
+    def _axis_names(self) -> str:
+        return ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
+
+    def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
+        places = [sum(axis.travel) / 2 for axis in self._machine.axes]
+
+        def read(text: str, axis: Axis, index: int) -> float:
+            if index in moves:
+                what = f"{axis.name} is parked, but it is one of the axes that move"
+                raise DescriptionError(what, f"Take it out here, or take {axis.name} out of moves")
+            return coordinate(text, axis)
+
+        self._each_axis("park", self._table.park, read, places)
+        return tuple(places)
+
+    def _raster(self, moves: tuple[int, ...], base: float) -> tuple[float, ...]:
+        steps = [0.0] * len(self._machine.axes)
+
+        def read(text: str, axis: Axis, index: int) -> float:
+            if index not in moves:
+                what = f"{axis.name} has a raster, but does not move in this set-up"
+                raise DescriptionError(what, f"Take it out here, or add {axis.name} to moves")
+            return _step(text, axis, base / 2)
+
+        self._each_axis("raster", self._table.raster, read, steps)
+        return tuple(steps)
+
+    def _each_axis(
+        self, key: str, entries: dict[str, str], read: Callable[[str, Axis, int], float], into: list[float]
+    ) -> None:
+        for name, text in entries.items():
+            with self._at(key, name):
+                index = self._machine.index(name)
+                into[index] = read(text, self._machine.axes[index], index)
+
+    def _time(self, key: str, usual: float) -> float:
+        value: float | None = getattr(self._table, key)
+        if value is not None and value < 0:
+            with self._at(key):
+                raise DescriptionError(f"{format_quantity(value, 's')} is negative", 'Give a time such as "3 s"')
+        return usual if value is None else value
+
+    def _drift(self, usual: Instrument) -> float:
+        text = self._table.drift
+        if text is None:
+            return 0.0
+        with self._at("drift"):
+            angular = usual.reads == "angle"
+            remedy = f'Give one such as "{"2 urad/h" if angular else "2 um/h"}"'
+            try:
+                rate = parse_quantity(text, "rotation_speed" if angular else "speed")
+            except UnitError as fault:
+                raise UnitError(fault.what, remedy) from None
+            if not 0 <= rate <= _FASTEST:
+                raise DescriptionError(f"{shown(text)} is no rate at which a zero wanders", remedy)
+            return rate
+
+    def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:
+        given = self._table.unknowns
+        if given is None:
+            unknowns = usual.unknowns
+        else:
+            unknowns = tuple(self._unknown(name, text, usual) for name, text in given.items())
+        if "slope" in (unknown.name for unknown in unknowns):
+            with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
+                self._refuse_slope(usual, moves, given is None)
+        return unknowns
+
+    def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
+        with self._at("unknowns", name):
+            kinds = usual.model.unknown_reads
+            if name not in kinds and not (name == "slope" and usual.reads == "angle"):  # that one has its own reason
+                near = nearest(name, kinds)
+                known = f'Perhaps "{near}" is meant' if near else f"Known are {', '.join(kinds)}"
+                raise DescriptionError(f"{shown(name)} is not an unknown of a set-up with a {usual.name}", known)
+            return Unknown(name, _positive(text, kinds.get(name, "angle")))
+
+    def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
+        if usual.reads == "angle":
+            what = f"an unknown slope turns the line of a displacement, and the {usual.name} reads an angle"
+            raise DescriptionError(what, "Take slope out")
+        moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]
+        if len(moving) != 1:
+            whose = f"the {usual.name}'s usual unknown" if by_default else "an unknown"
+            what = f"{whose} slope needs exactly one linear axis that moves; here {_listed(moving)} move"
+            raise DescriptionError(what, 'Name one in moves, such as moves = ["X"], or give unknowns without slope')
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _name(text: str) -> str:
+    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
+        remedy = f"Give it up to {LONGEST_NAME} printable characters, without blanks at its ends"
+        raise DescriptionError(f"{shown(text)} is not a name", remedy)
+    return text
+
+
+def _instrument(name: str) -> Instrument:
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name]
+    near = nearest(name, INSTRUMENTS)
+    remedy = f'Perhaps "{near}" is meant' if near else f"Instruments are {', '.join(INSTRUMENTS)}"
+    raise DescriptionError(f"{shown(name)} is not an instrument", remedy)
+
+
+def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vector:
+    """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
+    remedy = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
+    if not usual.model.directed:
+        if value is not None:
+            raise DescriptionError(f"a {usual.name} has no direction of its own", "Take direction out")
+        return _DIAGONAL, _DIAGONAL, _DIAGONAL
+    if value is None:
+        raise DescriptionError(f'"direction" is missing: the {usual.name} reads in one direction', remedy)
+    if isinstance(value, str):
+        found = _LETTER.fullmatch(value)
+        if found is None:
+            raise DescriptionError(f"{shown(value)} is not a direction", remedy)
+        sign = -1.0 if found[1] == "-" else 1.0
+        x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
+        return x, y, z
+    largest = max((abs(number) for number in value), default=0)
+    if len(value) != 3 or not 1e-100 < largest < 1e100:
+        raise DescriptionError(f"{shown(value)} is not a direction", remedy)
+    x, y, z = (number / math.hypot(*value) for number in value)
+    return x, y, z
+
+
+def _positive(text: str, reads: str) -> float:
+    value = parse_quantity(text, "angle" if reads == "angle" else "length")
+    if value < FINEST:
+        example = EXAMPLES["angle" if reads == "angle" else "length"]
+        what = f"{shown(text)} is {'not above zero' if value <= 0 else 'finer than any instrument reads'}"
+        raise DescriptionError(what, f'Give a standard deviation such as "{example}"')
+    return value
+
+
+def _step(text: str, axis: Axis, margin: float) -> float:
+    value = parse_quantity(text, axis.dimension)
+    low, high = axis.travel[0] + margin, axis.travel[1] - margin
+    if value <= 0:
+        raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
+    if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:
+        what = f"no multiple of {shown(text)} lies in the travel of {axis.name}"
+        raise DescriptionError(what, f"Give a smaller step; the axis goes from {axis.travel_text}")
+    return value

@@ -1,0 +1,92 @@
+"""The target of a campaign: how good, over which volume, and how much it may cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from axiscal.description.campaign_schema import TargetTable
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine import Axis, Machine
+from axiscal.units import format_quantity, parse_quantity
+
+Criterion = Literal["volume", "joint", "worst"]
+MOST_READINGS = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """When to stop: the first of rms, worst, readings, budget that is reached.
+
+    rms, worst : m, of the TCP over the volume; budget : s
+    volume : (lowest, highest) coordinate per axis in chain order, m or rad
+    criterion : what the next reading is chosen to reduce
+    """
+
+    rms: float | None
+    worst: float | None
+    readings: int | None
+    budget: float | None
+    volume: tuple[tuple[float, float], ...]
+    criterion: Criterion
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing would ever stop the campaign."""
+        return self.rms is self.worst is self.readings is self.budget is None
+
+
+def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
+    """Return the target; raises DescriptionError or UnitError at the line that is wrong."""
+    _refuse_not_positive(table, document)
+    if table.rms is not None and table.worst is not None and table.worst <= table.rms:
+        rms, worst = format_quantity(table.rms, "um"), format_quantity(table.worst, "um")
+        what = f"{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
+        raise _fault(document, what, "Give a worst that is larger than rms, or only one of them", "worst")
+    if table.readings is not None and table.readings > MOST_READINGS:
+        what = f"{shown(table.readings)} readings are too many"
+        raise _fault(document, what, f"Give at most {MOST_READINGS}", "readings")
+    volume = _volume(table, machine, document)
+    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion)
+
+
+def coordinate(text: str, axis: Axis) -> float:
+    """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
+    value = parse_quantity(text, axis.dimension)
+    low, high = axis.travel
+    slack = 1e-9 * axis.length
+    if not low - slack <= value <= high + slack:
+        raise DescriptionError(f'"{text}" is outside the travel of {axis.name}', f"It goes from {axis.travel_text}")
+    return min(max(value, low), high)
+
+
+def _refuse_not_positive(table: TargetTable, document: Document) -> None:
+    for name, example in (("rms", '"2 um"'), ("worst", '"4 um"'), ("readings", "40"), ("budget", '"90 min"')):
+        value = getattr(table, name)
+        if value is not None and value <= 0:
+            written = shown(document.data["target"][name])
+            raise _fault(document, f"{written} is not above zero", f"Give something such as {name} = {example}", name)
+
+
+def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
+    bounds = {axis.name: axis.travel for axis in machine.axes}
+    for name, texts in table.volume.items():
+        try:
+            bounds[name] = _bounds(texts, machine.axis(name))
+        except InputError as failure:
+            raise document.fault(failure, "target", "volume", name) from None
+    return tuple(bounds[axis.name] for axis in machine.axes)
+
+
+def _bounds(texts: list[str], axis: Axis) -> tuple[float, float]:
+    if len(texts) != 2:
+        raise DescriptionError(f"{shown(texts)} has not two ends", f"The axis goes from {axis.travel_text}")
+    low, high = (coordinate(text, axis) for text in texts)
+    if not low < high:
+        raise DescriptionError(f"{shown(texts)} does not increase", "Give the lower end first")
+    return low, high
+
+
+def _fault(document: Document, what: str, remedy: str, key: str) -> InputError:
+    return document.fault(DescriptionError(what, remedy), "target", key)

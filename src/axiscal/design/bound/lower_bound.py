@@ -1,0 +1,104 @@
+"""How good any plan can be: a lower bound on J for all plans from a lattice, by convex relaxation.
+
+The weights of `relaxation` and the matrix of `dual` bound every plan whose costs sum to no more than a limit. The
+largest slope is looked for over the whole lattice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.design.bound.certificate import Dual, rank_bound
+from axiscal.design.bound.open_zeros import groups, zeros_of
+from axiscal.design.bound.relaxation import Relaxation
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.measurement.observation import directions_of
+from axiscal.numerics import Array
+
+_ROUNDS = 60
+_CLOSE = 2e-3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Bound:
+    """No plan has a smaller J.
+
+    value : the bound; everywhere : whether it holds for any readings whatever, not only for those of the lattice
+    """
+
+    value: float
+    everywhere: bool
+
+
+def lower_bound(pool: Pool, state: Covariance, points: list[Point], costs: Array, limit: float) -> Bound:
+    """Return the bound on J for plans from the pool and from `points` whose costs sum to no more than the limit.
+
+    state : before the first reading; points : a good plan to begin with; costs : (M + points,), 1 each where readings
+    are counted, or seconds
+    """
+    if not limit > 0:  # nothing is read
+        return Bound(state.value, True)
+    numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
+    by_rank = rank_bound(state, numbers)
+    relaxation = Relaxation(pool, state, points, costs, limit)
+    steps = list(settling(relaxation))
+    best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1]))
+    return Bound(by_rank, True) if by_rank >= best else Bound(best, False)
+
+
+def _by_groups(whole: Relaxation, last: Round) -> float:
+    """Return the least of the bounds for plans that use all set-ups, and for those that use only some, with zeros."""
+    everything, readings = whole.everything, int(whole.limit / whole.costs.min() + 1e-9)
+    least = np.inf
+    for group in groups(everything.setups, readings):
+        mine = np.isin(everything.setups, group)
+        count = most_numbers(whole.state, group, int(whole.limit / whole.costs[mine].min() + 1e-9))
+        zeros = zeros_of(whole.state, everything, group)
+        if np.all(mine):
+            least = last.dual.floor(last.spent, count, zeros)
+            continue
+        best = 0.0
+        for step in settling(whole.within(mine)):
+            best = max(best, step.dual.floor(step.spent, count, zeros))
+            if best >= least:
+                break
+        least = min(least, best)
+    return least if np.isfinite(least) else 0.0
+
+
+class Round(NamedTuple):
+    """A step towards the optimal weights.  spent : what Σ |Z b|² of a plan comes to at most; last : whether it is."""
+
+    dual: Dual
+    spent: float
+    last: bool
+
+    def bound(self, numbers: int) -> float:
+        """Return the bound that it proves; only in the last step with a share of Z, and the rank of a plan."""
+        return self.dual.floor(self.spent, numbers) if self.last else self.dual.whole - self.spent
+
+
+def settling(relaxation: Relaxation) -> Iterator[Round]:
+    """Bring the weights to the optimum over all candidates, step by step."""
+    closed, reached = 0.0, np.inf
+    for number in range(1, _ROUNDS + 1):
+        dual = relaxation.solved()
+        slopes = relaxation.slopes(dual)
+        spent = relaxation.limit * float((slopes / relaxation.costs).max())
+        closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
+        near = reached <= closed * (1 + _CLOSE) or number == _ROUNDS
+        last = near or not relaxation.grow(slopes) or relaxation.largest
+        yield Round(dual, spent, last)
+        if last:
+            return
+
+
+def most_numbers(state: Covariance, setups: Iterable[int], readings: int) -> int:
+    """Return how many numbers so many readings of some set-ups bring at most."""
+    each = [len(directions_of(state.observation.setups[setup])) for setup in set(setups)]
+    return readings * max(each, default=1)

@@ -1,0 +1,137 @@
+"""A lower bound that holds for readings anywhere, not only on a lattice, for machines whose errors simply add up.
+
+The matrix Z of `dual` bounds every plan once Σ |Z b|² over its readings is bounded. Without lever arms Z b(t) is a sum
+of polynomial curves, one per axis, and the largest |Z b(t)|² over all poses is enclosed by `steepest`; the poses found
+on the way join the weighted plan, until no place is worth more than those that have weight. The rests of cells are
+taken as known: that can only lower the bound. In floating point, with a margin for rounding, without intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.bound.certificate import Dual
+from axiscal.design.bound.lower_bound import Bound, most_numbers, settling
+from axiscal.design.bound.relaxation import Relaxation
+from axiscal.design.bound.row_curves import joined, refuse_unless_polynomial, row_sums
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Covariance, Point, lattice_of
+from axiscal.design.step.starts_with_levers import sides
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.numerics.bernstein import steepest
+from axiscal.numerics.uphill import uphill
+
+GAP = 1e-2
+_ROUNDS = 40
+_BOXES = 400_000
+_GONE = 1e-5
+_ADDED = 24
+_NEAR = 0.01
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proof:
+    """A bound on J for readings anywhere in the travels, and the share of it at which closing the gap stopped."""
+
+    bound: Bound
+    gap: float
+
+
+def prove(
+    state: Covariance,
+    lattice: Places,
+    points: list[Point],
+    gap: float = GAP,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Proof:
+    """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
+
+    state : before the first; lattice : candidates to begin with; points : a good plan; gap : share of J to stop at
+    Raises PlanError for a machine with lever arms.
+    """
+    setups, count = [int(s) for s in np.unique(lattice.setups)], len(points)
+    for setup in setups:
+        refuse_unless_polynomial(state.observation, setup)
+    if not count:
+        return Proof(Bound(state.value, True), 0.0)
+    best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
+    lattice = _begun(state, lattice, points)
+    for number in range(1, _ROUNDS + 1):
+        relaxation = _weighted(state, lattice, count)
+        dual = relaxation.solved()
+        level = float(relaxation.slopes(dual) @ relaxation.weights) / count
+        kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
+        found = [_largest(dual, *way, kept, level, gap) for way in _ways(state, setups)]
+        spent = count * max(each.upper for each in found)
+        best = max(best, dual.floor(spent, numbers))
+        closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
+        left = reached / closed - 1 if closed > 0 else np.inf
+        progress(f"the proof, round {number}: {100 * left:.2g} % open" if closed > 0 else f"the proof, round {number}")
+        steeper = [point for each in found for point in each.points]
+        if left <= gap or not steeper:
+            break
+        lattice = Places.joined([kept, lattice_of(steeper)])
+    return Proof(Bound(best, True), max(left, 0.0))
+
+
+def _begun(state: Covariance, lattice: Places, points: list[Point]) -> Places:
+    """Return the candidates that have weight where only those of a lattice, and a plan, may be taken."""
+    pool, count = Pool(state.observation, lattice), len(points)
+    relaxation = Relaxation(pool, state, points, np.ones(len(pool) + count), float(count), rests=False)
+    for _ in settling(relaxation):
+        pass
+    return lattice_of(relaxation.weighty)
+
+
+def _weighted(state: Covariance, lattice: Places, count: int) -> Relaxation:
+    relaxation = Relaxation(
+        Pool(state.observation, lattice), state, [], np.ones(len(lattice)), float(count), rests=False
+    )
+    relaxation.begin_everywhere()
+    return relaxation
+
+
+def _ways(state: Covariance, setups: list[int]) -> list[tuple[int, Array]]:
+    """Return each set-up with each of the sides that it can be read from."""
+    return [(setup, side) for setup in setups for side in sides(state.observation, setup)]
+
+
+class _Steep(NamedTuple):
+    """No |Z b|² is above upper; at the points it is above the level."""
+
+    upper: float
+    points: list[Point]
+
+
+def _largest(dual: Dual, setup: int, side: Array, kept: Places, level: float, gap: float) -> _Steep:
+    """Enclose the largest |Z b|² of a set-up from one side, and find where else it is large, uphill from candidates."""
+    observation = dual.state.observation
+    mounted, reach = observation.setups[setup], dual.reach
+    whole = joined([each.seen(reach / mounted.noise) for each in row_sums(observation, setup, side)])
+    mine = (kept.setups == setup) & np.all(kept.approaches == side, axis=1)
+    begun = np.vstack([kept.poses[mine][:, mounted.moves], np.array(mounted.park)[None, mounted.moves]])
+    places = uphill(whole.parked, whole.curves, begun)
+    known = max(level, float(np.sum(whole.at(places) ** 2, axis=1).max()))
+    found = steepest(whole.parked, whole.curves, known, max(gap / 4, (known / level - 1) / 4), _BOXES)
+    places = np.vstack([places, uphill(whole.parked, whole.curves, found.places)]) if len(found.places) else places
+    lengths = np.sum(whole.at(places) ** 2, axis=1)
+    spans = np.array([curve.right[-1] - curve.left[0] for curve in whole.curves])
+    chosen = _apart(places / spans, np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))])
+    poses = np.tile(np.array(mounted.park), (len(chosen), 1))
+    poses[:, mounted.moves] = places[chosen]
+    return _Steep(found.upper, [Point(setup, pose, side) for pose in poses])
+
+
+def _apart(places: Array, order: NDArray[np.intp]) -> list[int]:
+    """Return a few places (m, q) in order that are no neighbours of each other."""
+    chosen: list[int] = []
+    for i in order:
+        if len(chosen) < _ADDED and np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > _NEAR):
+            chosen.append(int(i))
+    return chosen

@@ -1,0 +1,209 @@
+"""Readings as weights: the optimal weights, and the matrix that proves how much they leave.
+
+J(x) = tr(W (C₀⁻¹ + Σ x_i G_iᵀG_i/σ_i²)⁻¹) is convex in x, with −∂J/∂x_i = d_i, the sum of gᵀSWSg/σ_i² over the rows of
+G_i: one, or as many as a reading has numbers. x is brought to the optimum by an interior point method on a support that
+grows by the candidates that violate optimality most. The rests of the cells that the support lies in are unknowns like
+all others: weight in one cell does not average its rest away. Those of other cells are known no better than before, so
+that no slope d contains them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.bound.certificate import Dual
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Covariance, Point, informed, lattice_of
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+
+_NEWTON = 60
+_BARRIER = 0.2
+_ADDED = 40
+_GONE = 1e-7
+_FIRST = 200
+_LARGEST = 500
+
+
+class Relaxation:
+    """Weights x on a support of candidates; indices beyond the pool are the given points.
+
+    rests : whether those of cells are unknowns; otherwise they are taken as known, which can only lower J
+    """
+
+    def __init__(
+        self, pool: Pool, state: Covariance, points: list[Point], costs: Array, limit: float, rests: bool = True
+    ) -> None:
+        self.rests = rests
+        self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
+        self.points = points
+        self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
+        chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
+        self.support = len(pool) + chosen
+        self.weights: Array = np.full(len(chosen), limit / max(costs[self.support].sum(), 1e-300))
+        if not len(points):
+            self.support, self.weights = self._first()
+
+    def _first(self) -> tuple[NDArray[np.intp], Array]:
+        slopes = self.slopes(Dual.of(self.state, np.zeros((0, self.state.factor.shape[1]))))
+        best = int((slopes / self.costs).argmax())
+        return np.array([best]), np.array([self.limit / self.costs[best]])
+
+    @property
+    def everything(self) -> Places:
+        """The candidates of the pool, then the given points."""
+        return Places.joined([self.pool.lattice, lattice_of(self.points)]) if self.points else self.pool.lattice
+
+    def within(self, kept: NDArray[np.bool_]) -> Relaxation:
+        """Return the same of some candidates and points, (M + points,)."""
+        count = len(self.pool)
+        pool = Pool(self.state.observation, self.pool.lattice.within(kept[:count]), self.pool.memory)
+        points = [point for point, mine in zip(self.points, kept[count:], strict=True) if mine]
+        return Relaxation(pool, self.state, points, self.costs[kept], self.limit, self.rests)
+
+    def begin_everywhere(self) -> None:
+        """Begin with the same weight on every candidate of the pool."""
+        self.support = np.arange(len(self.pool))
+        self.weights = np.full(len(self.pool), self.limit / float(self.costs[: len(self.pool)].sum()))
+
+    @property
+    def largest(self) -> bool:
+        """Whether the support is as large as can be afforded."""
+        return len(self.support) > _LARGEST
+
+    @property
+    def weighty(self) -> list[Point]:
+        """The candidates of the support that have weight."""
+        some = self.weights * self.costs[self.support] > _GONE * self.limit
+        return [self._point(int(i)) for i in self.support[some]]
+
+    @property
+    def setups(self) -> NDArray[np.intp]:
+        """The set-up of each candidate of the support."""
+        return np.array([self._point(int(i)).setup for i in self.support], dtype=np.intp)
+
+    def solved(self) -> Dual:
+        """Bring the weights to the optimum on the support."""
+        state, along, owner = self._rows()
+        self.weights = _optimal(along, owner, state.weighted, self.weights, self.costs[self.support], self.limit)
+        return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
+
+    def value_if(self, shares: Array) -> float:
+        """Return J were each candidate of the support read with its weight times a share, (s,)."""
+        state, along, owner = self._rows()
+        return Dual.of(state, along * np.sqrt((self.weights * shares)[owner])[:, None]).value
+
+    def _rows(self) -> tuple[Covariance, Array, NDArray[np.intp]]:
+        """Return the state with the cells of the support, its rows R^-½ G F (m, r), and whose each is (m,)."""
+        points = [self._point(int(i)) for i in self.support]
+        state = self.state.opened(points) if self.rests else self.state
+        rows, _, owner = state.rows(points)
+        return state, (rows / np.sqrt(self.noise[self.support[owner]])[:, None]) @ state.factor, owner
+
+    def slopes(self, dual: Dual) -> Array:
+        """Return d of all candidates and points, (M + points,)."""
+        inside = self.pool.squares(dual.state.observation, dual.reach)
+        rows, _, owner = dual.state.rows(self.points)
+        beyond = np.bincount(owner, np.sum((rows @ dual.reach) ** 2, axis=1), len(self.points))
+        slopes: Array = np.concatenate([inside, beyond]) / self.noise
+        return slopes
+
+    def _point(self, index: int) -> Point:
+        return self.pool.point(index) if index < len(self.pool) else self.points[index - len(self.pool)]
+
+    def grow(self, slopes: Array) -> bool:
+        """Drop what has no weight, add the worst violators that stand apart; return whether any was added."""
+        kept = self.weights * self.costs[self.support] > _GONE * self.limit
+        level = float((slopes[self.support] @ self.weights) / self.limit)
+        added = self._violators(slopes / self.costs, level, self.support[kept])
+        start = np.full(len(added), 1e-3 * self.limit) / np.maximum(self.costs[added], 1e-300) / max(len(added), 1)
+        self.support = np.concatenate([self.support[kept], added])
+        self.weights = np.concatenate([self.weights[kept], start])
+        total = float(self.costs[self.support] @ self.weights)
+        self.weights = self.weights * (self.limit / total)
+        return len(added) > 0
+
+    def _violators(self, slopes: Array, level: float, support: NDArray[np.intp]) -> NDArray[np.intp]:
+        order = np.argsort(-slopes, kind="stable")[: 20 * _ADDED]
+        order = order[(slopes[order] > level * (1 + 1e-6)) & ~np.isin(order, support) & (order < len(self.pool))]
+        lattice = self.pool.lattice
+        spans = np.array([axis.length for axis in self.state.observation.errors.machine.axes])
+        chosen: list[int] = []
+        for i in order:
+            here = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]
+            near = np.abs(lattice.poses[here] - lattice.poses[i]) / spans <= self._apart
+            alike = np.all(lattice.approaches[here] == lattice.approaches[i], axis=1)
+            if len(chosen) < _ADDED and not np.any(np.all(near, axis=1) & alike):
+                chosen.append(int(i))
+        return np.array(chosen, dtype=np.intp)
+
+    @property
+    def _apart(self) -> float:
+        """Candidates of one round stand at least a few lattice spacings apart."""
+        axes = max(len(setup.moves) for setup in self.state.observation.setups)
+        return float(2.0 / max(len(self.pool), 2) ** (1.0 / axes))
+
+
+def _optimal(
+    along: Array, owner: NDArray[np.intp], weighted: Array, weights: Array, costs: Array, limit: float
+) -> Array:
+    """Return the weights (s,) that minimise J over costs·x = limit, x ≥ 0, by a primal-dual interior point method.
+
+    along : R^-½ G F (m, r); owner : (m,) to which reading each number belongs, in order; weighted : V F (w, r)
+    ∂²J = 2 (G S Gᵀ) ∘ (G S W S Gᵀ), summed over the rows of each reading, positive semidefinite as a product of such.
+    """
+    scale = limit / costs
+    along = along * np.sqrt(scale[owner])[:, None]
+    if along.shape[1] > len(along):  # what no reading sees does not matter
+        basis = np.linalg.qr(along.T)[0]
+        along, weighted = along @ basis, weighted @ basis
+    x = np.maximum(weights / scale, 1e-6 / len(weights))
+    x /= x.sum()
+    slopes = _curvatures(along, owner, weighted, x)[0]
+    level = float(slopes @ x)
+    if not level > 0:  # nothing that may be read tells anything
+        return weights
+    dual = np.maximum(level - slopes, 0.05 * level)
+    for _ in range(_NEWTON):
+        slopes, bend = _curvatures(along, owner, weighted, x)
+        barrier = _BARRIER * float(x @ dual) / len(x)
+        residual = slopes - level + dual
+        move, shift = _newton(bend + np.diag(dual / x), residual - dual + barrier / x)
+        dual_move = barrier / x - dual - dual / x * move
+        share = min(1.0, 0.95 * _room(x, move), 0.95 * _room(dual, dual_move))
+        x, dual, level = x + share * move, dual + share * dual_move, level + share * shift
+        x /= x.sum()
+        if x @ dual < 1e-6 * abs(level) and np.abs(residual).max() < 1e-5 * abs(level):
+            break
+    result: Array = x * scale
+    return result
+
+
+def _curvatures(along: Array, owner: NDArray[np.intp], weighted: Array, x: Array) -> tuple[Array, Array]:
+    """Return d = −∂J/∂x (s,) and ∂²J (s, s).  along : G F (m, r); owner : (m,) in 0…s−1; weighted : V F (w, r)."""
+    scaled = along * np.sqrt(x[owner])[:, None]
+    both = informed(np.vstack([along, weighted]), scaled)
+    seen, reach = both[: len(along)], both[len(along) :]
+    towards = seen @ reach.T
+    target = towards @ towards.T
+    slopes: Array = np.diagonal(target).copy()
+    bend: Array = 2 * (seen @ seen.T) * target
+    if len(x) < len(along):
+        first = np.searchsorted(owner, np.arange(len(x)))
+        slopes = np.add.reduceat(slopes, first)
+        bend = np.add.reduceat(np.add.reduceat(bend, first, axis=0), first, axis=1)
+    return slopes, bend
+
+
+def _newton(system: Array, right: Array) -> tuple[Array, float]:
+    """Solve system·move + shift·1 = right with Σ move = 0."""
+    solved = np.linalg.solve(system, np.column_stack([right, np.ones(len(right))]))
+    shift = float(solved[:, 0].sum() / solved[:, 1].sum())
+    return solved[:, 0] - shift * solved[:, 1], shift
+
+
+def _room(x: Array, move: Array) -> float:
+    """Return how far x may go along a move before an entry vanishes."""
+    falling = move < 0
+    return float((x[falling] / -move[falling]).min(initial=1e300))

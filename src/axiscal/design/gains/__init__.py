@@ -1,0 +1,1 @@
+"""What a reading brings: the formula, and the fast ways to it."""

@@ -1,0 +1,229 @@
+"""A lattice of candidates with its rows, kept in memory or made anew block by block where that would be too much.
+
+A candidate has as many rows as its instrument gives numbers, one after another: one, or one each along x, y and z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.design.gains.gain import Scorer
+from axiscal.design.gains.three_values import PAIRS, SharedReadings
+from axiscal.measurement.drift import Course
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+
+_BLOCK = 4096
+_NEAR = 256
+_FEW = 4
+MEMORY = 1e9
+"""Bytes that the rows of a lattice may take unless said otherwise."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Rests:
+    """What the rest of one function does to the numbers of a block.  reach, cells : (numbers,)"""
+
+    function: int
+    reach: Array
+    cells: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Block:
+    """Candidates of one set-up.  where, numbers : slices of the pool's candidates and of their numbers."""
+
+    setup: int
+    where: slice
+    numbers: slice
+    rows: Array | None
+    rests: tuple[_Rests, ...]
+
+
+class Forms(NamedTuple):
+    """Numerator and denominator of the gains of a pool's candidates.
+
+    above, below : (numbers,) of each number alone; joint : what those of one reading have in common
+    """
+
+    above: Array
+    below: Array
+    joint: SharedReadings
+
+
+class Pool:
+    """The candidates of a lattice, sorted by set-up.
+
+    memory : bytes that the rows may take; beyond it they are made anew for every product, at the cost of time
+    values : (M,) numbers of each candidate; first : (M,) index of its first one; count : of all numbers
+    """
+
+    def __init__(self, observation: Observation, lattice: Places, memory: float = MEMORY) -> None:
+        self.lattice = lattice.within(np.argsort(lattice.setups, kind="stable"))
+        self._bare = replace(observation, cells=MappingProxyType({}), courses=MappingProxyType({}))
+        self.size = self._bare.size
+        self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
+        each = np.array([INSTRUMENTS[s.instrument].values for s in observation.setups], dtype=np.intp)
+        self.values = each[self.lattice.setups]
+        self.first = np.cumsum(self.values) - self.values
+        self.count = int(self.values.sum())
+        self.bytes = 8.0 * self.count * self.size
+        self.memory, self._kept = memory, self.bytes <= memory
+        self._blocks = [self._block(setup, where) for setup, where in self._slices()]
+
+    def __len__(self) -> int:
+        return len(self.lattice)
+
+    @property
+    def scalar(self) -> bool:
+        """Whether every candidate has one number."""
+        return self.count == len(self)
+
+    def point(self, index: int) -> Point:
+        """Return a candidate."""
+        one = self.lattice
+        return Point(int(one.setups[index]), one.poses[index], one.approaches[index])
+
+    def products(self, observation: Observation, vectors: Array) -> Array:
+        """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (numbers, c).
+
+        With few vectors each row is fetched from memory once and used for all of them while it is near.
+        """
+        result = np.empty((vectors.shape[1], self.count))
+        columns = np.ascontiguousarray(vectors.T)
+        for block in self._blocks:
+            rows, into = self._rows(block), result[:, block.numbers]
+            if len(columns) > _FEW:
+                into[:] = columns[:, : self.size] @ rows.T
+            else:
+                _dotted(rows, columns[:, : self.size], into)
+        for block in self._blocks:
+            self._add_beyond(block, observation, columns, result[:, block.numbers])
+        return result.T
+
+    def _add_beyond(self, block: _Block, observation: Observation, columns: Array, into: Array) -> None:
+        """Add what visited cells and drifts do, in place.  columns : (c, n); into : (c, numbers)."""
+        for rests in block.rests:
+            of = observation.cell_columns(rests.function)
+            if of.max() < 0:
+                continue
+            table = np.where(of >= 0, columns[:, of], 0.0)
+            for values, sums in zip(table, into, strict=True):
+                sums += rests.reach * values.take(rests.cells)
+        for number, course, share in self._drifts(observation, block.setup):
+            moved = share * (columns[:, list(course.columns)] @ course.row())
+            into[:, number :: self._values(block)] += moved[:, None]
+
+    def squares(self, observation: Observation, vectors: Array) -> Array:
+        """Return the squared lengths of each candidate's rows times vectors (n, c), all its numbers together, (M,)."""
+        result = np.empty(len(self))
+        columns = np.ascontiguousarray(vectors.T)
+        for block in self._blocks:
+            seen = columns[:, : self.size] @ self._rows(block).T
+            self._add_beyond(block, observation, columns, seen)
+            result[block.where] = np.einsum("ij,ij->j", seen, seen).reshape(-1, self._values(block)).sum(axis=1)
+        return result
+
+    def forms(self, scorer: Scorer) -> Forms:
+        """Return numerator and denominator of the gain of every candidate."""
+        above, below, joints = np.empty(self.count), np.empty(self.count), []
+        for block in self._blocks:
+            part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
+            seen = scorer.observation.numbers(block.setup, *part)
+            n, m = scorer.split_all(seen)
+            every = np.arange(self._values(block))
+            above[block.numbers], below[block.numbers] = n[:, every, every].ravel(), m[:, every, every].ravel()
+            if len(every) > 1:
+                first = block.numbers.start + len(every) * np.arange(len(n))
+                joints.append(SharedReadings(first, n[:, *PAIRS], m[:, *PAIRS]))
+        return Forms(above, below, SharedReadings.of(joints))
+
+    def gains(self, above: Array, below: Array, joint: SharedReadings) -> Array:
+        """Return the gain of every candidate, (M,), from the forms.  above, below : (numbers and more,)"""
+        if self.scalar:
+            alone: Array = above[: self.count] / below[: self.count]
+            return alone
+        result: Array = above[self.first] / below[self.first]
+        result[self.values > 1] = joint.gains(above, below)
+        return result
+
+    def scorer(self, state: Covariance) -> Scorer:
+        """Return the gains under a state, as if no cell had been visited."""
+        factor = state.factor[: self.size]
+        if factor.shape[1] > self.size:
+            factor = np.linalg.qr(factor.T).R.T
+        return replace(state, observation=self._bare, factor=factor).scorer()
+
+    def rows(self, observation: Observation, index: int) -> Array:
+        """Return the rows of a candidate whose cells have columns as far as it feels them, (k, n)."""
+        block = next(b for b in self._blocks if b.where.start <= index < b.where.stop)
+        count = self._values(block)
+        inside = count * (index - block.where.start) + np.arange(count)
+        result = np.zeros((count, observation.size))
+        result[:, : self.size] = self._rows(block)[inside]
+        for rests in block.rests:
+            columns = observation.cell_columns(rests.function)[rests.cells[inside]]
+            known = np.flatnonzero(columns >= 0)
+            result[known, columns[known]] += rests.reach[inside[known]]
+        for number, course, share in self._drifts(observation, block.setup):
+            result[number, list(course.columns)] += share * course.row()
+        return result
+
+    def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
+        """Yield the drifts that each number of a set-up's readings shows, with their shares."""
+        mounted = observation.setups[setup]
+        for number, direction in enumerate(directions_of(mounted)):
+            towards = np.array(mounted.direction) if direction is None else direction
+            for course, share in observation.wandering(setup, towards):
+                yield number, course, share
+
+    def _values(self, block: _Block) -> int:
+        return int(self.values[block.where.start])
+
+    def _slices(self) -> Iterator[tuple[int, slice]]:
+        for setup in np.unique(self.lattice.setups):
+            mine = np.flatnonzero(self.lattice.setups == setup)
+            for start in range(int(mine[0]), int(mine[-1]) + 1, _BLOCK):
+                yield int(setup), slice(start, min(start + _BLOCK, int(mine[-1]) + 1))
+
+    def _block(self, setup: int, where: slice) -> _Block:
+        first, count = int(self.first[where.start]), int(self.values[where].sum())
+        block = _Block(setup, where, slice(first, first + count), None, self._rests(setup, where))
+        return replace(block, rows=self._rows(block)) if self._kept else block
+
+    def _rests(self, setup: int, where: slice) -> tuple[_Rests, ...]:
+        """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
+        part = self.lattice.poses[where], self.lattice.approaches[where]
+        felt = [self._bare.felt(setup, *part, direction) for direction in directions_of(self._bare.setups[setup])]
+        return tuple(
+            _Rests(
+                same[0].function,
+                np.stack([f.reach for f in same], axis=1).ravel(),
+                np.repeat(same[0].cells, len(same)),
+            )
+            for same in zip(*felt, strict=True)
+        )
+
+    def _rows(self, block: _Block) -> Array:
+        if block.rows is not None:
+            return block.rows
+        part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
+        each = [self._bare.rows(block.setup, *part, d).rows for d in directions_of(self._bare.setups[block.setup])]
+        return each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
+
+
+def _dotted(rows: Array, columns: Array, into: Array) -> None:
+    """Multiply a few rows at a time with every vector.  rows : (m, n); columns : (c, n); into : (c, m)."""
+    for start in range(0, len(rows), _NEAR):
+        part = rows[start : start + _NEAR]
+        for column, sums in zip(columns, into, strict=True):
+            np.dot(part, column, out=sums[start : start + _NEAR])

@@ -1,0 +1,174 @@
+"""What would be known after some readings: a factor of the covariance that readings enter and leave.
+
+A reading enters by Potter's update of F, C − hhᵀ/s with h = Cg and s = σ² + gᵀCg; it leaves by one more column,
+C + hhᵀ/e with e = σ² − gᵀCg. Both keep C = F Fᵀ positive semidefinite. No values are needed: the covariance of linear
+Gaussian readings does not depend on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.belief import Belief
+from axiscal.design.gains.gain import Scorer
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+
+_MODERATE = 1e13
+_SPARE = 48
+"""So many columns may a factor have beyond its rows before it is made square again."""
+
+
+class Point(NamedTuple):
+    """A reading that may be taken.  setup : index; pose, approach : (q,)."""
+
+    setup: int
+    pose: Array
+    approach: Array
+
+
+def lattice_of(points: list[Point]) -> Places:
+    """Return readings as candidates, at least one."""
+    setups, poses, approaches = zip(*points, strict=True)
+    return Places(np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches))
+
+
+class RankOne(NamedTuple):
+    """A covariance changes by −η h hᵀ.
+
+    eta : 1/s where a reading enters, −1/e where it leaves; h : C g; z : C W h; omega : hᵀ W h
+    """
+
+    eta: float
+    h: Array
+    z: Array
+    omega: float
+
+    @property
+    def gain(self) -> float:
+        """By how much J = tr(W C) falls."""
+        return self.eta * self.omega
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Covariance:
+    """A covariance over all unknowns, those of visited cells included.
+
+    factor : F (n, r) with C = F Fᵀ; weight : V (w, k) over the leading unknowns, W = VᵀV
+    """
+
+    observation: Observation
+    factor: Array
+    weight: Array
+
+    @classmethod
+    def of(cls, observation: Observation, belief: Belief, weight: Array) -> Covariance:
+        """Return the state of a belief."""
+        return cls(observation, belief.factor, weight)
+
+    @property
+    def value(self) -> float:
+        """J = tr(W C)."""
+        return float(np.sum(self.weighted**2))
+
+    @property
+    def weighted(self) -> Array:
+        """V F (w, r), whose squared length is J."""
+        weighted: Array = self.weight @ self.factor[: self.weight.shape[1]]
+        return weighted
+
+    def opened(self, points: list[Point]) -> Covariance:
+        """Return the state with columns for the cells that the points lie in."""
+        after = self.observation
+        for point in points:
+            after = after.visited(point.pose, point.setup)
+        extra = np.sqrt(self.observation.rest_variances(after))
+        if not len(extra):
+            return self
+        (size, rank), count = self.factor.shape, len(extra)
+        factor = np.zeros((size + count, rank + count))
+        factor[:size, :rank] = self.factor
+        factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
+        return replace(self, observation=after, factor=factor)
+
+    def rows(self, points: list[Point]) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Return rows (m, n) and variances (m,) of all numbers of readings, and whose each is (m,), in order.
+
+        Cells without columns count as noise.
+        """
+        parts = []
+        setups = np.array([point.setup for point in points], dtype=np.intp)
+        for setup in np.unique(setups):
+            mine = np.flatnonzero(setups == setup)
+            poses, approaches = (np.array([points[i][k] for i in mine]) for k in (1, 2))
+            directions = directions_of(self.observation.setups[setup])
+            parts += [(mine, *self.observation.rows(int(setup), poses, approaches, d)) for d in directions]
+        if not parts:
+            return np.zeros((0, self.observation.size)), np.zeros(0), np.zeros(0, dtype=np.intp)
+        owner, rows, variances = (np.concatenate([part[k] for part in parts]) for k in range(3))
+        order = np.argsort(owner, kind="stable")
+        return rows[order], variances[order], owner[order]
+
+    def taken(self, point: Point) -> tuple[Covariance, tuple[RankOne, ...]]:
+        """Return the state after a reading, and what its numbers changed, one after another."""
+        state, changes = self.opened([point]), list[RankOne]()
+        rows, variances, _ = state.rows([point])
+        for row, variance in zip(rows, variances.tolist(), strict=True):
+            changes.append(state.change(row, variance))
+            state = state.after(row, variance, changes[-1])
+        return state, tuple(changes)
+
+    def change(self, row: Array, variance: float, leaving: bool = False) -> RankOne:
+        """Return what a reading with this row does when it enters, or leaves."""
+        h: Array = self.factor @ (row @ self.factor)
+        size = self.weight.shape[1]
+        reach = self.weight @ h[:size]
+        z: Array = self.factor @ ((self.weight.T @ reach) @ self.factor[:size])
+        spread = float(row @ h)
+        eta = -1.0 / max(variance - spread, 1e-9 * variance) if leaving else 1.0 / (variance + spread)
+        return RankOne(eta, h, z, float(reach @ reach))
+
+    def after(self, row: Array, variance: float, change: RankOne) -> Covariance:
+        """Return the state after a reading has entered (Potter) or left."""
+        if change.eta < 0:
+            widened = np.column_stack([self.factor, change.h * np.sqrt(-change.eta)])
+            size, rank = widened.shape
+            return replace(self, factor=np.linalg.qr(widened.T).R.T if rank > size + _SPARE else widened)
+        along = row @ self.factor
+        scale = change.eta / (1.0 + np.sqrt(variance * change.eta))
+        return replace(self, factor=self.factor - np.outer(change.h, along * scale))
+
+    def with_points(self, points: list[Point]) -> Covariance:
+        """Return the state after readings, all at once."""
+        state = self.opened(points)
+        if not points:
+            return state
+        return replace(state, factor=informed(state.factor, state.whitened(points)[0]))
+
+    def whitened(self, points: list[Point]) -> tuple[Array, NDArray[np.intp]]:
+        """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
+        rows, variances, owner = self.rows(points)
+        return (rows / np.sqrt(variances)[:, None]) @ self.factor, owner
+
+    def scorer(self) -> Scorer:
+        """Return the gains under this state."""
+        weighted = self.weighted
+        return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+
+
+def informed(factor: Array, scaled: Array) -> Array:
+    """Return F T with T Tᵀ = (I + BᵀB)⁻¹: the factor after readings.  scaled : B = R^-½ G F, (m, r).
+
+    By Cholesky; by singular values where readings are so much better than the prior that forming BᵀB would lose it.
+    """
+    if np.sum(scaled**2) < _MODERATE:
+        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
+        return np.asarray(np.linalg.solve(np.linalg.cholesky(information), factor.T).T, dtype=np.float64)
+    _, values, right = np.linalg.svd(scaled, full_matrices=False)
+    shrink = 1.0 - 1.0 / np.hypot(1.0, values)
+    return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)

@@ -1,0 +1,40 @@
+"""The accuracy that is predicted while readings enter a plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.design.gains.covariance import RankOne
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunningAccuracy:
+    """total : tr(V C Vᵀ) of the volume, m²; variances : of the TCP at the yardstick's poses, (m,) m²."""
+
+    yardstick: Yardstick
+    total: float
+    variances: Array
+
+    @classmethod
+    def of(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
+        """Return the meter of a covariance C = F Fᵀ.  factor : F (n, r)."""
+        root = yardstick.root
+        return cls(yardstick, float(np.sum((root @ factor[: root.shape[1]]) ** 2)), yardstick.variances(factor))
+
+    def after(self, *changes: RankOne) -> RunningAccuracy:
+        """Return the meter after changes C ← C − η h hᵀ."""
+        root, rows = self.yardstick.root, self.yardstick.rows
+        total, variances = self.total, self.variances
+        for change in changes:
+            total -= change.eta * float(np.sum((root @ change.h[: root.shape[1]]) ** 2))
+            variances = variances - change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
+        return RunningAccuracy(self.yardstick, total, variances)
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The figures."""
+        return self.yardstick.figures(self.total, self.variances)

@@ -1,0 +1,70 @@
+"""The gain of a reading of several numbers, which teach each other: ΔJ = tr(M⁻¹ N), M = R + G C Gᵀ, N = G C W C Gᵀ.
+
+As a ratio of two smooth functions of the place it is tr(adj(M) N) / det(M), both divided by the same power of the
+noise so that they stay within the range of numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.numerics import Array
+
+PAIRS: tuple[NDArray[np.intp], NDArray[np.intp]] = (np.array([0, 0, 1]), np.array([1, 2, 2]))
+"""Which entries beside the diagonal a symmetric matrix of three has."""
+
+
+def joint_forms(above: Array, below: Array, noise: float) -> tuple[Array, Array]:
+    """Return numerator and denominator of gains.  above : N (..., k, k); below : M (..., k, k); noise : σ², m²."""
+    if above.shape[-1] == 1:
+        return above[..., 0, 0], below[..., 0, 0]
+    determinant = noise * np.linalg.det(below / noise)
+    return determinant * joint_gains(above, below), determinant
+
+
+def joint_gains(above: Array, below: Array) -> Array:
+    """Return tr(M⁻¹ N), (...).  above : N (..., k, k); below : M (..., k, k)."""
+    gains: Array = np.trace(np.linalg.solve(below, above), axis1=-2, axis2=-1)
+    return gains
+
+
+@dataclass(eq=False, slots=True)
+class SharedReadings:
+    """What the numbers of readings of three have in common.
+
+    first : (t,) index of the first number of each; above, below : (t, 3) entries of N and M beside the diagonal
+    """
+
+    first: NDArray[np.intp]
+    above: Array
+    below: Array
+
+    @classmethod
+    def of(cls, parts: Sequence[SharedReadings]) -> SharedReadings:
+        """Return several as one."""
+        if not parts:
+            return cls(np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros((0, 3)))
+        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("first", "above", "below")))
+
+    def copy(self) -> SharedReadings:
+        """Return a copy that goes its own way."""
+        return SharedReadings(self.first, self.above.copy(), self.below.copy())
+
+    def gains(self, above: Array, below: Array) -> Array:
+        """Return the gains, (t,).  above, below : (numbers,) the diagonals of all readings."""
+        return joint_gains(self._full(above, self.above), self._full(below, self.below))
+
+    def _full(self, diagonal: Array, aside: Array) -> Array:
+        result = np.empty((len(self.first), 3, 3))
+        every = np.arange(3)
+        result[:, every, every] = diagonal[self.first[:, None] + every]
+        result[:, PAIRS[0], PAIRS[1]] = result[:, PAIRS[1], PAIRS[0]] = aside
+        return result
+
+    def ends(self, values: Array) -> tuple[Array, Array]:
+        """Return values (numbers,) of the first and the second number of every pair, each (t, 3)."""
+        return values[self.first[:, None] + PAIRS[0]], values[self.first[:, None] + PAIRS[1]]

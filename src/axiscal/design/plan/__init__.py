@@ -1,0 +1,1 @@
+"""Many readings chosen together, in order and within limits."""

@@ -1,0 +1,143 @@
+"""Readings chosen together: take one out, put the best one in, until no exchange helps.
+
+On the lattice a reading and what would replace it cost O(M) to look at; afterwards every reading is climbed off the
+lattice by the exact step, under what all the others tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.gains.covariance import Point
+from axiscal.design.gains.gain import Scorer
+from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.move_all import moved
+from axiscal.design.step.best_step import best_of
+from axiscal.design.step.climb import Climb
+from axiscal.design.step.starts_stacked import adds_up
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+
+Allowed = Callable[[Scores, int], NDArray[np.bool_]]
+"""(scores, slot) -> which candidates (M,) may stand in that slot."""
+
+_SWEEPS = 50
+_BETTER = 1e-9
+_WORTH = 1e-6
+_WORTH_OF_MANY = 2e-3
+_FEW = 120
+_CANDIDATES = 4
+_SMALL = 60
+_WORK = 4e9
+"""Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
+
+
+Spent = Callable[[], bool]
+
+
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> None:
+    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work.
+
+    better : by this share of what a reading brings, another one must bring more
+    """
+    work = 0.0
+    for _ in range(sweeps):
+        count = 0
+        for slot in np.argsort(scores.losses(), kind="stable"):
+            if work > _WORK:
+                return
+            changed = _exchanged(scores, int(slot), allowed, better)
+            count += changed
+            work += 4.0 * len(scores.pool) + changed * _work_of_change(scores)
+        if not count:
+            return
+
+
+def _work_of_change(scores: Scores) -> float:
+    """Return the operations that one exchange takes, roughly."""
+    products = len(scores.pool) * (6.0 * len(scores.members) + 2.0 * scores.pool.size)
+    return products + 20.0 * scores.state.factor.size
+
+
+def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
+    gains, own = scores.without(slot)
+    gains = np.where(allowed(scores, slot), gains, -np.inf)
+    best = int(gains.argmax())
+    if not gains[best] > own * (1 + better):
+        return False
+    scores.leave(slot)
+    scores.enter(best, slot)
+    return True
+
+
+def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Spent) -> None:
+    """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
+    for _ in range(rounds):
+        before = scores.state.value
+        if not spent():
+            _move(scores)
+        for slot in range(len(scores.members)):
+            if spent():
+                return
+            _polished(scores, slot, allowed)
+        if before - scores.state.value <= _worth(scores) * before:
+            return
+
+
+def _worth(scores: Scores) -> float:
+    """Return the share of J that a round must gain to be followed by another: these are dear with many unknowns."""
+    return _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY
+
+
+def _move(scores: Scores) -> None:
+    before, points = scores.points, moved(scores.begun, scores.points)
+    for slot, (old, new) in enumerate(zip(before, points, strict=True)):
+        if np.any(old.pose != new.pose):
+            scores.leave(slot)
+            scores.enter(new, slot)
+
+
+def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
+    """Put the best reading there is, on the lattice or off it, into a slot."""
+    gains, _ = scores.without(slot)
+    gains = np.where(allowed(scores, slot), gains, -np.inf)
+    old = scores.members[slot].point
+    own = scores.leave(slot)
+    found = _climbed(scores, gains, old)
+    gain = sum(change.gain for change in scores.state.taken(found)[1])
+    scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
+
+
+def _climbed(scores: Scores, gains: Array, old: Point) -> Point:
+    """Return the best reading found from a reading and the best candidates.
+
+    Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
+    """
+    scorer, lattice = scores.pool.scorer(scores.state), scores.pool.lattice
+    order = np.argsort(-gains, kind="stable")[:_CANDIDATES]
+    if np.all(np.isfinite(gains)) and _small(scorer, lattice):
+        step = best_of(scorer, lattice)
+        return Point(step.setup, step.pose, step.approach)
+    points = [old, *(scores.pool.point(int(i)) for i in order if np.isfinite(gains[i]))]
+    climbs = [_climb(scorer, [p for p in points if p.setup == setup]) for setup in {p.setup for p in points}]
+    best = max(climbs, key=lambda climb: float(climb.gains.max()))
+    top = int(best.gains.argmax())
+    return Point(best.setup, best.poses[top], best.approaches[top])
+
+
+def _small(scorer: Scorer, lattice: Places) -> bool:
+    """Whether a search over everything costs no more than climbing from a few places."""
+    return scorer.rank <= 2 * _SMALL and all(adds_up(scorer.observation, int(s)) for s in np.unique(lattice.setups))
+
+
+def _climb(scorer: Scorer, points: list[Point]) -> Climb:
+    poses, approaches = np.array([p.pose for p in points]), np.array([p.approach for p in points])
+    climb = Climb(scorer, points[0].setup, poses, approaches, scorer.at(points[0].setup, poses, approaches))
+    if len(climb.moves) > 1:
+        climb.newton(3)
+    climb = climb.distinct().best(1, 0.0, 1.0)
+    climb.finish()
+    return climb

@@ -1,0 +1,183 @@
+"""Which set-ups to use, and how many readings each is worth: greedily by gain per second, over sets of set-ups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.running_accuracy import RunningAccuracy
+from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.task import Clock, Limits, Task
+from axiscal.measurement.place import Places
+
+_COARSE = 1000
+_PICKS = 50
+_TRIED = 150
+_EVERY_SUBSET = 4
+_MOST = 1000
+_STALLED = 1e-7
+_FRESH = 0.99
+
+Setups = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Trial:
+    """A plan in the making.
+
+    setups : that it may use; seconds : with the usual ways; met : whether the accuracy asked for is reached
+    """
+
+    scores: Scores
+    setups: Setups
+    seconds: float
+    met: bool
+
+    def key(self, limits: Limits) -> tuple[float, float]:
+        """What to compare trials by, the smaller the better: time where the accuracy is reached, else J."""
+        if self.met and limits.accurate:
+            return 0.0, self.seconds
+        return 1.0, self.scores.state.value
+
+
+def chosen_setups(problem: Task, limits: Limits, times: Clock) -> Setups:
+    """Return the set-ups that are worth their mounting.
+
+    All sets of up to four set-ups are tried on a coarse lattice; with more, sets grow and shrink by one while it helps.
+    """
+    everything = tuple(int(s) for s in np.unique(problem.lattice.setups))
+    if len(everything) == 1:
+        return everything
+    base = Scores(Pool(problem.observation, _thinned(problem), problem.memory), problem.state)
+    meter = RunningAccuracy.of(problem.yardstick, base.state.factor)
+
+    longest = np.inf
+
+    def key(setups: Setups) -> tuple[float, float]:
+        nonlocal longest
+        bundle = _bundle(limits, times, setups)
+        trial = filled(base.fork(), meter, limits, times, setups, bundle, _TRIED, longest)
+        if trial.met and limits.accurate:
+            longest = min(longest, trial.seconds)
+        return trial.key(limits)
+
+    if len(everything) <= _EVERY_SUBSET:
+        sets = [s for count in range(len(everything), 0, -1) for s in combinations(everything, count)]
+        return min(sets, key=key)
+    return _grown(everything, key)
+
+
+def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    key(everything)
+    best: Setups = min(((s,) for s in everything), key=key)
+    value = key(best)
+    while True:
+        more = [(*best, s) for s in everything if s not in best]
+        fewer = [s for s in combinations(best, len(best) - 1) if s]
+        tried = {tuple(sorted(s)): key(tuple(sorted(s))) for s in [*more, *fewer]}
+        step = min(tried, key=lambda s: tried[s], default=best)
+        if not tried or not tried[step] < value:
+            return best
+        best, value = step, tried[step]
+
+
+def _bundle(limits: Limits, times: Clock, setups: Setups) -> int:
+    """Return how many readings to take for one, so that a set of set-ups is judged by a few dozen picks.
+
+    Where an accuracy is asked for it is one: which set-ups reach it first is a matter of single readings.
+    """
+    if limits.accurate:
+        return 1
+    most = limits.readings or _MOST
+    if limits.budget is not None:
+        left = limits.budget - float(times.mounting[list(setups)].sum())
+        most = min(most, int(max(left, 0.0) / float(times.reading[list(setups)].min())))
+    return 1 + most // _PICKS
+
+
+def filled(
+    scores: Scores,
+    meter: RunningAccuracy,
+    limits: Limits,
+    times: Clock,
+    setups: Setups,
+    bundle: int = 1,
+    most: int = _MOST,
+    longest: float = np.inf,
+) -> Trial:
+    """Take the candidate with the most gain (per second, where time counts) until a limit is reached.
+
+    bundle : readings that are taken together as one with so much less noise
+    most, longest : picks and seconds after which to give up an accuracy
+    """
+    of = scores.pool.lattice.setups
+    spent, cost = float(times.mounting[list(setups)].sum()), bundle * times.reading[of]
+    allowed = np.isin(of, setups)
+    for index in _openings(scores, setups, limits):
+        scores.enter(index, bundle=bundle)
+        meter, spent = meter.after(*scores.last), spent + float(cost[index])
+    start = scores.state.value
+    picks = 0
+    while not (met := limits.met(meter.accuracy)) and bundle * len(scores.members) < (limits.readings or _MOST):
+        picks += 1
+        if picks > most or spent > longest:
+            break
+        open_to = allowed & (spent + cost <= (limits.budget or np.inf))
+        if not open_to.any():
+            break
+        rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
+        best = int(rate.argmax())
+        gain = scores.enter(best, bundle=bundle)
+        meter, spent = meter.after(*scores.last), spent + float(cost[best])
+        if gain < _STALLED * start and limits.readings is None and limits.budget is None:
+            break
+    return Trial(scores, setups, spent, met)
+
+
+def _openings(scores: Scores, setups: Setups, limits: Limits) -> list[int]:
+    """Return one candidate for every set-up with unknowns of its own, near the middle of what it may reach.
+
+    The first reading of a set-up tells little but its own zero, so no gain would ever open it.
+    """
+    lattice, observation = scores.pool.lattice, scores.state.observation
+    if len(setups) == 1 or (limits.readings or _MOST) < len(setups):
+        return []
+    opened = []
+    for setup in setups:
+        mine = np.flatnonzero(lattice.setups == setup)
+        spans = np.array([axis.length for axis in observation.errors.machine.axes])
+        away = (lattice.poses[mine] - np.array(observation.setups[setup].park)) / spans
+        if observation.setups[setup].unknowns and not _known(scores, setup):
+            opened.append(int(mine[np.sum(away**2, axis=1).argmin()]))
+    return opened
+
+
+def _known(scores: Scores, setup: int) -> bool:
+    """Whether the unknowns of a set-up are better known than when it was mounted."""
+    state = scores.state
+    columns = state.observation.unknowns_of(setup)
+    variances = np.sum(state.factor[columns] ** 2, axis=1)
+    fresh = np.array([unknown.std**2 for unknown in state.observation.setups[setup].unknowns])
+    return bool(np.any(variances < _FRESH * fresh))
+
+
+def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
+    """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
+
+    def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
+        of = scores.pool.lattice.setups
+        room = times.reading[scores.members[slot].point.setup] + slack
+        fitting: NDArray[np.bool_] = np.isin(of, setups) & (times.reading[of] <= room + 1e-9)
+        return fitting
+
+    return allowed
+
+
+def _thinned(problem: Task) -> Places:
+    step = max(1, len(problem.lattice) // _COARSE)
+    return problem.lattice.within(np.arange(0, len(problem.lattice), step))

@@ -1,0 +1,125 @@
+"""What is to be planned, and how long it may take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.belief import Belief
+from axiscal.design.gains.candidate_rows import MEMORY
+from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.machine.motion import approach_seconds
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.time_taken import reading_seconds, travel_table
+from axiscal.numerics import Array
+from axiscal.numerics.short_way import route
+
+_TYPICAL = 24
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Task:
+    """The belief to improve and the readings that are allowed.
+
+    belief : over the unknowns of the observation; weight : V (w, n) of the criterion; lattice : the candidates
+    here : the set-up that is mounted and the pose where the machine stands; None before the first
+    memory : bytes that the rows of the candidates may take
+    """
+
+    observation: Observation
+    belief: Belief
+    weight: Array
+    yardstick: Yardstick
+    lattice: Places
+    here: Point | None = None
+    memory: float = MEMORY
+
+    @property
+    def state(self) -> Covariance:
+        """The covariance before the first reading of the plan."""
+        return Covariance.of(self.observation, self.belief, self.weight)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """A plan ends at the first that is reached.  rms, worst : m; budget : s."""
+
+    readings: int | None = None
+    rms: float | None = None
+    worst: float | None = None
+    budget: float | None = None
+
+    def met(self, accuracy: Accuracy) -> bool:
+        """Return whether the accuracy asked for is reached, as far as readings can tell it."""
+        fine = self.rms is not None and accuracy.seen <= accuracy.attainable(self.rms)
+        return fine or (self.worst is not None and accuracy.worst_seen <= accuracy.attainable(self.worst))
+
+    @property
+    def accurate(self) -> bool:
+        """Whether an accuracy is asked for."""
+        return self.rms is not None or self.worst is not None
+
+    @property
+    def timed(self) -> bool:
+        """Whether seconds count: for a budget, and for the least time to an accuracy."""
+        return self.budget is not None or self.accurate
+
+    @property
+    def slack(self) -> float:
+        """Seconds that one exchange may cost."""
+        return 0.0 if self.timed else np.inf
+
+
+class Clock(NamedTuple):
+    """Seconds of each set-up: to mount it, and for one reading with the usual way to it, (setups,)."""
+
+    mounting: Array
+    reading: Array
+
+
+def clock(problem: Task) -> Clock:
+    """Return what set-ups and readings take; the way is that between a few evenly spread readings."""
+    machine, setups = problem.observation.errors.machine, problem.observation.setups
+    mounting = [0.0 if problem.here and problem.here.setup == i else s.setup_time for i, s in enumerate(setups)]
+    readings = []
+    for setup in setups:
+        sample = spread(machine, (setup,), _TYPICAL)
+        table = travel_table(machine, sample.poses, np.zeros_like(sample.poses))
+        order = route(table)
+        readings.append(reading_seconds(setup) + float(table[order[:-1], order[1:]].mean()))
+    return Clock(np.array(mounting), np.array(readings))
+
+
+def counting(problem: Task, point: Point) -> Array:
+    """Return the approach of a reading, (q,), 0 for axes on which no direction is asked for and none matters."""
+    setup = problem.observation.setups[point.setup]
+    reverses = {f.axis for f in problem.observation.errors.functions if f.kind == "reversal"}
+    counts = [k in setup.moves and (setup.approach != "both" or k in reverses) for k in range(len(point.approach))]
+    return np.where(counts, point.approach, 0.0)
+
+
+def ordered(problem: Task, points: list[Point]) -> list[int]:
+    """Return the order of the readings of one set-up on a short way, from where the machine stands if it is mounted."""
+    if len(points) < 2:
+        return list(range(len(points)))
+    machine = problem.observation.errors.machine
+    poses, approaches = np.array([p.pose for p in points]), np.array([counting(problem, p) for p in points])
+    first = None
+    if problem.here and problem.here.setup == points[0].setup:
+        first = approach_seconds(machine, problem.here.pose, poses, approaches)
+    return [int(i) for i in route(travel_table(machine, poses, approaches), first)]
+
+
+def way_seconds(problem: Task, before: Point | None, point: Point) -> float:
+    """Return what a reading takes after another: mounting where the set-up changes, way, settling, reading."""
+    setup = problem.observation.setups[point.setup]
+    if before is None or before.setup != point.setup:
+        return setup.setup_time + reading_seconds(setup)
+    machine = problem.observation.errors.machine
+    way = approach_seconds(machine, before.pose, point.pose, counting(problem, point))
+    return float(way) + reading_seconds(setup)

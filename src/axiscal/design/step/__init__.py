@@ -1,0 +1,1 @@
+"""The one place where the next reading brings most, exactly."""

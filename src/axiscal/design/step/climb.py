@@ -1,0 +1,282 @@
+"""Climbing to the best reading: along one axis exactly, along all of them at once by Newton's step."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.gains.gain import Scorer
+from axiscal.design.step.lines import Lines, SampledLines, lines_along
+from axiscal.measurement.candidates import knot_lattice, raster_positions
+from axiscal.numerics import Array
+from axiscal.numerics.chebyshev import node_count
+from axiscal.numerics.exact_step import maximise_along
+
+_ROUNDS = 60
+_IMPROVED = 1e-10
+_STEP = 3e-5
+_NEWTON = 40
+_SETTLED = 1e-9
+"""Newton's step converges quadratically: what is left after a rise of this share is below rounding."""
+_SHORTER = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.001])
+_APART = 1e-5
+_INNER = 4
+
+
+@dataclass(eq=False, slots=True)
+class Climb:
+    """Several readings of one set-up on their way up.
+
+    poses, approaches : (n, q), changed in place; gains : (n,)
+    """
+
+    scorer: Scorer
+    setup: int
+    poses: Array
+    approaches: Array
+    gains: Array
+
+    @property
+    def moves(self) -> tuple[int, ...]:
+        """The axes that may move."""
+        return self.scorer.observation.setups[self.setup].moves
+
+    def keep(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Climb:
+        """Return the climb of the chosen ones."""
+        return Climb(self.scorer, self.setup, self.poses[chosen], self.approaches[chosen], self.gains[chosen])
+
+    def best(self, count: int, share: float, than: float) -> Climb:
+        """Return the best `count` that gain at least a share of `than`."""
+        order = np.argsort(-self.gains, kind="stable")[:count]
+        return self.keep(order[self.gains[order] >= share * than])
+
+    def scattered(self, count: int, apart: float) -> Climb:
+        """Return the best, no two of them closer than a share of every travel.  apart : share"""
+        spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
+        order = np.argsort(-self.gains, kind="stable")
+        chosen = np.zeros(len(order), dtype=bool)
+        for i in order:
+            if chosen.sum() < count and not _near(self.poses[chosen], self.poses[i], apart * spans):
+                chosen[i] = True
+        return self.keep(chosen)
+
+    def distinct(self) -> Climb:
+        """Return the climb without those that stand where a better one stands."""
+        spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
+        order = np.argsort(-self.gains, kind="stable")
+        poses, approaches = self.poses[order] / spans, self.approaches[order]
+        near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(
+            approaches[:, None] == approaches, axis=2
+        )
+        return self.keep(order[~np.any(np.tril(near, -1), axis=1)])
+
+    def sweep_lattice(self) -> None:
+        """Move every axis once to the best of a few positions in each interval."""
+        for axis in self.moves:
+            positions = self._positions(axis)
+            above, below = self._lines(axis).on(positions)
+            ratio = above / below
+            self._move(axis, positions[ratio.argmax(axis=1)], ratio.max(axis=1))
+            self._turn(axis)
+
+    def sweep(self) -> None:
+        """Move every axis once to the exact best on its line (B&H eq. 27): a narrow ridge is not missed."""
+        for axis in self.moves:
+            found = self._on_raster(axis) if self._raster(axis) else self._exactly([axis])[0][1:]
+            self._move(axis, *found)
+            self._turn(axis)
+
+    def finish(self) -> None:
+        """Climb until no axis improves any of them, alone and exactly (B&H eq. 27)."""
+        for _ in range(_ROUNDS):
+            if len(self.moves) > 1:
+                self.newton(_NEWTON)
+            before = self.gains.copy()
+            self._move_best_axis()
+            if len(self.moves) == 1 or np.all(self.gains <= before * (1 + _IMPROVED)):
+                return
+
+    def newton(self, steps: int) -> None:
+        """Move all continuous axes at once, by damped Newton steps with differences for derivatives."""
+        axes = [k for k in self.moves if not self.scorer.observation.setups[self.setup].raster[k] > 0]
+        if not axes or not len(self.poses):
+            return
+        observation = self.scorer.observation
+        mounted, machine = observation.setups[self.setup], observation.errors.machine
+        ends = np.array([mounted.span(machine.axes[k], k) for k in axes])
+        going = np.arange(len(self.poses))
+        for _ in range(steps):
+            if not len(going):
+                return
+            gained = self._newton_step(axes, ends, going)
+            going = going[gained > _SETTLED * self.gains[going]]
+
+    def _newton_step(self, axes: list[int], ends: Array, going: NDArray[np.intp]) -> Array:
+        """Return by how much the gains of those on the way have risen."""
+        here, spans = self.poses[going][:, axes], np.diff(ends).ravel()
+        offsets = _stencil(len(axes)) * _STEP
+        values = self._gains_at(axes, here[:, None] + offsets * spans, going)
+        slope, bend = _derivatives(values, len(axes))
+        steps = _ascent(slope, bend, (here - ends[:, 0]) / spans)
+        promised, steps = np.einsum("nk,nk->n", slope, steps), steps * spans
+        rise = self._try(axes, np.clip(here + steps, *ends.T)[:, None], going)
+        short = np.flatnonzero((rise <= 0) & (promised > _SETTLED * self.gains[going]))
+        if len(short):
+            tries = np.clip(here[short, None] + _SHORTER[:, None] * steps[short, None], *ends.T)
+            rise[short] = self._try(axes, tries, going[short])
+        return rise
+
+    def _try(self, axes: list[int], tries: Array, going: NDArray[np.intp]) -> Array:
+        """Go to the best of several positions (n, p, axes) each where it gains more; return by how much it does."""
+        gains = self._gains_at(axes, tries, going)
+        best = gains.argmax(axis=1)
+        found, gain = tries[np.arange(len(going)), best], gains[np.arange(len(going)), best]
+        rise: Array = gain - self.gains[going]
+        better = rise > 0
+        self.poses[going[better][:, None], axes] = found[better]
+        self.gains[going[better]] = gain[better]
+        return rise
+
+    def _gains_at(self, axes: list[int], positions: Array, going: NDArray[np.intp]) -> Array:
+        """Return gains (n, p) where some axes stand elsewhere.  positions : (n, p, axes)."""
+        count, tries, _ = positions.shape
+        poses = np.repeat(self.poses[going], tries, axis=0)
+        poses[:, axes] = positions.reshape(count * tries, -1)
+        approaches = np.repeat(self.approaches[going], tries, axis=0)
+        return self.scorer.at(self.setup, poses, approaches).reshape(count, tries)
+
+    def _move(self, axis: int, positions: Array, gains: Array) -> None:
+        better = gains > self.gains
+        self.poses[better, axis] = positions[better]
+        self.gains = np.where(better, gains, self.gains)
+
+    def _turn(self, axis: int) -> None:
+        """Approach from the other side where that gains more."""
+        observation = self.scorer.observation
+        reverses = any(f.kind == "reversal" and f.axis == axis for f in observation.errors.functions)
+        if observation.setups[self.setup].approach != "both" or not reverses:
+            return
+        other = self.approaches.copy()
+        other[:, axis] *= -1
+        gains = self.scorer.at(self.setup, self.poses, other)
+        better = gains > self.gains * (1 + 1e-12)
+        self.approaches[better, axis] *= -1
+        self.gains = np.where(better, gains, self.gains)
+
+    def _lines(self, axis: int) -> Lines | SampledLines:
+        return lines_along(self.scorer, self.setup, axis, self.poses, self.approaches)
+
+    def _positions(self, axis: int) -> Array:
+        observation = self.scorer.observation
+        mounted, machine = observation.setups[self.setup], observation.errors.machine
+        if mounted.raster[axis] > 0:
+            return raster_positions(machine, mounted, axis)
+        return knot_lattice(observation, self.setup, axis, _INNER)
+
+    def _move_best_axis(self) -> None:
+        """Look along every axis exactly, and move the one that gains most."""
+        poses, gains, where = self.poses, np.full(len(self.poses), -np.inf), np.zeros(len(self.poses))
+        which = np.zeros(len(self.poses), dtype=np.intp)
+        continuous = [k for k in self.moves if not self._raster(k)]
+        found = [(k, *self._on_raster(k)) for k in self.moves if self._raster(k)]
+        if continuous:
+            found += self._exactly(continuous)
+        for axis, position, gain in found:
+            better = gain > gains
+            which[better], where[better], gains[better] = axis, position[better], gain[better]
+        better = gains > self.gains
+        poses[better, which[better]] = where[better]
+        self.gains = np.where(better, gains, self.gains)
+        for axis in self.moves:
+            self._turn(axis)
+
+    def _raster(self, axis: int) -> bool:
+        return self.scorer.observation.setups[self.setup].raster[axis] > 0
+
+    def _on_raster(self, axis: int) -> tuple[Array, Array]:
+        positions = self._positions(axis)
+        above, below = self._lines(axis).on(positions)
+        ratio = above / below
+        return positions[ratio.argmax(axis=1)], ratio.max(axis=1)
+
+    def _exactly(self, axes: list[int]) -> list[tuple[int, Array, Array]]:
+        """Return the best position on the line through every pose along each axis, and the gain there.
+
+        All lines are one search. An axis on which nothing better can be found for a pose may come out a little low.
+        """
+        observation, count = self.scorer.observation, len(self.poses)
+        bundle = _Bundle([self._lines(k) for k in axes], [observation.breaks(k, self.setup) for k in axes], count)
+        degree = max(node_count(*observation.smoothness(k, self.setup)) for k in axes)
+        position, value = maximise_along(bundle.forms, bundle.left, bundle.right, degree, bundle.pose)
+        return [(axis, *bundle.best(i, position, value)) for i, axis in enumerate(axes)]
+
+
+class _Bundle:
+    """The intervals of the lines through several poses along several axes, one after another."""
+
+    def __init__(self, lines: list[Lines | SampledLines], breaks: list[Array], poses: int) -> None:
+        self._lines, self._counts, self._poses = lines, [len(b) - 1 for b in breaks], poses
+        self._starts = np.cumsum([0, *(poses * c for c in self._counts)])
+        self.left = np.concatenate([np.tile(b[:-1], poses) for b in breaks])
+        self.right = np.concatenate([np.tile(b[1:], poses) for b in breaks])
+        self.pose = np.concatenate([np.repeat(np.arange(poses), c) for c in self._counts])
+
+    def forms(self, positions: Array, interval: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return both forms of the gain, each (b, k), at positions (b, k) in intervals (b,)."""
+        above, below = np.empty_like(positions), np.empty_like(positions)
+        for lines, start, stop in zip(self._lines, self._starts[:-1], self._starts[1:], strict=True):
+            mine = np.flatnonzero((interval >= start) & (interval < stop))
+            if len(mine):
+                above[mine], below[mine] = lines.forms(positions[mine], self.pose[interval[mine]])
+        return above, below
+
+    def best(self, axis: int, position: Array, value: Array) -> tuple[Array, Array]:
+        """Return for each pose the best position along an axis, and the gain there."""
+        mine = slice(self._starts[axis], self._starts[axis + 1])
+        pick = value[mine].reshape(self._poses, -1).argmax(axis=1)
+        index = self._starts[axis] + np.arange(self._poses) * self._counts[axis] + pick
+        return position[index], value[index]
+
+
+def _near(poses: Array, pose: Array, reach: Array) -> bool:
+    return bool(np.any(np.all(np.abs(poses - pose) <= reach, axis=1)))
+
+
+def _stencil(size: int) -> Array:
+    """Return the offsets at which the second-order Taylor polynomial is read off: 0, ±e_i, ±(e_i + e_j)."""
+    unit = np.eye(size)
+    pairs = [unit[i] + unit[j] for i, j in itertools.combinations(range(size), 2)]
+    return np.array([np.zeros(size), *unit, *-unit, *pairs, *(-p for p in pairs)])
+
+
+def _derivatives(values: Array, size: int) -> tuple[Array, Array]:
+    """Return gradient (n, size) and Hessian (n, size, size) from the values (n, p) on the stencil."""
+    middle, up, down = values[:, 0], values[:, 1 : size + 1], values[:, size + 1 : 2 * size + 1]
+    pairs = values[:, 2 * size + 1 :]
+    half = pairs.shape[1] // 2
+    bend = np.zeros((len(values), size, size))
+    bend[:, np.arange(size), np.arange(size)] = up + down - 2 * middle[:, None]
+    for p, (i, j) in enumerate(itertools.combinations(range(size), 2)):
+        single = up[:, i] + down[:, i] + up[:, j] + down[:, j]
+        mixed = (pairs[:, p] + pairs[:, half + p] - single + 2 * middle) / 2
+        bend[:, i, j] = bend[:, j, i] = mixed
+    return (up - down) / (2 * _STEP), bend / _STEP**2
+
+
+def _ascent(slope: Array, bend: Array, place: Array) -> Array:
+    """Return Newton's steps (n, size) towards a maximum; an axis at its end that would leave is held.
+
+    place : (n, size), 0 and 1 at the ends. Directions that bend upwards are followed uphill all the same.
+    """
+    held = ((place <= 0) & (slope < 0)) | ((place >= 1) & (slope > 0))
+    free = ~held
+    bend = np.where(free[:, :, None] & free[:, None, :], bend, 0.0)
+    slope = np.where(free, slope, 0.0)
+    values, vectors = np.linalg.eigh(bend)
+    turned = np.einsum("nij,ni->nj", vectors, slope)
+    along = turned / np.maximum(np.abs(values), 1e-12 * np.abs(values).max(axis=1, keepdims=True) + 1e-300)
+    steps: Array = np.einsum("nij,nj->ni", vectors, along)
+    return np.clip(steps, -0.2, 0.2)

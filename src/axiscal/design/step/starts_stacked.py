@@ -1,0 +1,165 @@
+"""Where to start on a machine whose errors simply add up: every point of a fine lattice, from tables of axis pairs.
+
+Without lever arms a row is a sum over the axes, g(t) = g_0 + Σ_k g_k(t_k), and both forms of the gain are sums over
+pairs of axes (the stacked splines of B&H eq. 28-33). With few axes every point of the tensor lattice is looked at,
+with many each of a number of starts climbs it axis by axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.design.gains.gain import Scorer
+from axiscal.measurement.candidates import even_points, knot_lattice, raster_positions
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+from axiscal.numerics.axis_pairs import Pairs
+
+_PER_INTERVAL = 8
+_EVERY_POINT = 300_000
+_CLIMBERS = 64
+_SWEEPS = 30
+_ADDS_UP = 1e-12
+_LOOKS = 3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Starts:
+    """Candidates of one set-up that no neighbour on a lattice beats.
+
+    poses, approaches : (m, q); gains : (m,)
+    """
+
+    poses: Array
+    approaches: Array
+    gains: Array
+
+
+@lru_cache(maxsize=16)
+def adds_up(observation: Observation, setup: int) -> bool:
+    """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
+    moves = observation.setups[setup].moves
+    if len(moves) == 1:
+        return True
+    park = np.array(observation.setups[setup].park)
+    poses = np.tile(park, (_LOOKS, len(moves) + 1, 1))
+    for i, share in enumerate(even_points(_LOOKS, len(moves)).T):
+        axis = observation.errors.machine.axes[moves[i]]
+        poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
+    flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
+    rows = observation.rows(setup, flat, np.zeros_like(flat)).rows
+    parked, rows = rows[0], rows[1:].reshape(_LOOKS, len(moves) + 1, -1)
+    apart = rows[:, 0] - parked - (rows[:, 1:] - parked).sum(axis=1)
+    return bool(np.all(np.abs(apart) <= _ADDS_UP * np.abs(rows).max(axis=(0, 1))))
+
+
+def starts(scorer: Scorer, setup: int) -> Starts:
+    """Return the points of a fine lattice over a set-up that adds up which no neighbour beats."""
+    stack = _stack(scorer.observation, setup)
+    sizes = [len(grid.positions) for grid in stack.grids]
+    above, below = stack.tables(scorer)
+    if np.prod(sizes) <= _EVERY_POINT:
+        where, gains = peaks(above.everywhere() / below.everywhere())
+    else:
+        where, gains = _climbed(above, below, sizes)
+    poses = np.tile(np.array(scorer.observation.setups[setup].park), (len(where), 1))
+    approaches = np.zeros_like(poses)
+    for grid, index in zip(stack.grids, where.T, strict=True):
+        poses[:, grid.axis], approaches[:, grid.axis] = grid.positions[index], grid.signs[index]
+    return Starts(poses, approaches, gains)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Grid:
+    """Places positions of one axis, (p,), with the sign of the approach, (p,), and what they add.
+
+    columns : (c,) of the rows that change along the axis; rows : (p, c); variances : (p,)
+    """
+
+    axis: int
+    positions: Array
+    signs: Array
+    columns: NDArray[np.intp]
+    rows: Array
+    variances: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Stack:
+    """The lattice of one set-up: the row (n,) and variance of the parked pose, and what each axis adds."""
+
+    row: Array
+    variance: float
+    grids: list[_Grid]
+
+    def tables(self, scorer: Scorer) -> tuple[Pairs, Pairs]:
+        """Return numerator and denominator of the gain on the tensor lattice."""
+        parked, parts = self.row @ scorer.both, [scorer.both[g.columns] for g in self.grids]
+        rows, rank = [g.rows for g in self.grids], scorer.rank
+        above = Pairs.of(parked[rank:], rows, [p[:, rank:] for p in parts])
+        below = Pairs.of(parked[:rank], rows, [p[:, :rank] for p in parts])
+        return above, below.plus(self.variance, [g.variances for g in self.grids])
+
+
+@lru_cache(maxsize=16)
+def _stack(observation: Observation, setup: int) -> _Stack:
+    mounted = observation.setups[setup]
+    park = np.array([mounted.park])
+    parked = observation.rows(setup, park, np.zeros_like(park))
+    row, variance = parked.rows[0], float(parked.variances[0])
+    return _Stack(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
+
+
+def _grid(observation: Observation, setup: int, axis: int, parked: Array, variance: float) -> _Grid:
+    mounted = observation.setups[setup]
+    positions = _positions(observation, setup, axis)
+    signs = np.full(len(positions), -1.0 if mounted.approach == "-" else 1.0)
+    if mounted.approach == "both" and any(
+        f.kind == "reversal" and f.axis == axis for f in observation.errors.functions
+    ):
+        positions, signs = np.tile(positions, 2), np.concatenate([signs, -signs])
+    poses = np.tile(np.array(mounted.park), (len(positions), 1))
+    approaches = np.zeros_like(poses)
+    poses[:, axis], approaches[:, axis] = positions, signs
+    seen = observation.rows(setup, poses, approaches)
+    added = seen.rows - parked
+    columns = np.flatnonzero(np.any(added != 0, axis=0))
+    return _Grid(axis, positions, signs, columns, added[:, columns], seen.variances - variance)
+
+
+def _positions(observation: Observation, setup: int, axis: int) -> Array:
+    mounted = observation.setups[setup]
+    if mounted.raster[axis] > 0:
+        return raster_positions(observation.errors.machine, mounted, axis)
+    return knot_lattice(observation, setup, axis, _PER_INTERVAL)
+
+
+def peaks(gains: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return the lattice points (n, axes) that gain no less than the points beside them, and their gains."""
+    beaten = np.zeros(gains.shape, dtype=bool)
+    for axis in range(gains.ndim):
+        along, covered = np.moveaxis(gains, axis, 0), np.moveaxis(beaten, axis, 0)
+        covered[:-1] |= along[1:] > along[:-1]
+        covered[1:] |= along[:-1] > along[1:]
+    where = np.argwhere(~beaten)
+    return where, gains[tuple(where.T)]
+
+
+def _climbed(above: Pairs, below: Pairs, sizes: list[int]) -> tuple[NDArray[np.intp], Array]:
+    """Return the lattice points that evenly spread starts reach, axis by axis, and their gains."""
+    where = (even_points(_CLIMBERS, len(sizes)) * sizes).astype(np.intp)
+    gains = np.zeros(len(where))
+    for _ in range(_SWEEPS):
+        before = gains
+        for axis in range(len(sizes)):
+            ratio = above.along(axis, where) / below.along(axis, where)
+            where[:, axis] = ratio.argmax(axis=1)
+            gains = ratio.max(axis=1)
+        if np.all(gains <= before * (1 + 1e-12)):
+            break
+    _, first = np.unique(where, axis=0, return_index=True)
+    return where[first], gains[first]

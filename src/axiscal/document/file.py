@@ -1,0 +1,153 @@
+"""Reading a TOML text from a file, and saying what is wrong with it when it cannot be read."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from axiscal.document.key_lines import line_numbers
+from axiscal.document.quoting import Key, dotted, shown
+from axiscal.exceptions import DescriptionError, InputError
+
+LARGEST = 250_000
+"""Bytes; a description has a few thousand."""
+LONGEST_LINE = 5_000
+"""Characters."""
+
+_LONG_KEY = re.compile(r"""(?<![A-Za-z0-9_-])(?:(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')[ \t]*\.[ \t]*){100}""")
+_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_BARE_QUANTITY = re.compile(r"[=\[,]\s*[+-]?[0-9][0-9.,]*\s*[^\s0-9.,\]}_:eE+#-]")
+_BARE_PARENTHESES = re.compile(r"""[^"'=]*[()][^"'=]*=""")
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A parsed TOML document.
+
+    data : the tables as dictionaries; lines : line (from 1) of every key path, list entries counted from 0
+    """
+
+    path: Path
+    text: str
+    data: dict[str, Any]
+    lines: dict[tuple[Key, ...], int] = field(repr=False)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Document:
+        """Return the document in a file; raises DescriptionError for a file that cannot be read as TOML."""
+        return cls.parse(_decoded(_content(Path(path)), Path(path)), path)
+
+    @classmethod
+    def parse(cls, text: str, path: str | Path) -> Document:
+        """Return the document in a text; `path` is what failures call it. Raises DescriptionError if it is not TOML."""
+        path = Path(path)
+        _check_lines(text, path)
+        try:
+            return cls(path, text, tomllib.loads(text), line_numbers(text))
+        except tomllib.TOMLDecodeError as fault:
+            raise _syntax_failure(str(fault), text, path) from None
+        except RecursionError:
+            raise DescriptionError("the brackets are nested too deeply", "A description is flat", path) from None
+        except ValueError as fault:
+            raise DescriptionError(f"not valid TOML: {fault}", "Write a shorter number", path) from None
+
+    def line(self, *keys: Key) -> int | None:
+        """Return the line of a key path such as ("setups", 1, "noise"), or of the nearest table around it."""
+        for end in range(len(keys), 0, -1):
+            if (found := self.lines.get(keys[:end])) is not None:
+                return found
+        return None
+
+    def fault(self, failure: InputError, *keys: Key) -> InputError:
+        """Return a failure placed in this file at the line of a key path, its text led by the dotted path."""
+        led = type(failure)(f"{dotted(keys)}: {failure.what}", failure.remedy) if keys else failure
+        return led.at(self.path, self.line(*keys))
+
+
+def _check_lines(text: str, path: Path) -> None:
+    """Raise DescriptionError for a text that no person wrote: too large, or with a line that is too long."""
+    if len(text) > LARGEST:
+        raise _too_large(path)
+    for number, line in enumerate(text.split("\n"), 1):
+        # tomllib needs time and memory by the square of the number of dots in a key.
+        if line.count(".") > 100 and _LONG_KEY.search(line):
+            raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
+        if len(line) > LONGEST_LINE:
+            what = f"the line {shown(line[:40])} has {len(line)} characters, more than {LONGEST_LINE}"
+            raise DescriptionError(what, "Break it into shorter lines", path, number)
+
+
+def _too_large(path: Path) -> DescriptionError:
+    what = f"the file is larger than {LARGEST // 1000} kB"
+    return DescriptionError(what, "Give a description, which has a few thousand bytes", path)
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of a file; raises DescriptionError when it cannot be read or is no description by its size."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise DescriptionError("there is no such file", "Give the path of a TOML file", shown_path(path)) from None
+    except IsADirectoryError:
+        raise DescriptionError("this is a folder, not a file", "Give the path of a TOML file", path) from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise DescriptionError(f"the file cannot be read: {reason}", "Give a readable file", shown_path(path)) from None
+    if len(content) > LARGEST:
+        raise _too_large(path)
+    return content
+
+
+def _decoded(content: bytes, path: Path) -> str:
+    """Return the text of a file; raises DescriptionError for anything but plain UTF-8."""
+    remedy = "Save it as plain text in UTF-8"
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise DescriptionError("the file is in UTF-16", remedy, path, 1)
+    if content.startswith(b"\xef\xbb\xbf"):
+        raise DescriptionError("the file begins with a byte order mark", f"{remedy} without a byte order mark", path, 1)
+    if (place := content.find(b"\0")) >= 0:
+        line = content.count(b"\n", 0, place) + 1
+        raise DescriptionError("the file holds a NUL byte, so it is not a text", remedy, path, line)
+    try:
+        return content.decode()
+    except UnicodeDecodeError as fault:
+        line = content.count(b"\n", 0, fault.start) + 1
+        what = f"byte 0x{content[fault.start]:02x} is not UTF-8"
+        raise DescriptionError(what, remedy, path, line) from None
+
+
+def _syntax_failure(fault: str, text: str, path: Path) -> DescriptionError:
+    """Return the failure for a TOML syntax fault, with the line it stands in."""
+    lines = text.split("\n")
+    place = _PLACE.search(fault)
+    reason = fault[: place.start()] if place else fault
+    number = int(place[1]) if place and place[1] else _last_open_line(reason, lines)
+    content = lines[number - 1].strip() if number <= len(lines) else ""
+    what = f"not valid TOML: {reason[:1].lower()}{reason[1:]}, in the line {shown(content)}"
+    return DescriptionError(what, _syntax_remedy(reason, content), path, number)
+
+
+def _last_open_line(reason: str, lines: list[str]) -> int:
+    """Return the line to show when a text ended too early: where a single quote was left open, or its last."""
+    wanted = [number for number, line in enumerate(lines, 1) if line.strip()]
+    opened = [number for number in wanted if lines[number - 1].count("'") % 2]
+    return opened[-1] if opened and "'" in reason else wanted[-1] if wanted else 1
+
+
+def _syntax_remedy(reason: str, content: str) -> str:
+    if _BARE_QUANTITY.search(content):
+        return 'Quantities stand in quotes, such as length = "120 mm"'
+    if _BARE_PARENTHESES.match(content):
+        return 'Names with parentheses stand in quotes, such as "C(0X)Y" = { std = "30 urad" }'
+    if "overwrite" in reason or "twice" in reason or "mutate" in reason:
+        return "Every key and every table is given once"
+    return 'Write lines such as length = "120 mm" below headings such as [tool]'
+
+
+def shown_path(path: Path) -> str:
+    """Return a path that can be printed whatever was typed."""
+    return shown(str(path))[1:-1]

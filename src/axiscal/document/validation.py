@@ -1,0 +1,169 @@
+"""A document read into a pydantic model, pydantic's complaints turned into one failure with line, value and remedy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
+
+from axiscal.document.file import Document
+from axiscal.document.quoting import dotted, nearest, quantity_text, shown
+from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.units import Dimension, parse_quantity
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel, GetCoreSchemaHandler
+    from pydantic.fields import FieldInfo
+    from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError
+
+ModelT = TypeVar("ModelT", bound="BaseModel")
+
+
+@dataclass(frozen=True, slots=True)
+class QuantityOf:
+    """Marks a pydantic field as a quantity of one dimension, read to SI; without a dimension its text is kept."""
+
+    dimension: Dimension | None
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def _read(self, value: object) -> float | str:
+        try:
+            text = quantity_text(value, self.dimension)
+            return text if self.dimension is None else parse_quantity(text, self.dimension)
+        except UnitError as fault:
+            raise model_fault(fault) from None
+
+
+Length = Annotated[float, QuantityOf("length")]
+Angle = Annotated[float, QuantityOf("angle")]
+Time = Annotated[float, QuantityOf("time")]
+QuantityText = Annotated[str, QuantityOf(None)]
+"""A quantity whose dimension is known only later, kept as text."""
+
+
+def model_fault(fault: InputError) -> PydanticCustomError:
+    """Return a failure in the form that a pydantic validator may raise; `read_model` gives it file and line."""
+    from pydantic_core import PydanticCustomError
+
+    kind = "unit" if isinstance(fault, UnitError) else "fault"
+    return PydanticCustomError(kind, "{what}", {"what": fault.what, "remedy": fault.remedy})
+
+
+def read_model(document: Document, model: type[ModelT], error_class: type[InputError] = DescriptionError) -> ModelT:
+    """Return the document as an instance of a pydantic model.
+
+    Raises UnitError for a quantity and `error_class` for everything else: the first fault in the file, with its line,
+    the offending value and what would be right (from the field's `examples`, or the nearest known key).
+    """
+    from pydantic import ValidationError
+
+    try:
+        return model.model_validate(document.data)
+    except ValidationError as faults:
+        details = faults.errors(include_url=False)
+    # A misspelt key is also a missing one: the misspelling is what its writer can see.
+    first = min(details, key=lambda detail: (detail["type"] == "missing", document.line(*detail["loc"]) or 0))
+    what, remedy = _wording(model, first)
+    failure = UnitError if first["type"] == "unit" else error_class
+    raise failure(what, remedy, document.path, document.line(*first["loc"]))
+
+
+def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
+    """Return what is wrong and what would be right, for one complaint of pydantic."""
+    keys, kind = detail["loc"], detail["type"]
+    if (listed := _miscounted_list(keys, kind)) is not None:
+        return f"{dotted(listed)} has the wrong number of entries", f"Write {listed[-1]} = {_example(model, listed)}"
+    name = keys[-1] if keys else ""
+    where = f"[{dotted(keys[:-1])}]" if keys[:-1] else "the file"
+    if kind == "missing":
+        return f'"{name}" is missing in {where}', f"Add a line such as {name} = {_example(model, keys)}"
+    if kind == "extra_forbidden":
+        return f'unknown key "{dotted((name,))}" in {where}', _known_keys(model, keys)
+    value = f"{dotted(keys)}: {shown(detail['input'])}"
+    context: dict[str, Any] = detail.get("ctx", {})
+    if kind in ("unit", "fault"):
+        return f"{dotted(keys)}: {context['what']}", str(context["remedy"])
+    if kind in ("literal_error", "enum"):
+        return f"{value} is not possible here", f"Write one of {context['expected']}"
+    example = _example(model, keys)
+    remedy = _EXPECTED.get(kind) or f"{detail['msg']}"
+    return f"{value} is not possible here", remedy if example == "…" else f"{remedy}, such as {name} = {example}"
+
+
+def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int, ...] | None:
+    """Return the key path of a list when the complaint is about the number of its entries."""
+    if kind == "missing" and keys and isinstance(keys[-1], int):
+        return keys[:-1]
+    return keys if kind in ("too_long", "too_short") and keys else None
+
+
+_EXPECTED = {
+    "string_type": "Write a text in quotes",
+    "int_type": "Write a whole number",
+    "int_parsing": "Write a whole number",
+    "int_from_float": "Write a whole number",
+    "float_type": "Write a number",
+    "float_parsing": "Write a number",
+    "finite_number": "Write a finite number",
+    "bool_type": "Write true or false",
+    "bool_parsing": "Write true or false",
+    "list_type": "Write a list in square brackets",
+    "tuple_type": "Write a list in square brackets",
+    "dict_type": "Write a table",
+    "model_type": "Write a table",
+    "model_attributes_type": "Write a table",
+}
+
+
+def _known_keys(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
+    """Return a sentence with the nearest known key, or with all of them."""
+    table = _descend(model, keys[:-1])
+    fields = getattr(table, "model_fields", None)
+    if not fields:
+        return "Take it out"
+    known = [str(info.alias or name) for name, info in fields.items()]
+    near = nearest(str(keys[-1]), known)
+    return f'Perhaps "{near}" is meant' if near else f"The keys here are {', '.join(known)}"
+
+
+def _example(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
+    """Return the example that the model gives for a key, as TOML; "…" where it gives none."""
+    table = _descend(model, keys[:-1])
+    info = _fields(table).get(str(keys[-1])) if keys else None
+    return str(info.examples[0]) if info is not None and info.examples else "…"
+
+
+def _descend(annotation: Any, keys: tuple[str | int, ...]) -> Any:
+    """Return the type that stands at a key path below a model, as far as its annotations tell."""
+    for key in keys:
+        if fields := _fields(annotation):
+            info = fields.get(str(key))
+            annotation = info.annotation if info else None
+        else:
+            annotation = _entry_type(annotation)
+    return _plain(annotation)
+
+
+def _fields(annotation: Any) -> dict[str, FieldInfo]:
+    """Return the fields of a model by the key they have in the file; nothing for other types."""
+    fields: dict[str, FieldInfo] = getattr(_plain(annotation), "model_fields", {})
+    return {str(info.alias or name): info for name, info in fields.items()}
+
+
+def _entry_type(annotation: Any) -> Any:
+    """Return the type of the entries of a list or the values of a table."""
+    inner = get_args(_plain(annotation))
+    return inner[1] if get_origin(_plain(annotation)) is dict else inner[0] if inner else None
+
+
+def _plain(annotation: Any) -> Any:
+    """Return a type without Annotated and `| None`."""
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        return _plain(get_args(annotation)[0])
+    if origin in (list, dict, tuple) or not get_args(annotation):
+        return annotation
+    return _plain(next(inner for inner in get_args(annotation) if inner is not type(None)))

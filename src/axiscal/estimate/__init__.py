@@ -1,0 +1,1 @@
+"""From readings to what is known of a machine."""

@@ -1,0 +1,161 @@
+"""What a campaign's description makes of the mathematics: the error model, the set-ups, and the yardstick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.belief import Belief
+from axiscal.description.campaign import CampaignDescription
+from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import volume_moments
+from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.place import Place, Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.measurement.time_taken import visit_seconds
+from axiscal.numerics import Array
+
+_FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
+_STAYS = 1e-8
+_MOSTLY = 0.5
+
+
+class Inherited(NamedTuple):
+    """What an earlier campaign leaves as the prior of the errors: mean (size,), covariance (size, size)."""
+
+    mean: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
+
+    inherited : the prior of the errors where an earlier campaign left one
+    both : set-ups that were read from both sides, or from sides that nobody told, whatever their description allows
+    """
+
+    description: CampaignDescription
+    inherited: Inherited | None = None
+    both: frozenset[str] = frozenset()
+
+    @cached_property
+    def variable(self) -> tuple[Scale, ...]:
+        """The scales that the description asks to be learnt; where the prior was inherited only noises and rests.
+
+        What an earlier campaign knew of the curves is more than their size and smoothness, and stays.
+        """
+        machine, setups = self.description.machine, self.description.setups
+        if not self.description.scales_estimated:
+            return wanted_rests(machine)
+        scales = all_scales(machine, setups)
+        return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
+
+    def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
+        """Return the time of a reading after another one; of the first of a set-up with mounting it."""
+        start = np.array(before.pose) if before is not None and before.setup == place.setup else None
+        setup, machine = self.description.setup(place.setup), self.description.machine
+        return visit_seconds(machine, setup, start, np.array(place.pose), place.approach)
+
+    def rescaled(self, scales: Scales) -> Case:
+        """Return the problem with priors and noise as learnt."""
+        machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
+        return Case(replace(self.description, machine=machine, setups=setups), self.inherited)
+
+    def located(self, mean: Array) -> Case | None:
+        """Return the problem about the places where the stations of distances are found to be; None if these stay."""
+        found = [self._found(index, mean) for index in range(len(self.description.setups))]
+        if found == [setup.found for setup in self.description.setups]:
+            return None
+        pairs = zip(self.description.setups, found, strict=True)
+        setups = tuple(replace(setup, found=place) for setup, place in pairs)
+        return Case(replace(self.description, setups=setups), self.inherited)
+
+    def _found(self, index: int, mean: Array) -> Vector | None:
+        setup = self.description.setups[index]
+        columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
+        if not set(SHIFTS) & set(columns):
+            return setup.found
+        x, y, z = (float(columns.get(name, 0.0)) for name in SHIFTS)
+        before = setup.found or (0.0, 0.0, 0.0)
+        moved = max(abs(new - old) for new, old in zip((x, y, z), before, strict=True))
+        return setup.found if moved < _STAYS else (x, y, z)
+
+    @cached_property
+    def errors(self) -> ErrorModel:
+        """The error model of the machine."""
+        return ErrorModel(self.description.machine)
+
+    @cached_property
+    def observation(self) -> Observation:
+        """The map from all unknowns to readings, before any cell is visited."""
+        return Observation(self.errors, self.description.setups)
+
+    @cached_property
+    def prior(self) -> Belief:
+        """The belief before the first reading."""
+        covariance = self.observation.prior_covariance()
+        mean = np.zeros(len(covariance))
+        if self.inherited is not None:
+            mean[: self.errors.size] = self.inherited.mean
+            covariance[: self.errors.size, : self.errors.size] = self.inherited.covariance
+        return Belief(mean, covariance)
+
+    @cached_property
+    def lattice(self) -> Places:
+        """Candidates spread over everything that is allowed."""
+        count = int(np.clip(_PER_UNKNOWN * self.observation.size, _FEWEST, _MOST))
+        return spread(self.description.machine, self.description.setups, count)
+
+    @cached_property
+    def yardstick(self) -> Yardstick:
+        """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
+        box = self.description.target.volume
+        moments = volume_moments(self.errors, box)
+        factor = self.prior.factor
+        unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
+        before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
+        x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
+        return Yardstick(self.errors, box, moments, unseen, (x, y, z))
+
+    @cached_property
+    def hidden(self) -> tuple[Hidden, ...]:
+        """What no allowed reading can see, in words."""
+        return hidden(self.errors, self.yardstick.unseen, self.yardstick.moments)
+
+    def unit_of(self, setup: Setup, unknown: Unknown) -> str:
+        """Return the unit in which an unknown of a set-up is shown."""
+        reads = model_of(setup).unknown_reads[unknown.name]
+        return "um" if reads == "length" else "urad"
+
+    def index(self, setup: str) -> int:
+        """Return the index of a set-up by name; raises DescriptionError."""
+        return self.description.setups.index(self.description.setup(setup))
+
+    def came_as_allowed(self, reading: Reading) -> bool:
+        """Whether the moving axes came from sides that the set-up allows, where they have a reversal to show."""
+        setup = self.description.setup(reading.setup)
+        sides = {"both": (1, -1), "+": (1,), "-": (-1,)}["both" if setup.name in self.both else setup.approach]
+        reverses = {function.axis for function in self.errors.functions if function.kind == "reversal"}
+        return all(reading.approach[k] in sides for k in setup.moves if k in reverses)
+
+    def _allowed_rows(self) -> Array:
+        """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
+        setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
+        lattice = spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
+        parts = []
+        for i, setup in enumerate(setups):
+            for direction in directions_of(setup):
+                seen = self.observation.rows(i, *lattice.of(i), direction)
+                parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
+        return np.concatenate(parts)

@@ -1,0 +1,79 @@
+"""Last time's result as this time's prior: what a finished campaign knew, and what is left of it by now.
+
+Between two campaigns each error keeps a share ρ of what it was and takes the rest anew from the stated prior:
+mean ρ m, covariance ρ² C + (1 − ρ²) C₀ (a stationary first-order drift). ρ = 1 has not changed, ρ = 0 is all new.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case, Inherited
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.record.events import Created, Recorded
+from axiscal.record.payload import PayloadError, decode
+
+
+def problem_of(description: CampaignDescription) -> Case:
+    """Return the problem of a campaign, with the prior that an earlier campaign leaves it."""
+    if not description.prior_text:
+        return Case(description)
+    stated = Case(description)
+    found = inherited(description.prior_text, stated.errors)
+    return Case(description, drifted(found, stated.errors.prior_covariance(), description.kept))
+
+
+def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
+    """Return description and readings of the campaign in a heritage text; raises RecordError if it is none."""
+    try:
+        document = json.loads(text)
+        created = decode("created", json.dumps(document["created"]))
+        events = [decode("recorded", json.dumps(fields)) for fields in document["readings"]]
+    except (PayloadError, ValueError, KeyError, TypeError) as error:
+        raise RecordError(f"the last campaign cannot be read: {error}", "Start the campaign anew") from None
+    assert isinstance(created, Created)
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    readings = tuple(event.reading for event in events if isinstance(event, Recorded))
+    return campaign_from_texts(*texts, prior_text=created.prior_text), readings
+
+
+def last_calibration(text: str) -> Calibration:
+    """Return the concluded calibration of the campaign in a heritage text; raises RecordError if it is none."""
+    description, readings = last_campaign(text)
+    last = Calibration(problem_of(description))
+    for reading in readings:
+        last.absorb(reading)
+    return last.concluded()
+
+
+def inherited(text: str, errors: ErrorModel) -> Inherited:
+    """Return what the campaign in a heritage text knew; errors that it did not have are as their prior states.
+
+    Its curves are read at the knots of today's.
+    """
+    last = last_calibration(text)
+    before = last.problem.errors
+    known = [function for function in errors.functions if function.name in before.names]
+    across, extra = np.zeros((errors.size, before.size)), np.zeros(errors.size)
+    for function in known:
+        other = before.names[function.name]
+        across[function.columns, other.columns] = other.basis.rows(function.basis.control_positions)
+        extra[function.columns] = other.rest**2
+    factor = across @ last.belief.factor[: before.size]
+    covariance: Array = factor @ factor.T + np.diag(extra)
+    for function in errors.functions:
+        if function not in known:
+            covariance[function.columns, function.columns] = function.covariance
+    return Inherited(across @ last.belief.mean[: before.size], covariance)
+
+
+def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
+    """Return what is left of it when each error kept a share ρ.  stated : (size, size) C₀."""
+    return Inherited(kept * found.mean, kept**2 * found.covariance + (1 - kept**2) * stated)

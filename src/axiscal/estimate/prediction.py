@@ -1,0 +1,77 @@
+"""What a campaign predicts of the TCP at poses that a person names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.estimate.calibration import Calibration
+from axiscal.exceptions import ReadingError
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.poses import RawPose
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+_SLACK = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class PosePrediction:
+    """TCP deviation along x, y, z of the workpiece frame: mean and whole standard deviation, um."""
+
+    mean_um: list[float]
+    std_um: list[float]
+
+
+def predict_poses(calibration: Calibration, wanted: Sequence[RawPose], file: Path) -> list[PosePrediction]:
+    """Return the prediction at each pose; axes that a pose leaves out stand at the middle of their travel.
+
+    Raises ReadingError with file and line for an unknown axis or a position outside the travel.
+    """
+    machine = calibration.problem.description.machine
+    placed = [_placed(raw, machine, file) for raw in wanted]
+    poses = np.array([pose for pose, _ in placed]).reshape(len(placed), len(machine.axes))
+    approaches = np.array([approach for _, approach in placed]).reshape(poses.shape)
+    mean, std = tcp_prediction(calibration, poses, approaches)
+    return [
+        PosePrediction(to_unit(m, "um").tolist(), to_unit(s, "um").tolist()) for m, s in zip(mean, std, strict=True)
+    ]
+
+
+def tcp_prediction(calibration: Calibration, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m.
+
+    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
+    """
+    errors, belief = calibration.problem.errors, calibration.belief
+    rows, levers = errors.rows(poses, approaches), errors.levers(poses)
+    known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
+    rests = np.array([function.rest for function in errors.functions])
+    loose = np.sum((levers * rests[:, None, None]) ** 2, axis=0)
+    for function, lever in zip(errors.functions, levers, strict=True):
+        if function.kind == "reversal":
+            basis = function.basis.rows(poses[:, function.axis])
+            square = (basis @ belief.mean[function.columns]) ** 2
+            square += np.sum((basis @ belief.factor[function.columns]) ** 2, axis=1)
+            open_side = approaches[:, function.axis] == 0
+            loose += np.where(open_side, square / 4, 0.0)[:, None] * lever**2
+    return rows @ belief.mean[: errors.size], np.sqrt(known + loose)
+
+
+def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:
+    names = [axis.name for axis in machine.axes]
+    for name in (*raw.position, *raw.approach):
+        if name not in names:
+            raise ReadingError(f'the machine has no axis "{name}"', f"Its axes are {', '.join(names)}", file, raw.line)
+    pose = []
+    for axis in machine.axes:
+        low, high = axis.travel
+        at = raw.position.get(axis.name, (low + high) / 2)
+        if not low - _SLACK <= at <= high + _SLACK:
+            what = f"{axis.name} = {to_unit(at, axis.unit):g} {axis.unit} is outside the travel"
+            raise ReadingError(what, f"{axis.name} goes from {axis.travel_text}", file, raw.line)
+        pose.append(at)
+    return pose, [float(raw.approach.get(name, 0)) for name in names]

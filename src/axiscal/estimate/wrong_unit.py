@@ -1,0 +1,32 @@
+"""Whether the readings of a file can be of this machine at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.inheritance import problem_of
+from axiscal.exceptions import ReadingError
+from axiscal.inference.implausible import unit_guess
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+
+_FEWEST = 3
+
+
+def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescription, file: str | Path) -> None:
+    """Raise ReadingError at the first implausible reading where most of them are: the file has another unit."""
+    doubts = Calibration(problem_of(campaign)).implausible(readings)
+    if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
+        return
+    first = readings[min(doubt.reading for doubt in doubts)]
+    size = float(np.median([doubt.surprise for doubt in doubts]))
+    guess = unit_guess(size, INSTRUMENTS[campaign.setup(first.setup).instrument].reads == "angle")
+    what = f"{len(doubts)} of {len(readings)} readings are some {size:.0f} standard deviations from all that the "
+    what += f"stated std of the errors allow{', ' if guess else ''}{guess}"
+    remedy = "Check the unit that the file names for its values, or state larger std in the machine"
+    raise ReadingError(what, remedy, file, first.line)

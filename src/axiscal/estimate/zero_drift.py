@@ -1,0 +1,39 @@
+"""How the zeros of set-ups that state a drift have wandered, and the readings that watch them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.estimate.calibration import Calibration
+from axiscal.measurement.drift import wandering
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Path:
+    """The way of one zero: at times (k,) s its distance from where it stood at the first reading, m or rad.
+
+    mean, std : (k,) after the readings; prior : (k,) the standard deviation before them
+    """
+
+    times: Array
+    mean: Array
+    std: Array
+    prior: Array
+
+
+def paths(calibration: Calibration, setup: Setup) -> list[Path]:
+    """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""
+    observation, belief = calibration.observation, calibration.belief
+    times = np.array(sorted({r.time for r in calibration.readings if r.setup == setup.name and r.time is not None}))
+    found = []
+    for (index, _), course in observation.courses.items():
+        if observation.setups[index].name == setup.name:
+            columns, rows = list(course.columns), np.array([course.row(float(time)) for time in times])
+            std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
+            prior = np.sqrt(np.diag(wandering(course.rate, times - times[0])))
+            found.append(Path(times, rows @ belief.mean[columns], std, prior))
+    return found

@@ -1,0 +1,56 @@
+"""The files of a plan: programs, their lists, the form for the values, and what must be known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from axiscal.gcode.controls import dialect
+from axiscal.gcode.listing import form
+from axiscal.gcode.program import Program, programs
+from axiscal.gcode.program_options import ProgramOptions
+from axiscal.machine.description import Machine
+from axiscal.measurement.place import Place
+from axiscal.measurement.setup import Setup
+
+
+def write_programs(
+    machine: Machine,
+    setups: Sequence[Setup],
+    places: Sequence[Place],
+    controller: str,
+    folder: str | Path,
+    options: ProgramOptions | None = None,
+) -> list[Path]:
+    """Write the programs of a plan to a folder and return the files: per set-up a program and its list, then
+    readings.csv and README.txt.  Raises ProgramError before the first file is touched, OSError.
+    """
+    made = programs(machine, setups, places, dialect(controller), options)
+    files = {name: text for program in made for name, text in _files(program).items()}
+    files["readings.csv"] = form([reading for program in made for reading in program.readings])
+    files["README.txt"] = _readme(made, controller)
+    return [_written(Path(folder) / name, text) for name, text in files.items()]
+
+
+def _files(program: Program) -> dict[str, str]:
+    return {program.file_name: program.text, f"{program.name}.csv": program.listing}
+
+
+def _readme(made: Sequence[Program], controller: str) -> str:
+    lines = [f"Measuring programs for {dialect(controller).title}", ""]
+    for program in made:
+        lines += [f"{program.file_name}: {len(program.readings)} readings, set-up {program.readings[0].setup.name}"]
+    lines += [
+        "",
+        "The .csv beside each program says which reading is where, and after how many seconds (stops not counted).",
+        "Write what was read into the last column of readings.csv, in um or urad: it is then a file for",
+        "axiscal estimate. Its rows are in the order of the programs; take out the rows that were not read.",
+        "",
+    ]
+    return "\n".join([*lines, *(f"- {note}" for note in made[0].notes)]) + "\n"
+
+
+def _written(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8", newline="\n")
+    return path

@@ -1,0 +1,126 @@
+"""Readings that no error of about the stated size could make: most often a slip of the unit.
+
+Each is judged by what the set-up's own unknowns are after the readings before it, and by the stated std of the errors
+where it was taken, as if these were independent from place to place: a curve that is rougher than its prior, or several
+times larger, makes no reading implausible. A belief about the unknowns alone does, for the errors count as scatter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.belief import Belief
+from axiscal.inference.numbers import seen_together
+from axiscal.inference.outliers import Doubt
+from axiscal.measurement.drift import wandering
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.observation import Observation, Seen
+from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.units import format_quantity
+
+IMPLAUSIBLE = 12.0
+"""So many standard deviations are no chance, and no prior that is three times too small."""
+_WIDEST, _ENOUGH, _COUNTLESS = 4.0, 5, 1e6
+_NEAREST = 0.05
+"""No station stands nearer, m: by how much distances may bend before it is located."""
+_SLIPS = (
+    (75.0, "about 25 times too large (inches instead of mm?)"),
+    (4000.0, "about a thousand times too large (mm instead of um?)"),
+    (1e5, "about 25000 times too large (inches instead of um?)"),
+)
+
+
+def unit_guess(size: float, angular: bool = False) -> str:
+    """Return which slip of the unit makes a reading so many standard deviations too large; empty for none."""
+    if angular:
+        return "about a thousand times too large (mrad instead of urad?)" if 75.0 < size <= 4000.0 else ""
+    return next((words for most, words in _SLIPS if size <= most), "")
+
+
+def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
+    """Return what an implausible reading is, and which slip of the unit may have made it."""
+    unit = reading_unit(setup)
+    value = ", ".join(format_quantity(each, unit) for each in reading.values)
+    size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else "more than a million"
+    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
+    text = f'reading {doubt.reading + 1} in "{setup.name}", {value}, is {size} standard deviations from all that the '
+    return f"{text}stated std and the other readings allow{', ' if guess else ''}{guess}"
+
+
+class Plausibility:
+    """What readings of a campaign may be.
+
+    covariance, mean : (size, size), (size,) of the errors as stated and as expected; slack : factor on their std
+    """
+
+    def __init__(self, observation: Observation, covariance: Array, mean: Array, slack: float = 1.0) -> None:
+        self._observation, self._mean = observation, mean
+        self._covariance = slack**2 * covariance
+        self._stds = [unknown.std for setup in observation.setups for unknown in setup.unknowns]
+        self._unknowns = Belief(np.zeros(len(self._stds)), np.diag(np.square(self._stds))) if self._stds else None
+        self._setups = {setup.name: setup for setup in observation.setups}
+        self._first: dict[str, float] = {}
+        self.sizes: list[float] = []
+
+    def take_all(self, readings: Sequence[Reading]) -> list[float]:
+        """Return how many standard deviations away each of many readings is."""
+        return [
+            self._taken(r, seen) for r, seen in zip(readings, seen_together(self._observation, readings), strict=True)
+        ]
+
+    def take(self, reading: Reading) -> float:
+        """Return how many standard deviations away a reading is, and learn the set-up's unknowns from it."""
+        return self._taken(reading, self._observation.reading(reading))
+
+    def _taken(self, reading: Reading, seen: Seen) -> float:
+        errors = len(self._mean)
+        rows = seen.rows[:, :errors]
+        variances = seen.variances + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
+        variances += self._bent(reading) + self._drifted(reading)
+        values, own = seen.values - rows @ self._mean, seen.rows[:, errors : errors + len(self._stds)]
+        expected, spread = np.zeros(len(values)), variances
+        if self._unknowns is not None:
+            known = self._unknowns.predict(own)
+            expected, spread = known.mean, variances + known.std**2
+        size = float(np.max(np.abs(values - expected) / np.sqrt(spread)))
+        if self._unknowns is not None and (reading.accepted or size <= IMPLAUSIBLE * _WIDEST):
+            self._unknowns = self._unknowns.update(own, values, variances)
+        self.sizes.append(size)
+        return size
+
+    @property
+    def limit(self) -> float:
+        """Above this a reading is implausible: more, where most readings are larger than the prior says."""
+        if len(self.sizes) < _ENOUGH:
+            return IMPLAUSIBLE
+        usual = 1.4826 * float(np.median(self.sizes))
+        return IMPLAUSIBLE * min(max(usual, 1.0), _WIDEST)
+
+    def _drifted(self, reading: Reading) -> float:
+        """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
+        setup = self._setups[reading.setup]
+        if setup.drift == 0 or reading.time is None:
+            return 0.0
+        apart = abs(reading.time - self._first.setdefault(setup.name, reading.time))
+        return float(wandering(setup.drift, [apart])[0, 0])
+
+    def _bent(self, reading: Reading) -> float:
+        """Return the variance by which a distance bends while its station is not located, m²."""
+        setup = self._setups[reading.setup]
+        wide = sum(unknown.std**2 for unknown in setup.unknowns if unknown.name in SHIFTS)
+        return float((wide / (2 * _NEAREST)) ** 2)
+
+
+def nearest_first(readings: list[Reading]) -> list[int]:
+    """Return the indices of readings, those nearest to the middle of their set-up first."""
+    middle = {
+        name: np.median([r.values for r in readings if r.setup == name], axis=0) for name in {r.setup for r in readings}
+    }
+    away = [float(np.max(np.abs(np.array(r.values) - middle[r.setup]))) for r in readings]
+    return [int(index) for index in np.argsort(away, kind="stable")]

@@ -1,0 +1,1 @@
+"""Controls that are started here and driven without a screen, to be tried against machines with known errors."""

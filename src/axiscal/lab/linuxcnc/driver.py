@@ -1,0 +1,132 @@
+#!/usr/bin/python3
+"""The DISPLAY program of a headless LinuxCNC: homes, then makes the moves that come through a socket.
+
+It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`. One JSON line answers one.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import time
+from pathlib import Path
+from typing import Any
+
+import hal  # type: ignore[import-not-found]
+import linuxcnc  # type: ignore[import-not-found]
+
+UNFINISHED = -1
+
+
+def wait(condition: Any, seconds: float) -> bool:
+    """Return whether the condition came true in time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.001)
+    return True
+
+
+class RunningControl:
+    """The running LinuxCNC.
+
+    motors : the pin or signal of each joint that holds what its motor is told
+    """
+
+    def __init__(self, motors: list[str]) -> None:
+        self.motors, self.joints = motors, range(len(motors))
+        self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
+        self.component = hal.component("axiscal")
+        self.component.ready()
+
+    def home(self) -> None:
+        """Switch on, home every joint in place, accept MDI."""
+        self.command.state(linuxcnc.STATE_ESTOP_RESET)
+        self.command.state(linuxcnc.STATE_ON)
+        self.command.wait_complete(5)
+        self.command.home(-1)
+        if not wait(self._homed, 10):
+            raise RuntimeError("the joints were not homed in 10 s")
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
+    def move(self, code: str) -> dict[str, Any]:
+        """Execute a line and wait until the correction, which is ramped, has arrived as well."""
+        if code.startswith("setp "):
+            hal.set_p(*code.split()[1:])
+            code = "G4 P0.001"
+        self.command.mdi(code)
+        while (ended := self.command.wait_complete(1)) == UNFINISHED:
+            pass
+        if ended != linuxcnc.RCS_DONE:
+            raise RuntimeError(f"{code} was not completed: {self.errors()}")
+        settled = wait(self._settled, 0.5) and wait(self._still, 0.5)
+        self.stat.poll()
+        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
+        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
+
+    def sent(self) -> list[float]:
+        """Read what every motor is told."""
+        return [hal.get_value(name) for name in self.motors]
+
+    def pins(self, name: str) -> list[float]:
+        """Read one pin of every joint."""
+        return [hal.get_value(f"joint.{joint}.{name}") for joint in self.joints]
+
+    def errors(self) -> list[str]:
+        """Drain the error channel."""
+        texts = []
+        while (message := self.channel.poll()) is not None:
+            texts.append(str(message[1]).strip())
+        return texts
+
+    def _homed(self) -> bool:
+        self.stat.poll()
+        return all(self.stat.homed[joint] for joint in self.joints)
+
+    def _still(self) -> bool:
+        before = self.pins("pos-cmd")
+        time.sleep(0.003)  # three servo cycles: "in position" may be told a cycle early
+        return self.pins("pos-cmd") == before
+
+    def _settled(self) -> bool:
+        self.stat.poll()
+        return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
+
+
+def answer(machine: RunningControl, codes: list[str]) -> dict[str, Any]:
+    """Make the moves; whatever goes wrong is told, since LinuxCNC hides a DISPLAY program's exit status."""
+    result: dict[str, Any] = {"steps": [], "errors": [], "failure": None}
+    try:
+        result["steps"] = [machine.move(code) for code in codes]
+        result["errors"] = machine.errors()
+    except Exception as error:  # noqa: BLE001
+        result["failure"] = f"{type(error).__name__}: {error}"
+    return result
+
+
+def main() -> None:
+    """Serve until the other side closes the socket."""
+    job = json.loads(Path("job.json").read_text())
+    with socket.socket(socket.AF_UNIX) as line:
+        line.connect("socket")
+        stream = line.makefile("rw", encoding="utf-8")
+
+        def tell(result: dict[str, Any]) -> None:
+            stream.write(json.dumps(result) + "\n")
+            stream.flush()
+
+        try:
+            machine = RunningControl(job["motors"])
+            machine.home()
+            tell({"start": machine.sent(), "failure": None})
+        except Exception as error:  # noqa: BLE001
+            tell({"start": [], "failure": f"{type(error).__name__}: {error}"})
+            return
+        for request in stream:
+            tell(answer(machine, json.loads(request)))
+
+
+if __name__ == "__main__":
+    main()

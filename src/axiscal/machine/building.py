@@ -1,0 +1,147 @@
+"""From the tables of machine.toml to a machine: what no single key can tell is checked here."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from axiscal.document import Document, nearest, read_model, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine.axis import Axis
+from axiscal.machine.chain import Link, parse_chain
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.errors_table import error_entries
+from axiscal.machine.limits import Keys, within
+from axiscal.machine.machine_schema import AxisTable, MachineFile
+from axiscal.units import Dimension, format_quantity
+
+LONGEST_TRAVEL = 1000.0
+"""m; also the largest coordinate of a point on an axis line."""
+LEAST_OVERRUN = 1e-5
+"""m or rad."""
+LARGEST_OVERRUN = 0.25
+"""Share of the travel."""
+_FAR = 1000 * math.tau
+"""rad; further no control counts the turns of an axis."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """Everything that a machine consists of."""
+
+    name: str
+    axes: tuple[Axis, ...]
+    tool: float
+    errors: tuple[ErrorEntry, ...]
+    chain: str
+
+
+def assemble(document: Document) -> Parts:
+    """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError."""
+    tables = read_model(document, MachineFile)
+    axes = _axes(document, tables)
+    tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
+    entries = error_entries(document, tables.errors, {axis.name: axis for axis in axes})
+    return Parts(_name(document, tables), axes, tool, entries, tables.chain)
+
+
+def _name(document: Document, tables: MachineFile) -> str:
+    name = document.path.stem if tables.name is None else tables.name
+    if tables.name is not None and (not name.strip() or len(name) > 200 or not name.isprintable()):
+        fault = DescriptionError(f"{shown(name)} is not a name", "Write up to 200 printable characters")
+        raise document.fault(fault, "name")
+    return name
+
+
+def _axes(document: Document, tables: MachineFile) -> tuple[Axis, ...]:
+    """Return the axes in the order of the chain; every axis has a table, every table an axis."""
+    try:
+        links = parse_chain(tables.chain)
+    except InputError as fault:
+        raise document.fault(fault, "chain") from None
+    _check_tables(document, tables, [link.name for link in links])
+    return tuple(_axis(document, link, tables.axes[link.name]) for link in links)
+
+
+def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> None:
+    """Raise DescriptionError for a table without an axis in the chain, or an axis without a table."""
+    for name in tables.axes:
+        if name not in names:
+            near = nearest(name, [each for each in names if each not in tables.axes])
+            remedy = f"Perhaps {near} is meant" if near else "Put it into the chain, or take the table out"
+            unknown = DescriptionError(f"there is no axis {shown(name)} in the chain {shown(tables.chain)}", remedy)
+            raise document.fault(unknown, "axes", name)
+    for name in names:
+        if name not in tables.axes:
+            what = f"axis {name} of {shown(tables.chain)} has no table [axes.{name}]"
+            raise document.fault(DescriptionError(what, f"Add [axes.{name}] with its travel"), "chain")
+
+
+def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
+    keys: Keys = ("axes", link.name)
+    axis = Axis.named(link.name, link.workpiece_side, (0.0, 1.0))
+    speed, acceleration = axis.speed, axis.acceleration
+    if table.speed is not None:
+        dimension: Dimension = "rotation_speed" if axis.rotary else "speed"
+        speed = within(document, (*keys, "speed"), table.speed, dimension, 1e-9, 1e4)
+    if table.acceleration is not None:
+        dimension = "rotation_acceleration" if axis.rotary else "acceleration"
+        acceleration = within(document, (*keys, "acceleration"), table.acceleration, dimension, 1e-9, 1e6)
+    travel, origin = _travel(document, axis, table), _origin(document, axis, table)
+    overrun = None
+    if table.overrun is not None:
+        most = LARGEST_OVERRUN * (travel[1] - travel[0])
+        overrun = within(document, (*keys, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
+    turns = _turns(document, axis, table, travel)
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns)
+
+
+def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:
+    """Return the travel; it must increase, be one that exists, and be at most one turn of a rotary axis."""
+    keys: Keys = ("axes", axis.name, "travel")
+    dimension: Dimension = axis.dimension
+    unit, most = ("deg", 10 * math.tau) if axis.rotary else ("m", LONGEST_TRAVEL)
+    low = within(document, (*keys, 0), table.travel[0], dimension, -most, most)
+    high = within(document, (*keys, 1), table.travel[1], dimension, -most, most)
+    given = f"travel {shown(table.travel)}"
+    if low > high:
+        remedy = f'Write the lower end first: ["{table.travel[1]}", "{table.travel[0]}"]'
+        raise document.fault(DescriptionError(f"{given} is reversed", remedy), *keys)
+    if high - low < 1e-6:
+        raise document.fault(DescriptionError(f"{given} is empty", "Write the two ends of the travel"), *keys)
+    if axis.rotary and high - low > math.tau + 1e-9:
+        what = f"{given} is more than one turn ({format_quantity(high - low, unit)})"
+        remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
+        raise document.fault(DescriptionError(what, remedy), *keys)
+    return low, high
+
+
+def _turns(document: Document, axis: Axis, table: AxisTable, travel: tuple[float, float]) -> tuple[int, int] | None:
+    """Return the whole turns below and above the travel that the limits of a full-turn axis reach into."""
+    keys: Keys = ("axes", axis.name, "limits")
+    if table.limits is None:
+        return None
+    if not Axis.named(axis.name, False, travel).cyclic:
+        what = f"limits {shown(table.limits)} of {axis.name}, whose travel is not one turn"
+        raise document.fault(DescriptionError(what, "Take them out: its travel is where it may go"), *keys)
+    low, high = (within(document, (*keys, end), table.limits[end], "angle", -_FAR, _FAR) for end in (0, 1))
+    if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:
+        what = f"limits {shown(table.limits)} do not hold the travel of {axis.name}"
+        raise document.fault(DescriptionError(what, "Write how far the control lets it turn, lower end first"), *keys)
+    below, above = (math.ceil(beyond / math.tau - 1e-9) for beyond in (travel[0] - low, high - travel[1]))
+    return below, above
+
+
+def _origin(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float, float]:
+    """Return a point on the axis line of a rotary axis; a linear axis has none."""
+    keys: Keys = ("axes", axis.name, "origin")
+    if table.origin is None:
+        return (0.0, 0.0, 0.0)
+    if not axis.rotary:
+        what = f"{shown(table.origin)}: a linear axis has no axis line"
+        raise document.fault(DescriptionError(what, "Take it out; origins belong to rotary axes A B C"), *keys)
+    x, y, z = (
+        within(document, (*keys, place), text, "length", -LONGEST_TRAVEL, LONGEST_TRAVEL)
+        for place, text in enumerate(table.origin)
+    )
+    return (x, y, z)

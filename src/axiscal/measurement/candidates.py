@@ -1,0 +1,91 @@
+"""Candidates for a reading: poses spread evenly over what the set-ups allow, with the directions of approach."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.volume import Box
+from axiscal.machine.description import Machine
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+
+def even_points(count: int, dimensions: int) -> Array:
+    """Return points spread evenly in the unit cube, (count, dimensions): multiples of the roots of x^{d+1} = x + 1.
+
+    The additive recurrence whose discrepancy stays low at every length; one dimension gives midpoints.
+    """
+    if dimensions <= 1:
+        return ((np.arange(count) + 0.5) / max(count, 1))[:, None][:, :dimensions]
+    ratio = 2.0
+    for _ in range(64):
+        ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
+    steps = ratio ** -np.arange(1.0, dimensions + 1)
+    result: Array = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
+    return result
+
+
+def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Places:
+    """Return about `count` candidates, shared evenly between the set-ups."""
+    parts = [_of_setup(machine, setup, max(2, count // max(1, len(setups)))) for setup in setups]
+    return Places(
+        np.concatenate([np.full(len(p), i) for i, (p, _) in enumerate(parts)]),
+        np.concatenate([p for p, _ in parts]),
+        np.concatenate([a for _, a in parts]),
+    )
+
+
+def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
+    moves = list(setup.moves)
+    unit = even_points(count, 2 * len(moves))
+    poses = np.tile(np.array(setup.park), (count, 1))
+    low, high = np.array([setup.span(machine.axes[k], k) for k in moves]).reshape(-1, 2).T
+    span = high - low
+    poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
+    return snapped(machine, setup, poses), _approaches(machine, setup, unit[:, len(moves) :] > 0.5)
+
+
+def _approaches(machine: Machine, setup: Setup, positive: NDArray[np.bool_]) -> Array:
+    result = np.zeros((len(positive), len(machine.axes)))
+    signs = {"both": np.where(positive, 1.0, -1.0), "+": np.ones(positive.shape), "-": -np.ones(positive.shape)}
+    result[:, list(setup.moves)] = signs[setup.approach]
+    return result
+
+
+def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
+    """Return the poses moved to the nearest multiples of the set-up's raster that lie in the travel.  poses : (m,
+    q).
+    """
+    result = poses.copy()
+    for k in setup.moves:
+        if setup.raster[k] > 0:
+            first, last = raster_range(machine, setup, k)
+            result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]), first, last) * setup.raster[k]
+    return result
+
+
+def raster_range(machine: Machine, setup: Setup, axis: int) -> tuple[int, int]:
+    """Return the lowest and highest multiple of the raster in the travel of an axis."""
+    low, high = (end / setup.raster[axis] for end in setup.span(machine.axes[axis], axis))
+    return int(np.ceil(low - 1e-9)), int(np.floor(high + 1e-9))
+
+
+def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
+    """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
+    first, last = raster_range(machine, setup, axis)
+    return setup.raster[axis] * np.arange(first, last + 1, dtype=np.float64)
+
+
+def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) -> Array:
+    """Return the knots of an axis as a set-up meets them, and the ends, each stretch cut in equal parts, (p,)."""
+    knots = observation.knots(axis, setup)
+    inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
+    return np.append(inside.ravel(), knots[-1])
+
+
+def corners(box: Box) -> Array:
+    """Return the corners of a box of poses, (2^q, q)."""
+    return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)

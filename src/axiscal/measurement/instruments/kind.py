@@ -1,0 +1,122 @@
+"""What every kind of instrument answers: which way it looks, what its own unknowns add, what it would show exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Literal, Protocol
+
+import numpy as np
+
+from axiscal.exceptions import DescriptionError
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+Reads = Literal["length", "angle"]
+
+
+@dataclass(frozen=True, eq=False)
+class Nominal:
+    """Nominal places of readings of one set-up.  poses : (m, q) m or rad; moves : axes that may move."""
+
+    machine: Machine
+    poses: Array
+    moves: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of readings."""
+        return len(self.poses)
+
+    @cached_property
+    def tcp(self) -> Array:
+        """The nominal TCP in the workpiece frame, (m, 3), m."""
+        return frames(self.machine, self.poses).tcp
+
+    @cached_property
+    def travelled(self) -> Array:
+        """How far the linear axis that moves is from the middle of its travel, (m,), m; zero where none moves."""
+        axis = next((k for k in self.moves if not self.machine.axes[k].rotary), None)
+        if axis is None:
+            return np.zeros(self.count)
+        distance: Array = self.poses[:, axis] - sum(self.machine.axes[axis].travel) / 2
+        return distance
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Actual:
+    """What a machine really does at those places: displacement of the TCP (m, 3) m, rotation of the tool (m, 3) rad."""
+
+    displacement: Array
+    rotation: Array
+
+
+class Model(Protocol):
+    """A kind of instrument.
+
+    reads : lengths or angles; values : numbers in one reading
+    directed : it reads along or about a direction that has to be stated
+    unknown_reads : by name of each possible unknown of a set-up, whether it is a length or an angle
+    """
+
+    reads: Reads
+    values: int
+    directed: bool
+    unknown_reads: Mapping[str, Reads]
+
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3).
+
+        direction : (3,) the set-up's, or that of one number of a reading that has three
+        """
+
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+        """Return what a unit of one of the set-up's unknowns adds to a reading, (m,)."""
+
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+    ) -> Array:
+        """Return what it would show, nothing linearised, noise left out, (m,)."""
+
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+        """Return what a reading shows beyond its rows times the unknowns, where it is not linear in them, (m,)."""
+
+    def check(self, setup: Setup, machine: Machine) -> None:
+        """Raise DescriptionError for a set-up that makes no sense on a machine."""
+
+
+class Angle:
+    """What all instruments share that read one angle about the set-up's direction, linear but for their zero."""
+
+    reads: Reads = "angle"
+    values = 1
+    directed = True
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+
+    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return d for every reading, (m, 3)."""
+        return along(direction, nominal.count)
+
+    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+        """Return 1 for the zero, (m,)."""
+        return np.ones(nominal.count)
+
+    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+        """Return nothing: it is linear, (m,)."""
+        return np.zeros(nominal.count)
+
+
+def along(direction: Array, count: int) -> Array:
+    """Return the same direction for every reading, (m, 3)."""
+    return np.broadcast_to(direction, (count, 3))
+
+
+def need_station(setup: Setup, what: str) -> None:
+    """Raise DescriptionError for a set-up that does not say where it stands."""
+    if setup.station is None:
+        remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+        raise DescriptionError(f"it is not said where {what} is", remedy)

@@ -1,0 +1,223 @@
+"""A CSV table whose header names the units, read strictly.
+
+UTF-8, one header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
+`stem` (text) or `stem_unit` (a number).  Nothing is guessed: every fault is a `ReadingError` with file, line, value
+and remedy.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from axiscal.exceptions import ReadingError
+from axiscal.units import from_unit
+
+LENGTHS = ("mm", "um", "nm", "m")
+ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
+TEXT: tuple[str, ...] = ()
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column: its header as written, what it holds, and in which unit (None for text)."""
+
+    name: str
+    stem: str
+    unit: str | None
+
+    @property
+    def dimension(self) -> Literal["length", "angle"]:
+        """What the unit measures."""
+        return "length" if self.unit in LENGTHS else "angle"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of data: cells by header, stripped of white space."""
+
+    file: str
+    line: int
+    cells: Mapping[str, str]
+
+    def fail(self, what: str, remedy: str) -> ReadingError:
+        """Return the error that places a fault in this line."""
+        return ReadingError(what, remedy, self.file, self.line)
+
+    def text(self, column: Column) -> str:
+        """Return a cell as written."""
+        return self.cells[column.name]
+
+    def quantity(self, column: Column) -> float:
+        """Return a cell as a finite number in SI units; raises ReadingError."""
+        if column.unit is None:
+            remedy = f"write it as '{column.stem}_mm' or '{column.stem}_deg'"
+            raise self.fail(f"column '{column.name}' has no unit", remedy)
+        text = self.text(column)
+        value = from_unit(float(text), column.unit) if _NUMBER.fullmatch(text) else math.nan
+        if math.isfinite(value):
+            return value
+        what, remedy = _why_not(text)
+        raise self.fail(f"{column.name} {what}", remedy)
+
+    def only_filled(self, columns: Sequence[Column]) -> Column | None:
+        """Return the one column of several that is filled here, None if all are empty; raises ReadingError for two."""
+        filled = [column for column in columns if self.text(column)]
+        if len(filled) > 1:
+            names = " and ".join(f"'{column.name}'" for column in filled)
+            raise self.fail(f"{names} are both filled", "fill exactly one of them in each line")
+        return filled[0] if filled else None
+
+
+@dataclass(frozen=True, slots=True)
+class CsvTable:
+    """A whole file: its columns and its rows, in the order of the file."""
+
+    file: str
+    line: int
+    columns: tuple[Column, ...]
+    rows: tuple[Row, ...]
+
+    def all_of(self, stem: str) -> tuple[Column, ...]:
+        """Return the columns that hold `stem`, in whatever units."""
+        return tuple(column for column in self.columns if column.stem == stem)
+
+    def one_of(self, stem: str, example: str) -> Column:
+        """Return the only column that holds `stem`; raises ReadingError when there is none or more than one."""
+        found = self.all_of(stem)
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise self.fail(f"columns '{found[0].name}' and '{found[1].name}' say the same", "keep one of them")
+        raise self.fail(f"there is no column '{example}'", f"name it in the header; found: {self.header}")
+
+    def fail(self, what: str, remedy: str) -> ReadingError:
+        """Return the error that places a fault in the header."""
+        return ReadingError(what, remedy, self.file, self.line)
+
+    @property
+    def header(self) -> str:
+        """The header, as one line."""
+        return ",".join(column.name for column in self.columns)
+
+    def allow(self, layout: Mapping[str, tuple[str, ...]]) -> CsvTable:
+        """Return the table if each column is in `layout` (stem -> units, TEXT for text); raises ReadingError if not."""
+        for column in self.columns:
+            if column.stem not in layout or (column.unit or "") not in (layout[column.stem] or ("",)):
+                raise self._unknown(column, layout)
+        return self
+
+    def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]]) -> ReadingError:
+        spelt = {stem: [f"{stem}_{unit}" for unit in units] or [stem] for stem, units in layout.items()}
+        if layout.get(column.stem):
+            fault = "has no unit" if column.unit is None else "has a unit of the wrong kind"
+            return self.fail(f"column '{column.name}' {fault}", "it can be " + ", ".join(spelt[column.stem]))
+        stem, _, unit = column.name.rpartition("_")
+        if layout.get(stem) and unit.lower() in {"in", "inch", "inches"}:
+            return self.fail(
+                f"column '{column.name}' is in inches", f"inches are not read here; write {spelt[stem][0]}"
+            )
+        known = [name for names in spelt.values() for name in names]
+        near = [name for name in known if name.lower() == column.name.lower()]
+        near = near or difflib.get_close_matches(column.name, known, n=1)
+        choice = f"did you mean '{near[0]}'" if near else "known are " + ", ".join(names[0] for names in spelt.values())
+        return self.fail(f"column '{column.name}' is not known", f"{choice}; take out what is not needed")
+
+
+def read_table(path: str | Path) -> CsvTable:
+    """Read a table from a file; raises ReadingError when it cannot be opened or is not such a table."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or "cannot be read").lower()
+        raise ReadingError(f"the file cannot be read: {reason}", "check the name and the permissions", path) from None
+    except ValueError:
+        raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a CSV file") from None
+    return parse_table(_decode(data, str(path)), str(path))
+
+
+def parse_table(text: str, file: str) -> CsvTable:
+    """Parse a table from text; `file` is the name that errors carry.  Raises ReadingError."""
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    data = [(number, line) for number, line in enumerate(lines, 1) if not re.match(r"\s*(#|$)", line)]
+    if not data:
+        raise ReadingError("there is no header and no data", "let the first line name the columns", file)
+    columns = _columns(file, *data[0])
+    rows = tuple(_row(file, number, line, columns) for number, line in data[1:])
+    if not rows:
+        raise ReadingError("there is a header but no data", "add one line for each reading", file, data[0][0])
+    return CsvTable(file, data[0][0], columns, rows)
+
+
+def _decode(data: bytes, file: str) -> str:
+    """Decode UTF-8, with or without a byte order mark."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise ReadingError("the file is UTF-16 text", "save it as CSV UTF-8", file)
+    if b"\0" in data:
+        raise ReadingError("the file is binary, or UTF-16 text", "save it as CSV UTF-8", file)
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ReadingError(f"byte 0x{data[error.start]:02x} is not UTF-8", "save it as CSV UTF-8", file, line) from None
+
+
+def _cells(file: str, number: int, line: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], strict=True))]
+    except csv.Error as error:
+        raise ReadingError(f"the line is not CSV: {error}", "close every quote and cell", file, number) from None
+
+
+def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
+    names = _cells(file, number, line)
+    if len(names) == 1 and re.search(r"[;\t]", line):
+        remedy = "separate the cells by commas and write numbers with a decimal point"
+        raise ReadingError("the cells are separated by semicolons or tabs", remedy, file, number)
+    for index, name in enumerate(names):
+        if not name or name in names[:index]:
+            what = f"column '{name}' is named twice" if name else f"column {index + 1} has no name"
+            raise ReadingError(what, "give each column one name of its own", file, number)
+    return tuple(_column(name) for name in names)
+
+
+def _column(name: str) -> Column:
+    stem, _, unit = name.replace("µ", "u").replace("μ", "u").rpartition("_")
+    return Column(name, stem, unit) if stem and unit in LENGTHS + ANGLES else Column(name, name, None)
+
+
+def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:
+    cells = _cells(file, number, line)
+    if len(cells) != len(columns):
+        remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
+        what = f"the line has {_count(cells, 'cell')}, the header {_count(columns, 'column')}"
+        raise ReadingError(f"{what}: {_quote(line)}", remedy, file, number)
+    return Row(file, number, {column.name: cell for column, cell in zip(columns, cells, strict=True)})
+
+
+def _count(things: Sequence[object], noun: str) -> str:
+    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
+
+
+def _quote(text: str) -> str:
+    """Quote what somebody wrote, shortened, control characters made visible."""
+    return repr(text if len(text) <= 60 else text[:57] + "...")
+
+
+def _why_not(text: str) -> tuple[str, str]:
+    """Return what is wrong with a cell that is not a finite number, and what would be right."""
+    if not text:
+        return "is empty", "write the number that was read, or take out the line"
+    if _NOT_FINITE.fullmatch(text) or _NUMBER.fullmatch(text):
+        return f"{_quote(text)} is not finite", "write the number that was read, or take out the line"
+    if _NUMBER.fullmatch(text.replace(",", ".")):
+        return f"{_quote(text)} has a decimal comma", f"write a decimal point: {text.replace(',', '.')}"
+    return f"{_quote(text)} is not a number", "write digits with a decimal point; the unit stands in the header"

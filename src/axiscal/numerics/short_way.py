@@ -1,0 +1,131 @@
+"""The order of the readings in one set-up: a short way through all of them, from wherever the machine stands.
+
+Nearest neighbour from several places, then 2-opt and Or-opt until neither helps. With an approach that counts, a move
+that would arrive from the wrong side goes past its target and comes back.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.numerics import Array
+
+_STARTS = 4
+_KICKS = 12
+"""Parts of a way are exchanged by lot so often: what 2-opt and Or-opt cannot do in one step."""
+_ROUNDS = 400
+_WORK = 20_000_000
+_MANY = 160
+"""Ways through more places than this are improved by turning parts of them alone."""
+_GAIN = 1e-9
+_LONGEST_SEGMENT = 3
+
+Order = NDArray[np.intp]
+
+
+def route(seconds: Array, first: Array | None = None) -> Order:
+    """Return an order (m,) of all places with a short total time; the way is open at its end.
+
+    seconds : (m, m) from row to column, not necessarily symmetric
+    first : (m,) seconds to each place from where the machine stands; None: it may begin anywhere
+    """
+    count = len(seconds)
+    begin = np.zeros(count) if first is None else first
+    table = np.zeros((count + 1, count + 1))
+    table[:count, :count] = seconds
+    table[count, :count] = begin
+    starts = np.argsort(begin, kind="stable")[:_STARTS]
+    if first is None:
+        starts = np.unique(np.linspace(0, count - 1, min(_STARTS, count)).astype(np.intp))
+    starts = starts[: max(1, _MANY // count)]
+    orders = [_improved(_nearest(table, int(start)), table) for start in starts]
+    best = _kicked(min(orders, key=lambda order: route_seconds(order, table)), table)
+    return np.array(best[1:], dtype=np.intp)
+
+
+def _kicked(order: list[int], table: Array) -> list[int]:
+    """Return the way, or a shorter one found by exchanging two neighbouring parts of it, by lot, and improving that."""
+    rng, shortest = np.random.default_rng(0), route_seconds(order, table)
+    for _ in range(min(_KICKS, _MANY // len(order) * 2) if len(order) > 4 else 0):
+        a, b, c = np.sort(rng.choice(np.arange(1, len(order) + 1), 3, replace=False)).tolist()
+        tried = _improved([*order[:a], *order[b:c], *order[a:b], *order[c:]], table)
+        if (seconds := route_seconds(tried, table)) < shortest - _GAIN:
+            order, shortest = tried, seconds
+    return order
+
+
+def route_seconds(order: list[int], table: Array) -> float:
+    """Return the time of a way through all places of a table."""
+    return float(sum(table[a, b] for a, b in pairwise(order)))
+
+
+def _nearest(table: Array, start: int) -> list[int]:
+    """Return the way that begins outside, goes to `start` and always to the nearest place left."""
+    count = len(table) - 1
+    order, left = [count, start], np.ones(count, dtype=bool)
+    left[start] = False
+    while left.any():
+        nearest = int(np.where(left, table[order[-1], :count], np.inf).argmin())
+        order.append(nearest)
+        left[nearest] = False
+    return order
+
+
+def _improved(order: list[int], table: Array) -> list[int]:
+    for _ in range(min(_ROUNDS, _WORK // len(order) ** 2)):
+        better = _reversed_part(order, table)
+        if better is None and len(order) <= _MANY:
+            better = _moved_segment(order, table)
+        if better is None:
+            return order
+        order = better
+    return order
+
+
+def _reversed_part(order: list[int], table: Array) -> list[int] | None:
+    """Return the way with its best part reversed (2-opt, minding that times may be one-way); None if none helps."""
+    way = np.array(order)
+    inner = table[way[:-1], way[1:]], table[way[1:], way[:-1]]
+    ahead, back = (np.concatenate([[0.0], np.cumsum(times)]) for times in inner)
+    i, k = np.triu_indices(len(way) - 1, 1)
+    i, k = i + 1, k + 1
+    before, first, last = way[i - 1], way[i], way[k]
+    after = np.append(way, way[0])[k + 1]
+    open_end = k + 1 == len(way)
+    old = table[before, first] + ahead[k] - ahead[i] + np.where(open_end, 0.0, table[last, after])
+    new = table[before, last] + back[k] - back[i] + np.where(open_end, 0.0, table[first, after])
+    if not len(i) or (old - new).max() <= _GAIN:
+        return None
+    pick = int((old - new).argmax())
+    a, b = int(i[pick]), int(k[pick]) + 1
+    return [*order[:a], *order[a:b][::-1], *order[b:]]
+
+
+def _moved_segment(order: list[int], table: Array) -> list[int] | None:
+    """Return the way with up to three places in a row put elsewhere (Or-opt), turned if that is better."""
+    best: tuple[float, list[int]] | None = None
+    for length in range(1, min(_LONGEST_SEGMENT, len(order) - 2) + 1):
+        for a in range(1, len(order) - length + 1):
+            segment, rest = order[a : a + length], order[:a] + order[a + length :]
+            saved = table[order[a - 1], segment[0]]
+            if a + length < len(order):
+                saved += table[segment[-1], order[a + length]] - table[order[a - 1], order[a + length]]
+            ways = [segment, segment[::-1]] if length > 1 else [segment]
+            for way in ways:
+                inside = sum(table[x, y] for x, y in pairwise(way))
+                inside -= sum(table[x, y] for x, y in pairwise(segment))
+                gain, at = _best_gap(np.array(rest), way, table)
+                if saved - inside - gain > _GAIN and (best is None or saved - inside - gain > best[0]):
+                    best = (saved - inside - gain, [*rest[: at + 1], *way, *rest[at + 1 :]])
+    return None if best is None else best[1]
+
+
+def _best_gap(rest: Order, way: list[int], table: Array) -> tuple[float, int]:
+    """Return what it costs to put a segment into its best gap, and the place before that gap."""
+    added = table[rest, way[0]].copy()
+    added[:-1] += table[way[-1], rest[1:]] - table[rest[:-1], rest[1:]]
+    at = int(added.argmin())
+    return float(added[at]), at

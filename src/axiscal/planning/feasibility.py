@@ -1,0 +1,118 @@
+"""Whether the target can be reached with the set-ups at all, said before the first reading."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.design.bound.relaxation import Relaxation
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Covariance
+from axiscal.design.plan.plan import Plan
+from axiscal.design.plan.task import Limits
+from axiscal.estimate.case import Case
+from axiscal.exceptions import TargetError
+from axiscal.measurement.place_texts import reading_unit
+from axiscal.planning.next_readings import posed
+from axiscal.units import format_quantity, to_unit
+
+_NAMED = 3
+_CANDIDATES = 1000
+_ROUNDS = 12
+MOST = 1000
+"""Readings beyond which no plan is made for an accuracy."""
+
+
+def out_of_reach(problem: Case) -> str | None:
+    """Return why the RMS target cannot be reached with these set-ups and what would help; None if it can."""
+    target = problem.description.target.rms
+    floor = reachable_rms(problem)
+    if target is None or floor <= target:
+        return None
+    said = f"With these set-ups the RMS cannot fall below {to_unit(floor, 'um'):.3g} um, whatever is read"
+    wanted = f"the target is {to_unit(target, 'um'):.3g} um"
+    rest = math.sqrt(problem.yardstick.moments.rest)
+    if rest > target:
+        help_text = (
+            f"the rests of the errors alone make {to_unit(rest, 'um'):.3g} um: finer knots would let them shrink"
+        )
+    else:
+        hidden = " ".join(part.text for part in problem.hidden[:_NAMED])
+        help_text = f"another set-up would help. What cannot be seen: {hidden}"
+    return f"{said}; {wanted}. The campaign stops at the target for what can be seen; {help_text}"
+
+
+def reachable_rms(problem: Case) -> float:
+    """Return the RMS over the volume that endless readings would leave, m."""
+    return math.hypot(problem.yardstick.unseen_rms, math.sqrt(problem.yardstick.moments.rest))
+
+
+def refuse_out_of_reach(problem: Case, limits: Limits) -> None:
+    """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
+    if limits.rms is None:
+        return
+    target, floor = to_unit(limits.rms, "um"), reachable_rms(problem)
+    if floor > limits.rms:
+        what = f"an RMS of {target:.3g} um is out of reach: endless readings would leave {to_unit(floor, 'um'):.3g} um"
+        raise TargetError(what, _what_hides(problem, limits.rms))
+    if limits.readings is None and limits.budget is None:
+        _refuse_too_noisy(problem, limits.rms)
+
+
+def _what_hides(problem: Case, target: float) -> str:
+    """Say what endless readings would leave, and what would help against it."""
+    said, rest = [], math.sqrt(problem.yardstick.moments.rest)
+    if problem.yardstick.unseen_rms > target or rest <= target:
+        said.append("Another set-up would help. What cannot be seen:")
+        said += [part.text for part in problem.hidden[:_NAMED]]
+    if rest > target:
+        alone = f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um"
+        said.append(f"{alone}: with finer knots they could be smaller")
+    return " ".join(said)
+
+
+def not_to_the_letter(problem: Case, limits: Limits, plan: Plan) -> str | None:
+    """Say that a plan leaves a larger RMS than was asked for, and why; None where it does not."""
+    if limits.rms is None or plan.accuracy.rms <= limits.rms:
+        return None
+    target, left = to_unit(limits.rms, "um"), to_unit(reachable_rms(problem), "um")
+    helps = f" {_what_hides(problem, limits.rms)}" if reachable_rms(problem) > limits.rms else ""
+    if plan.met:
+        why = "so the target counts as reached for what readings can tell"
+        return f"endless readings would leave {left:.3g} um of the {target:.3g} um asked for, {why}.{helps}"
+    return f"the target of {target:.3g} um is not reached; endless readings would leave {left:.3g} um.{helps}"
+
+
+def _refuse_too_noisy(problem: Case, target: float) -> None:
+    """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
+    yardstick = problem.yardstick
+    asked = posed(problem, problem.observation, problem.prior, candidates=_CANDIDATES)
+    pool = Pool(asked.observation, asked.lattice)
+    state = Covariance.of(problem.observation, problem.prior, yardstick.root)
+    relaxation = Relaxation(pool, state, [], np.ones(len(pool)), float(MOST))
+    for _ in range(_ROUNDS):
+        dual = relaxation.solved()
+        slopes = relaxation.slopes(dual)
+        least = dual.whole - MOST * float(slopes.max())
+        if not _met(yardstick, target, least):
+            what = f"an RMS of {to_unit(target, 'um'):.3g} um is out of reach: {MOST:,} readings leave at least "
+            what += f"{to_unit(yardstick.rms_of(least), 'um'):.3g} um"
+            raise TargetError(what, _what_helps(problem, relaxation))
+        if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
+            return
+
+
+def _met(yardstick: Yardstick, target: float, value: float) -> bool:
+    return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
+
+
+def _what_helps(problem: Case, relaxation: Relaxation) -> str:
+    """Say in which set-up half the noise would help most."""
+    setups, of = problem.description.setups, relaxation.setups
+    left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]
+    best = int(np.argmin(left))
+    noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
+    reached = to_unit(problem.yardstick.rms_of(left[best]), "um")
+    return f'With half the noise in "{setups[best].name}" ({noise}) it would be {reached:.3g} um; or ask for less'

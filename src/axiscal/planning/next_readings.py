@@ -1,0 +1,125 @@
+"""The readings to come: what the planner is asked for while a campaign is under way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.accuracy import criterion
+from axiscal.belief import Belief
+from axiscal.description.target import Target
+from axiscal.design.gains.covariance import Point
+from axiscal.design.plan.plan import Plan, make_plan
+from axiscal.design.plan.renewal import renewed
+from axiscal.design.plan.task import Limits, Task
+from axiscal.estimate.case import Case
+from axiscal.exceptions import PlanError
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Place
+from axiscal.numerics import Array
+from axiscal.planning.overrun import with_room
+from axiscal.planning.plan_basis import at_gap, in_gap
+from axiscal.record.events import Gap
+
+_CANDIDATES = 2000
+_AT_ONCE = 150
+_SMALL = 120
+"""Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
+
+
+def planned_places(
+    case: Case,
+    observation: Observation,
+    belief: Belief,
+    gaps: Sequence[Gap],
+    taken: Sequence[Place],
+    seconds: float,
+    left: Sequence[Place] = (),
+) -> tuple[Place, ...]:
+    """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
+
+    gaps : places that could not be read, which are planned around; taken, seconds : so far
+    left : of an earlier plan, to begin with
+    """
+    problem = posed(case, observation, belief, gaps, taken)
+    limits = limits_left(case.description.target, len(taken), seconds)
+    if not len(problem.lattice):
+        return ()
+    patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
+    points = [_point(case, place) for place in left if not in_gap(case, place, gaps)]
+    coming = renewed(problem, limits, points, patience) if points else []
+    places = [_placed(case, point) for point in coming or _begun(problem, limits, patience)]
+    return tuple(place for place in places if not in_gap(case, place, gaps))
+
+
+def _begun(problem: Task, limits: Limits, patience: float) -> list[Point]:
+    """Return the readings of a new plan."""
+    try:
+        return make_plan(problem, limits, patience=patience, bounded=False).points
+    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
+        return make_plan(problem, Limits(1), patience=patience, bounded=False).points
+
+
+def _patience(observation: Observation) -> float:
+    """Return how long readings may be climbed off the lattice: without end, or not at all. Never by the clock, so that
+    the same campaign asks for the same readings on any machine.
+    """
+    return math.inf if observation.size <= _SMALL else 0.0
+
+
+def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
+    """Return the places of a plan, each with room to come to it from its side."""
+    return tuple(_placed(case, point) for point in plan.points)
+
+
+def _placed(case: Case, point: Point) -> Place:
+    setup = case.description.setups[point.setup]
+    pose, approach = tuple(map(float, point.pose)), tuple(int(sign) for sign in point.approach)
+    return Place(setup.name, *with_room(case.errors, setup, pose, approach))
+
+
+def _point(case: Case, place: Place) -> Point:
+    return Point(case.index(place.setup), np.array(place.pose), np.array(place.approach, dtype=float))
+
+
+def posed(
+    case: Case,
+    observation: Observation,
+    belief: Belief,
+    gaps: Sequence[Gap] = (),
+    taken: Sequence[Place] = (),
+    candidates: int = _CANDIDATES,
+) -> Task:
+    """Return what is to be planned: the belief so far, and candidates outside the gaps."""
+    machine, setups, here = case.description.machine, case.description.setups, None
+    if taken:
+        last = taken[-1]
+        here = Point(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
+    lattice = spread(machine, setups, candidates)
+    keep = np.ones(len(lattice), dtype=bool)
+    for setup in np.unique(lattice.setups):
+        mine = lattice.setups == setup
+        keep[mine] = ~at_gap(case, int(setup), lattice.poses[mine], gaps)
+    return Task(observation, belief, weight_of(case, belief), case.yardstick, lattice.within(keep), here)
+
+
+def limits_left(target: Target, taken: int, seconds: float) -> Limits:
+    """Return what is left of a target's limits: a plan of so many readings at once at the most.
+
+    Under `worst` the pose that counts moves with every reading, so one is planned at a time.
+    """
+    at_once = 1 if target.criterion == "worst" else _AT_ONCE
+    left = at_once if target.readings is None else min(at_once, max(target.readings - taken, 1))
+    budget = None if target.budget is None else max(target.budget - seconds, 0.0)
+    return Limits(left, target.rms, target.worst, budget)
+
+
+def weight_of(case: Case, belief: Belief) -> Array:
+    """Return V of the target's criterion, W = VᵀV."""
+    name = case.description.target.criterion
+    if name == "joint":
+        return criterion.joint_root(case.errors)
+    return case.yardstick.root if name == "volume" else case.yardstick.worst_rows(belief)

@@ -1,0 +1,243 @@
+"""What can happen in a campaign, and the state that follows from all that has happened.
+
+Events are facts and never change; the state is always folded from them anew. Units are metres, radians and seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+
+
+@dataclass(frozen=True, slots=True)
+class Created:
+    """The campaign begins; it carries its own inputs, so that the record needs no other file.
+
+    machine_text, campaign_text : the two descriptions, word for word
+    machine_source, campaign_source : where they were read
+    versions : of axiscal and of what it computes with
+    prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
+    """
+
+    machine_text: str
+    campaign_text: str
+    machine_source: str
+    campaign_source: str
+    versions: Mapping[str, str]
+    prior_text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """The readings to come, in their order; what was planned before is no longer.
+
+    grounds : what the plan rests on beside the places of the readings before it, as the engine says
+    """
+
+    places: tuple[Place, ...]
+    grounds: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A reading is wanted: its number from 1, and where."""
+
+    reading: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A reading was taken."""
+
+    reading: Reading
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """The reading asked for cannot be taken."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Undone:
+    """An earlier event, named by its number, is taken back."""
+
+    event: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """The campaign ends, and why."""
+
+    because: str
+
+
+Event = Created | Planned | Asked | Recorded | Skipped | Undone | Finished
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """An event in the record: its number from 1 and the UTC time it was written, ISO 8601."""
+
+    number: int
+    at: str
+    event: Event
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A reading that was asked for and could not be taken."""
+
+    asked: Asked
+    reason: str
+
+    def holds(self, place: Place) -> bool:
+        """Whether a planned place is this one."""
+        return (place.setup, place.pose) == (self.place.setup, self.place.pose)
+
+    @property
+    def place(self) -> Place:
+        """Where it was to be taken."""
+        return self.asked.place
+
+
+@dataclass(frozen=True, slots=True)
+class Undoable:
+    """Something that can be taken back: the event, its number, and the question that was open before it."""
+
+    number: int
+    event: Recorded | Skipped | Finished
+    pending: Asked | None
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where the campaign stands.
+
+    readings : in the order they were taken, without those taken back
+    skipped : what could not be measured
+    pending : what has been asked and not been answered
+    finished : why the campaign ended, if it has
+    plan : places that have been planned and not been asked for yet; grounds : what they were planned on
+    renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
+    undo : what can be taken back, the latest last
+    last : number of the last event
+    """
+
+    created: Created | None = None
+    readings: tuple[Reading, ...] = ()
+    skipped: tuple[Gap, ...] = ()
+    pending: Asked | None = None
+    finished: str | None = None
+    plan: tuple[Place, ...] = ()
+    grounds: str = ""
+    renew: bool = False
+    undo: tuple[Undoable, ...] = ()
+    last: int = 0
+
+
+class EventOrderError(ValueError):
+    """Events that cannot have happened in this order; the record has been written by something else."""
+
+
+def fold(events: Iterable[Stored]) -> State:
+    """Return the state after `events`; raise EventOrderError if they contradict each other."""
+    folding = _Folding()
+    for stored in events:
+        folding.add(stored)
+    return folding.state()
+
+
+class _Folding:
+    """The state while events are added to it, in time proportional to their number."""
+
+    def __init__(self) -> None:
+        self._created: Created | None = None
+        self._readings: list[Reading] = []
+        self._skipped: list[Gap] = []
+        self._pending: Asked | None = None
+        self._finished: str | None = None
+        self._plan: list[Place] = []
+        self._grounds = ""
+        self._renew = False
+        self._undo: list[Undoable] = []
+        self._last = 0
+
+    def state(self) -> State:
+        return State(
+            self._created,
+            tuple(self._readings),
+            tuple(self._skipped),
+            self._pending,
+            self._finished,
+            tuple(self._plan),
+            self._grounds,
+            self._renew,
+            tuple(self._undo),
+            self._last,
+        )
+
+    def add(self, stored: Stored) -> None:
+        event = stored.event
+        self._refuse_disorder(stored)
+        if isinstance(event, Created):
+            self._created = event
+        elif isinstance(event, Planned):
+            self._plan, self._grounds, self._renew = list(event.places), event.grounds, False
+        elif isinstance(event, Asked):
+            self._ask(event)
+        elif isinstance(event, Undone):
+            self._take_back(event)
+        else:
+            self._undo.append(Undoable(stored.number, event, self._pending))
+            self._take(event)
+        self._last = stored.number
+
+    def _ask(self, event: Asked) -> None:
+        self._pending = event
+        if self._plan and self._plan[0] == event.place:
+            del self._plan[0]
+
+    def _refuse_disorder(self, stored: Stored) -> None:
+        first = isinstance(stored.event, Created)
+        if first and self._created is not None:
+            raise EventOrderError("the campaign was created twice")
+        if not first and self._created is None:
+            raise EventOrderError("the first event is not the creation of the campaign")
+        if self._finished is not None and not isinstance(stored.event, Undone):
+            raise EventOrderError(f"event {stored.number} comes after the end of the campaign")
+
+    def _take(self, event: Recorded | Skipped | Finished) -> None:
+        if isinstance(event, Recorded):
+            self._readings.append(event.reading)
+            self._renew = self._renew or not self._asked_for(event)
+        elif isinstance(event, Finished):
+            self._finished = event.because
+        elif self._pending is None:
+            raise EventOrderError("a reading was skipped that nobody had asked for")
+        else:
+            gap = Gap(self._pending, event.reason)
+            self._skipped.append(gap)
+            self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
+        self._pending = None
+
+    def _asked_for(self, event: Recorded) -> bool:
+        """Whether a reading was taken where one was wanted, and from there."""
+        return self._pending is not None and event.reading.place == self._pending.place
+
+    def _take_back(self, event: Undone) -> None:
+        if not self._undo or self._undo[-1].number != event.event:
+            raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
+        step = self._undo.pop()
+        if isinstance(step.event, Recorded):
+            self._readings.pop()
+        elif isinstance(step.event, Skipped):
+            self._skipped.pop()
+        else:
+            self._finished = None
+        self._pending, self._renew = step.pending, True

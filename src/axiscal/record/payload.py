@@ -1,0 +1,113 @@
+"""Events to and from the JSON text in which the record keeps them; floats survive to the last bit."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Asked, Created, Event, Finished, Planned, Recorded, Skipped, Undone
+
+KINDS: Mapping[str, type[Event]] = {
+    kind.__name__.lower(): kind for kind in (Created, Planned, Asked, Recorded, Skipped, Undone, Finished)
+}
+
+
+class PayloadError(ValueError):
+    """Text in a record that is not an event."""
+
+
+def encode(event: Event) -> tuple[str, str]:
+    """Return kind and JSON text; raise ValueError if a number is not finite."""
+    text = json.dumps(_fields(event), allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    return type(event).__name__.lower(), text
+
+
+def decode(kind: str, text: str) -> Event:
+    """Return the event; raise PayloadError if this is none."""
+    try:
+        fields = json.loads(text)
+        return _READ[kind](fields)
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
+
+
+def _fields(event: Event) -> dict[str, object]:
+    """Return what the record keeps of an event."""
+    match event:
+        case Planned():
+            return {"places": [_place_fields(place) for place in event.places], "grounds": event.grounds}
+        case Asked():
+            return {"reading": event.reading, **_place_fields(event.place)}
+        case Recorded(reading):
+            of_value = {"value": reading.value, "std": reading.std, "others": reading.others}
+            told = {"accepted": reading.accepted, "time": reading.time}
+            return {**_place_fields(reading.place), **of_value, **told}
+    return asdict(event)
+
+
+def _place_fields(place: Place) -> dict[str, object]:
+    return {"setup": place.setup, "position": place.pose, "approach": place.approach}
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a finite number")
+    return float(value)
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{value!r} is not a whole number")
+    return value
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{value!r} is not text")
+    return value
+
+
+def _place(fields: Mapping[str, Any]) -> Place:
+    position = tuple(_number(value) for value in fields["position"])
+    approach = tuple(_whole(value) for value in fields["approach"])
+    if len(position) != len(approach) or not set(approach) <= {-1, 0, 1}:
+        raise ValueError(f"position {position} and approach {approach} do not belong together")
+    return Place(_text(fields["setup"]), position, approach)
+
+
+def _created(fields: Mapping[str, Any]) -> Created:
+    versions = {_text(name): _text(value) for name, value in fields["versions"].items()}
+    machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
+    sources = _text(fields["machine_source"]), _text(fields["campaign_source"])
+    return Created(machine, campaign, *sources, versions, _text(fields.get("prior_text", "")))
+
+
+def _recorded(fields: Mapping[str, Any]) -> Recorded:
+    std = None if fields["std"] is None else _number(fields["std"])
+    accepted = fields.get("accepted", False)  # records of before it could be said
+    others = tuple(_number(value) for value in fields.get("others", ()))
+    time = None if fields.get("time") is None else _number(fields["time"])
+    if not isinstance(accepted, bool):
+        raise ValueError(f"{accepted!r} is neither true nor false")
+    at, value = _place(fields), _number(fields["value"])
+    reading = Reading(at.setup, at.pose, at.approach, value, std, accepted=accepted, others=others, time=time)
+    return Recorded(reading)
+
+
+_READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
+    "created": _created,
+    "planned": lambda fields: Planned(
+        tuple(_place(place) for place in fields["places"]),
+        _text(fields.get("grounds", "")),  # records of before plans said what they rest on
+    ),
+    "asked": lambda fields: Asked(_whole(fields["reading"]), _place(fields)),
+    "recorded": _recorded,
+    "skipped": lambda fields: Skipped(_text(fields["reason"])),
+    "undone": lambda fields: Undone(_whole(fields["event"])),
+    "finished": lambda fields: Finished(_text(fields["because"])),
+}

@@ -1,0 +1,141 @@
+"""Figures and sentences of the report as text; nothing here is markup."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Position, Summary
+
+BAND = 1.96
+"""Standard deviations to the edge of a printed band: 95 %."""
+
+UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
+_LOST = 0.01
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NARROW_SPACE = "\u202f"
+_NO_BREAK = "\u00a0"
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as people write it: um -> µm."""
+    return UNITS.get(unit, unit)
+
+
+def figure(value: float) -> str:
+    """Return value with three significant digits, without an exponent where a person would write none."""
+    size = abs(value)
+    if size == 0:
+        return "0"
+    if not 1e-3 <= float(f"{size:.3g}") < 1e6:
+        mantissa, exponent = f"{value:.2e}".split("e")
+        return _minus(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}")
+    digits = max(0, 2 - math.floor(math.log10(float(f"{size:.3g}"))))
+    return _minus(f"{value:,.{digits}f}".replace(",", _NARROW_SPACE))
+
+
+def short(value: float) -> str:
+    """Return a value that a person chose, such as a target, without trailing zeros."""
+    text = figure(value)
+    return text.rstrip("0").rstrip(".") if "." in text and "×" not in text else text
+
+
+def quantity(value: float, unit: str) -> str:
+    """Return value and unit with a space that does not break (none before degree and second signs)."""
+    sign = unit_text(unit)
+    return f"{figure(value)}{sign if sign in '°″' else _NO_BREAK + sign}"
+
+
+def count(number: int, noun: str) -> str:
+    """Return "1 reading", "23 readings"."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", _NARROW_SPACE)
+
+
+def duration(minutes: float) -> str:
+    """Return minutes as "41 minutes" or, from three hours on, "3 h 20 min"."""
+    whole = round(minutes)
+    if whole >= 180:
+        return f"{whole // 60} h {whole % 60} min"
+    return "less than a minute" if whole == 0 else count(whole, "minute")
+
+
+def occasion(summary: Summary) -> str:
+    """Return the opening of the verdict: when the stated accuracy holds."""
+    if summary.readings == 0:
+        return "Before any reading"
+    time = f" in {duration(summary.minutes)}" if summary.minutes > 0 else ""
+    return f"After {count(summary.readings, 'reading')}{time}"
+
+
+def unseen_size(summary: Summary) -> float:
+    """Return the RMS that no allowed reading can take away, um; 0 where it is lost in the RMS."""
+    return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
+
+
+def target_text(value_um: float, target_um: float | None) -> str:
+    """Return "target 2 µm: reached", or nothing where no target was set."""
+    if target_um is None:
+        return ""
+    return f"target {short(target_um)}{_NO_BREAK}µm: {'reached' if value_um <= target_um else 'not reached'}"
+
+
+def curve_note(curve: CurveSummary) -> str:
+    """Return in words how well a curve is known now, was before, and what no allowed reading can add."""
+    now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)
+    unseen = BAND * math.sqrt(max(0.0, _mean_square(curve.std) - _mean_square(curve.std_seen)))
+    if not curve.position:
+        return "no positions"
+    note = f"±{quantity(now, curve.value_unit)}, before ±{quantity(before, curve.value_unit)}"
+    if now > 0.95 * before:
+        note += "; hardly touched by the readings"
+    elif curve.from_readings > 0:
+        note += f"; {curve.from_readings:.0%} of what is known comes from the readings, the rest from the prior"
+    if unseen > 0.5 * now > 0:
+        note += f"; ±{quantity(unseen, curve.value_unit)} of it cannot be seen"
+    return note
+
+
+def constant_note(constant: ConstantSummary) -> str:
+    """Return a constant as "12.1 ± 2.2 µrad" (95 %)."""
+    return f"{figure(constant.mean)} ± {quantity(BAND * constant.std, constant.unit)}"
+
+
+def position_text(position: Position | None) -> str:
+    """Return {"X": 120.0, "B": 30.0} as "X 120 · B 30"."""
+    return "–" if position is None else " · ".join(f"{axis} {coordinate(v)}" for axis, v in position.items())
+
+
+def coordinate(value: float) -> str:
+    """Return a coordinate to a thousandth, without trailing zeros."""
+    text = f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e9 else f"{value:.4g}"
+    return _minus("0" if text == "-0" else text)
+
+
+def standardised(row: HistoryRow) -> float | None:
+    """Return a reading's innovation over its standard deviation, where both are known."""
+    if row.innovation is None or row.innovation_std is None or row.innovation_std <= 0:
+        return None
+    return row.innovation / row.innovation_std
+
+
+def iso_name(name: str) -> str:
+    """Return the sign of an ISO 230-2 figure: A_up -> A↑."""
+    return name.replace("_up", "↑").replace("_down", "↓").replace("_mean", " mean")
+
+
+def axis_unit(axis: str) -> str:
+    """Return the display unit of an axis' coordinate: A, B and C turn (ISO 841)."""
+    return "deg" if axis[:1] in "ABC" else "mm"
+
+
+def _mean_square(values: Sequence[float]) -> float:
+    largest = max((abs(value) for value in values), default=0.0)
+    return 0.0 if largest == 0 else largest**2 * sum((value / largest) ** 2 for value in values) / len(values)
+
+
+def _rms(values: Sequence[float]) -> float:
+    return math.sqrt(_mean_square(values))
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")

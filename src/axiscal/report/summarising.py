@@ -1,0 +1,171 @@
+"""From a campaign to what is said of it: the summary behind `result.json` and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.versions import versions
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.history import Moment, path
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.planning.what_if import traditional
+from axiscal.report.curves import constants, curves
+from axiscal.report.findings import findings, observability, residual_check
+from axiscal.report.summary import (
+    CurveSummary,
+    Finding,
+    HistoryRow,
+    Iso230,
+    Rejection,
+    SetupUse,
+    Summary,
+    TableOffer,
+    TruthCheck,
+)
+from axiscal.simulation import VirtualMachine
+from axiscal.units import to_unit
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extras:
+    """What a campaign itself does not know: tables that were written, a truth that is known, a finished standard
+    test.
+
+    compared : whether the traditional way, with as many readings, is drawn beside the accuracy
+    warnings : of what was given, beside those of the estimate
+    """
+
+    tables: Sequence[TableOffer] = ()
+    truth: VirtualMachine | None = None
+    truth_check: TruthCheck | None = None
+    iso230: Sequence[Iso230] = ()
+    files: Sequence[str] = ()
+    compared: bool = False
+    warnings: Sequence[Finding] = ()
+
+
+def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> Summary:
+    """Return the summary of a campaign.
+
+    calibration : after all its readings
+    """
+    problem, description = calibration.problem, campaign.description
+    rows = _history(campaign, calibration)
+    if extras.compared:
+        usual = traditional(problem, len(campaign.state.readings)).rms
+        pairs = zip(rows, usual, strict=True)
+        rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
+    target, drawn = description.target, curves(calibration, campaign.state.readings, extras.truth)
+    return Summary(
+        title=f"Calibration of {description.machine.name}",
+        machine=description.machine.name,
+        chain=description.machine.chain,
+        campaign_file=description.source,
+        date=campaign.begun[:10],
+        setups=[_setup_use(setup, campaign) for setup in description.setups],
+        stopped_because=campaign.state.finished or "not finished",
+        readings=len(campaign.state.readings),
+        minutes=rows[-1].minutes,
+        rms_um=rows[-1].rms_um,
+        worst_um=rows[-1].worst_um,
+        unseen_rms_um=to_unit(problem.yardstick.unseen_rms, "um"),
+        history=rows,
+        curves=[curve for curve in drawn if not _reversal(curve)],
+        reversals=[curve for curve in drawn if _reversal(curve)],
+        constants=constants(calibration, extras.truth),
+        observability=observability(problem),
+        rejected=_rejections(calibration, rows),
+        warnings=[*extras.warnings, *findings(calibration)],
+        tables=extras.tables,
+        target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
+        target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
+        truth=extras.truth_check,
+        iso230=extras.iso230,
+        reading_residual=residual_check(calibration),
+        versions=versions(),
+        files=extras.files,
+    )
+
+
+def _reversal(curve: CurveSummary) -> bool:
+    return curve.name.endswith("_reversal")
+
+
+def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
+    """Return how well the machine was known after each reading, and how much each surprised."""
+    refused = {doubt.reading + 1 for doubt in calibration.doubts if doubt.rejected}
+    tools = _tool_points(calibration.problem, campaign.state.readings)
+    first, *moments = path(calibration)
+    rows = [_row(calibration.problem, None, 0, first, None)]
+    for number, (reading, moment, tool) in enumerate(
+        zip(campaign.state.readings, moments, tools, strict=True), start=1
+    ):
+        row = _row(calibration.problem, reading, number, moment, tool)
+        rows.append(replace(row, rejected=number in refused))
+    return rows
+
+
+def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Rejection]:
+    """Return the readings that were not believed."""
+    return [
+        Rejection(
+            doubt.reading + 1,
+            row.setup or "",
+            row.position or {},
+            row.value_um or 0.0,
+            f"{doubt.surprise:.3g} standard deviations from what the other readings say",
+            row.unit,
+        )
+        for doubt in calibration.doubts
+        if doubt.rejected and (row := rows[doubt.reading + 1])
+    ]
+
+
+def _row(problem: Case, reading: Reading | None, number: int, moment: Moment, tool: Point | None) -> HistoryRow:
+    rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
+    minutes, last = to_unit(moment.seconds, "min"), moment.innovations
+    if reading is None or last is None:
+        return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
+    description = problem.description
+    unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
+    return HistoryRow(
+        reading=number,
+        setup=reading.setup,
+        position=shown_pose(axes, reading.pose),
+        value_um=to_unit(reading.value, unit),
+        innovation=to_unit(float(last.value[0]), unit),
+        innovation_std=to_unit(float(last.std[0]), unit),
+        rms_um=rms,
+        worst_um=worst,
+        minutes=minutes,
+        unit=unit,
+        tcp_mm=tool,
+        approach=approach_text(axes, reading.approach),
+    )
+
+
+def _tool_points(problem: Case, readings: Sequence[Reading]) -> list[Point]:
+    """Return where the tool is at each reading, mm."""
+    if not readings:
+        return []
+    places = frames(problem.description.machine, np.array([reading.pose for reading in readings])).tcp
+    return [(x, y, z) for x, y, z in np.asarray(to_unit(places, "mm")).tolist()]
+
+
+def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+    axes = campaign.description.machine.axes
+    taken = sum(reading.setup == setup.name for reading in campaign.state.readings)
+    moves = [axes[k].name for k in setup.moves]
+    unit = reading_unit(setup)
+    noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
+    return SetupUse(setup.name, setup.instrument, direction_text(setup), moves, noise, taken)

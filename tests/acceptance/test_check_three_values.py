@@ -1,0 +1,98 @@
+"""A check with instruments that read along x, y and z at once: R-test and tracker."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.acceptance.datums import datums_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.case import Case
+from axiscal.planning.planner import Planner
+from axiscal.simulation import Simulator
+from tests.acceptance.test_verification import MACHINE
+
+RTEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nnoise = "0.4 um"\n'
+TRACKER = '[[setups]]\nname = "afar"\ninstrument = "tracker"\nnoise = "1 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
+PROBE = '[[setups]]\nname = "along x"\ninstrument = "probe"\ndirection = "x"\nnoise = "0.4 um"\n'
+SEED = 5
+
+
+def _description(*setups: str) -> CampaignDescription:
+    text = 'machine = "m.toml"\n[target]\nrms = "1.5 um"\nreadings = 24\n' + "".join(setups)
+    return campaign_from_texts(text, "c.toml", MACHINE, "m.toml")
+
+
+def _record(path: Path, *setups: str) -> Path:
+    description = _description(*setups)
+    truth = Simulator(description.machine, description.setups).drawn(SEED)
+    with Campaign.create(path, description, lambda _: Planner(Case(description))) as campaign:
+        campaign.run(SimulatedSource(truth, SEED), lambda _: None)
+    return path
+
+
+@pytest.mark.parametrize("setup", [RTEST, TRACKER], ids=["rtest", "tracker"])
+def test_the_right_tables_pass_and_another_machine_is_noticed(
+    setup: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = _record(tmp_path / "m.axiscal", setup)
+    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"] == "pass"
+    assert said["tables_loaded"]
+    assert said["estimate_believed"]
+    assert len(said["readings"]) == 3 * 12
+    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "12 um"]) == 0
+    assert "do not agree with the estimate" in capsys.readouterr().out
+
+
+def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record, plan = _record(tmp_path / "m.axiscal", RTEST, PROBE), tmp_path / "check.csv"
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
+    planned = json.loads(capsys.readouterr().out)["plan"]
+    assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}
+    with plan.open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    columns = ("value_um", "value_x_um", "value_y_um", "value_z_um")
+    assert tuple(lines[0])[-4:] == columns
+    for name, key in (("found.csv", "found_um"), ("left.csv", "left_um")):
+        with (tmp_path / name).open("w", newline="") as file:
+            sheet = csv.DictWriter(file, list(lines[0]))
+            sheet.writeheader()
+            for line, place in zip(lines, planned, strict=True):
+                shown = place[key] if isinstance(place[key], list) else [place[key]]
+                names = columns[1:] if len(shown) == 3 else columns[:1]
+                sheet.writerow(line | {n: f"{v:.4f}" for n, v in zip(names, shown, strict=True)})
+    arguments = ["verify", str(record), "--found", str(tmp_path / "found.csv"), "--left", str(tmp_path / "left.csv")]
+    assert run([*arguments, "--tolerance", "12 um"]) == 0
+    assert "PASS" in capsys.readouterr().out
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
+    shown_text = capsys.readouterr().out
+    assert "fill in value_um, value_x_um, value_y_um, value_z_um" in " ".join(shown_text.split())
+    assert "as found (" in shown_text
+
+
+def test_datums_take_off_what_a_tracker_brings() -> None:
+    """Three zeros, and three turns that are not known to the tolerance: nothing of them is left on a true machine."""
+    description = _description(TRACKER)
+    setup, rng = replace(description.setups[0], noise=0.0), np.random.default_rng(0)
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    poses = rng.uniform(low, high, (6, 2))
+    truth = Simulator(description.machine, description.setups).with_curves({}, 1)
+    values = np.array([truth.read_all(setup, tuple(map(float, pose)), (1, 1), rng) for pose in poses]).ravel()
+    assert np.abs(values).max() > 1e-4
+    of, directions = np.repeat(np.arange(6), 3), np.tile(np.eye(3), (6, 1))
+    datums = datums_of(
+        description.machine, description.setups, np.zeros(18, dtype=np.intp), poses[of], directions, 1e-6
+    )
+    assert np.abs(datums.free @ values).max() < 3e-6  # a turn of 1 mrad is linear to a millionth of the distance
+    assert {datum.unknown for datum in datums.taken} == {unknown.name for unknown in setup.unknowns}
+    assert datums.lines == ("afar",)

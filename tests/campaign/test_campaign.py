@@ -1,0 +1,367 @@
+"""The campaign against an engine whose answers are known: what it asks, keeps, takes back, and when it stops."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH, Campaign, Ended, Milestone
+from axiscal.campaign.sources import Answer, Request, Skip
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceError
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Asked, Gap, Recorded
+
+TEXT = """
+machine = "three-axis-mill"
+[target]
+{target}
+[[setups]]
+name = "laser along X"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+approach = "both"
+[[setups]]
+name = "laser along Y"
+instrument = "interferometer"
+direction = "y"
+moves = ["Y"]
+"""
+
+
+@dataclass(frozen=True)
+class Known:
+    rms: float
+    worst: float
+
+    @property
+    def seen(self) -> float:
+        return self.rms
+
+    @property
+    def worst_seen(self) -> float:
+        return self.worst
+
+    def attainable(self, target: float) -> float:
+        return target
+
+
+@dataclass
+class CountingEngine:
+    """Knows the machine to 10 um / (1 + readings), plans X = 0, 10, 20 … mm, and takes a minute for each."""
+
+    description: CampaignDescription
+    read: list[Reading] = field(default_factory=list)
+
+    def absorb(self, reading: Reading) -> None:
+        self.read.append(reading)
+
+    def accuracy(self) -> Known:
+        rms = 10e-6 / (1 + len(self.read))
+        return Known(rms, 2 * rms)
+
+    def misfit(self) -> float:
+        return 1.0
+
+    def objection(self) -> str | None:
+        return None
+
+    def grounds(self) -> str:
+        return ""
+
+    def plan(self, gaps: Sequence[Gap], taken: Sequence[Place], left: Sequence[Place]) -> list[Place]:
+        closed = {reading.pose[0] for reading in self.read} | {gap.place.pose[0] for gap in gaps}
+        free = [0.01 * n for n in range(61) if 0.01 * n not in closed]
+        return [Place("laser along X", (x, 0.2, 0.2), (1, 0, 0)) for x in free]
+
+    def elapsed(self, taken: Sequence[Place]) -> float:
+        return 60.0 * len(taken)
+
+
+class Listed:
+    """A source that gives the answers of a list, and raises those that are failures."""
+
+    def __init__(self, *answers: Answer | Skip | BaseException) -> None:
+        self.answers = list(answers)
+        self.requests: list[Request] = []
+
+    def read(self, request: Request) -> Answer | Skip:
+        self.requests.append(request)
+        answer = self.answers.pop(0)
+        if isinstance(answer, BaseException):
+            raise answer
+        return answer
+
+    def close(self) -> None:
+        pass
+
+
+Start = Callable[[str], Campaign]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    opened: list[Campaign] = []
+
+    def begin(target: str) -> Campaign:
+        (tmp_path / "c.toml").write_text(TEXT.format(target=target))
+        opened.append(Campaign.create(tmp_path / "c.axiscal", read_campaign(tmp_path / "c.toml"), CountingEngine))
+        return opened[-1]
+
+    yield begin
+    for campaign in opened:
+        campaign.close()
+
+
+def reopened(campaign: Campaign) -> Campaign:
+    campaign.close()
+    return Campaign.open(campaign.path, CountingEngine)
+
+
+def ignore(milestone: Milestone) -> None:
+    pass
+
+
+def test_asking_again_gives_the_same_question(start: Start) -> None:
+    campaign = start("readings = 3")
+    asked = campaign.next()
+    assert asked == Asked(1, Place("laser along X", (0.0, 0.2, 0.2), (1, 0, 0)))
+    with reopened(campaign) as again:
+        assert again.next() == asked
+        again.record(1e-6)
+        following = again.next()
+        assert isinstance(following, Asked)
+        assert (following.reading, following.place.pose[0]) == (2, 0.01)
+
+
+def test_the_record_carries_its_own_descriptions(start: Start, tmp_path: Path) -> None:
+    campaign = start("readings = 3")
+    (tmp_path / "c.toml").unlink()
+    with reopened(campaign) as again:
+        assert again.description == campaign.description
+
+
+def test_a_skipped_place_is_not_asked_for_again(start: Start) -> None:
+    campaign = start("readings = 3")
+    first = campaign.next()
+    assert campaign.skip("the beam is blocked") == first
+    second = campaign.next()
+    assert isinstance(second, Asked)
+    assert (second.reading, second.place.pose[0]) == (2, 0.01)
+
+
+def test_undo_takes_back_and_asks_again(start: Start) -> None:
+    campaign = start("readings = 3")
+    first = campaign.next()
+    campaign.record(1e-6)
+    assert campaign.engine.accuracy() == Known(5e-6, 10e-6)
+    campaign.next()
+    campaign.undo()
+    assert campaign.engine.accuracy() == Known(10e-6, 20e-6)
+    assert campaign.next() == first
+    with pytest.raises(RecordError, match="nothing to take back"):
+        campaign.undo()
+
+
+def test_a_reading_of_another_place_is_kept(start: Start) -> None:
+    campaign = start("readings = 3")
+    campaign.next()
+    elsewhere = Place("laser along Y", (0.3, 0.05, 0.2), (0, 1, 0))
+    campaign.record(2e-6, 1e-7, at=elsewhere)
+    (kept,) = campaign.state.readings
+    assert kept == Reading("laser along Y", (0.3, 0.05, 0.2), (0, 1, 0), 2e-6, 1e-7, time=kept.time)
+
+
+def test_an_answer_needs_a_question(start: Start) -> None:
+    campaign = start("readings = 3")
+    with pytest.raises(RecordError, match="No reading has been asked for"):
+        campaign.record(1e-6)
+    with pytest.raises(RecordError, match="No reading has been asked for"):
+        campaign.skip("why not")
+
+
+@pytest.mark.parametrize(
+    ("value", "std"), [(float("nan"), None), (float("inf"), None), (1e-6, 0.0), (1e-6, -1e-6), (1e-6, float("nan"))]
+)
+def test_what_is_no_number_is_refused(start: Start, value: float, std: float | None) -> None:
+    campaign = start("readings = 3")
+    campaign.next()
+    with pytest.raises(ReadingError):
+        campaign.record(value, std)
+    assert campaign.state.readings == ()
+
+
+def test_a_skip_needs_a_reason(start: Start) -> None:
+    campaign = start("readings = 3")
+    campaign.next()
+    with pytest.raises(ReadingError, match="reason is empty"):
+        campaign.skip("  ")
+
+
+@pytest.mark.parametrize(
+    ("target", "because", "readings"),
+    [
+        ('rms = "2.6 um"', "rms target reached", 3),
+        ('worst = "4.1 um"', "worst target reached", 4),
+        ("readings = 7", "7 readings taken", 7),
+        ('budget = "40 min"', "time budget used", 40),
+        ('rms = "2 um"\nreadings = 2', "2 readings taken", 2),
+        ('rms = "2 um"\nworst = "10 um"\nbudget = "60 min"', "worst target reached", 1),
+        ("readings = 70", "nothing is left to measure", 61),
+    ],
+)
+def test_the_first_target_reached_stops(start: Start, target: str, because: str, readings: int) -> None:
+    campaign = start(target)
+    seen: list[Milestone] = []
+    assert campaign.run(Listed(*[Answer(1e-6)] * 100), seen.append) == because
+    assert campaign.state.finished == because
+    assert [milestone.number for milestone in seen] == list(range(readings + 1))
+    assert [(m.number, m.accuracy, m.seconds) for m in campaign.history()] == [
+        (m.number, m.accuracy, m.seconds) for m in seen
+    ]
+
+
+def test_a_person_may_go_beyond_the_target(start: Start) -> None:
+    campaign = start("readings = 1")
+    campaign.next()
+    campaign.record(1e-6)
+    assert campaign.next() == Ended("1 reading taken")
+    assert isinstance(campaign.next(beyond=True), Asked)
+    assert campaign.status().reached is not None
+
+
+def test_a_finished_campaign_is_closed_until_the_end_is_taken_back(start: Start) -> None:
+    campaign = start("readings = 3")
+    campaign.next()
+    assert campaign.finish() == "ended by the operator"
+    assert campaign.finish() == "ended by the operator"
+    for step in (campaign.next, lambda: campaign.record(1e-6), lambda: campaign.skip("late")):
+        with pytest.raises(RecordError, match="finished: ended by the operator"):
+            step()
+    campaign.undo()
+    assert isinstance(campaign.next(), Asked)
+
+
+@pytest.mark.parametrize("failure", [SourceError("the command died", "mend it"), KeyboardInterrupt()])
+def test_a_failing_source_costs_no_reading_and_the_run_goes_on(start: Start, failure: BaseException) -> None:
+    campaign = start("readings = 5")
+    with pytest.raises(type(failure)):
+        campaign.run(Listed(Answer(1e-6), Skip("warming up"), Answer(2e-6), failure), ignore)
+    with reopened(campaign) as again:
+        assert [reading.value for reading in again.state.readings] == [1e-6, 2e-6]
+        source = Listed(*[Answer(3e-6)] * 5)
+        assert again.run(source, ignore) == "5 readings taken"
+        assert [request.reading for request in source.requests] == [4, 5, 6]
+
+
+class Interrupting(Listed):
+    """The operator presses Ctrl-C just as the second reading arrives."""
+
+    def read(self, request: Request) -> Answer | Skip:
+        answer = super().read(request)
+        if len(self.requests) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+        return answer
+
+
+def test_ctrl_c_while_waiting_stops_at_once(start: Start) -> None:
+    campaign, before = start("readings = 5"), signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        campaign.run(Interrupting(*[Answer(1e-6)] * 5), ignore)
+    assert len(campaign.state.readings) == 1
+    assert signal.getsignal(signal.SIGINT) is before  # ignored already where the tests run in the background
+
+
+def test_ctrl_c_while_a_reading_is_kept_keeps_it(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = start("readings = 5")
+    append = campaign._record.append
+
+    def pressed(*events: Recorded, after: int | None = None) -> int:
+        if isinstance(events[0], Recorded):
+            os.kill(os.getpid(), signal.SIGINT)
+        return append(*events, after=after)
+
+    monkeypatch.setattr(campaign._record, "append", pressed)
+    with pytest.raises(KeyboardInterrupt):
+        campaign.run(Listed(*[Answer(1e-6)] * 5), ignore)
+    assert len(campaign.state.readings) == 1
+
+
+def test_a_source_that_only_skips_is_given_up(start: Start) -> None:
+    campaign = start("readings = 5")
+    with pytest.raises(SourceError, match="skipped 25 readings in a row; the last one because: warming up"):
+        campaign.run(Listed(*[Skip("warming up")] * 99), ignore)
+    assert len(campaign.state.skipped) == 25
+
+
+def test_two_people_do_not_answer_the_same_question(start: Start) -> None:
+    campaign = start("readings = 5")
+    campaign.next()
+    with Campaign.open(campaign.path, CountingEngine) as other:
+        other.record(1e-6)
+        with pytest.raises(RecordError, match="Another process has written"):
+            campaign.record(1e-6)
+        assert len(other.state.readings) == 1
+
+
+def test_readings_that_exist_are_adopted(start: Start) -> None:
+    campaign = start("readings = 5")
+    readings = tuple(Reading("laser along X", (0.1 * n, 0.2, 0.2), (1, 0, 0), n * 1e-6, None) for n in range(4))
+    campaign.adopt(readings)
+    assert campaign.state.readings == readings
+    assert campaign.status().seconds == 240
+
+
+def test_each_set_up_of_readings_in_a_file_is_mounted_once(start: Start) -> None:
+    campaign = start("readings = 9")
+    places = [("laser along Y", 0.1), ("laser along X", 0.1), ("laser along Y", 0.2), ("laser along X", 0.2)]
+    campaign.adopt(tuple(Reading(setup, (at, at, 0.2), (0, 0, 0), 0.0, None) for setup, at in places))
+    assert [(r.setup, r.pose[0]) for r in campaign.state.readings] == [places[k] for k in (0, 2, 1, 3)]
+
+
+def test_whatever_goes_wrong_is_an_axiscal_error(tmp_path: Path) -> None:
+    (tmp_path / "r.axiscal").write_text("nothing")
+    with pytest.raises(AxiscalError):
+        Campaign.open(tmp_path / "r.axiscal", CountingEngine)
+
+
+def test_a_target_that_no_reading_brings_nearer_ends_the_run(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CountingEngine, "accuracy", lambda self: Known(9e-6, 1e-5))
+    campaign = start('rms = "2 um"')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == OUT_OF_REACH
+    assert len(campaign.state.readings) == 50
+
+
+def test_no_target_is_reached_by_readings_that_contradict_the_model(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(CountingEngine, "misfit", lambda self: 5.1)
+    campaign = start('rms = "2 um"')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == DOES_NOT_FIT
+    monkeypatch.setattr(CountingEngine, "misfit", lambda self: 4.9)
+    campaign.undo()
+    assert campaign.reached() == "rms target reached"
+
+
+def test_a_reading_that_cannot_be_ends_the_run_and_is_kept(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CountingEngine, "objection", lambda self: "it is in mm" if len(self.read) == 3 else None)
+    campaign = start("readings = 9")
+    with pytest.raises(SourceError, match="it is in mm"):
+        campaign.run(Listed(*[Answer(1e-6)] * 60), ignore)
+    assert len(campaign.state.readings) == 3
+    assert campaign.state.finished is None
+
+
+def test_readings_that_were_wanted_are_taken_even_if_they_help_little(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(CountingEngine, "accuracy", lambda self: Known(9e-6, 1e-5))
+    campaign = start('rms = "2 um"\nreadings = 55')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == "55 readings taken"

@@ -1,0 +1,110 @@
+"""Readings in the wrong unit, through the command line: seen at once, kept, not believed; no tables of millimetres."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import read_campaign
+from axiscal.simulation import Simulator
+
+CAMPAIGN = """machine = "one-axis"
+[target]
+{target}
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+"""
+
+INSTRUMENT = """import json, math, sys
+for number, line in enumerate(sys.stdin):
+    value = 8 * math.sin(json.loads(line)["position"]["X"] / 90)
+    print(json.dumps({"value": value, "unit": "um" if number < 5 else "mm"}), flush=True)
+"""
+
+
+def _campaign(folder: Path, target: str) -> Path:
+    path = folder / "c.toml"
+    path.write_text(CAMPAIGN.format(target=target))
+    return path
+
+
+def _table(folder: Path, seed: int, column: str, factor: float, count: int = 20) -> Path:
+    """Write readings of a virtual machine whose errors are `factor` times too large, as numbers of um."""
+    campaign, rng = read_campaign(_campaign(folder, "readings = 9")), np.random.default_rng(seed)
+    machine, (setup,) = Simulator(campaign.machine, campaign.setups).drawn(seed), campaign.setups
+    places = [((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
+    values = [1e6 * factor * machine.read(setup, (x,), (side,), rng) for x, side in places]
+    rows = [f"laser,{1e3 * x},X{'+-'[s < 0]},{v}" for (x, s), v in zip(places, values, strict=True)]
+    path = folder / "r.csv"
+    path.write_text("\n".join([f"setup,X_mm,approach,{column}", *rows]) + "\n")
+    return path
+
+
+def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script, out = tmp_path / "slip.py", tmp_path / "out"
+    script.write_text(INSTRUMENT)
+    source = f"exec:{shlex.quote(sys.executable)} {shlex.quote(str(script))}"
+    campaign = _campaign(tmp_path, 'rms = "1 um"')
+    assert run(["run", str(campaign), "--source", source, "--out", str(out)]) == 1
+    assert "mm instead of um?" in " ".join(capsys.readouterr().err.split())
+    assert [path.name for path in out.iterdir()] == ["campaign.axiscal"]
+    with Campaign.open(out / "campaign.axiscal") as kept:
+        assert len(kept.state.readings) == 6
+        assert kept.state.finished is None
+        assert np.max(np.abs(calibration_of(kept.engine).belief.mean[:21])) < 50e-6
+
+
+def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = str(tmp_path / "m.axiscal")
+    assert run(["start", str(_campaign(tmp_path, "readings = 9")), record]) == 0
+    for value in ("1.2 um", "-0.7 um", "2.5 mm", "1.9 um", "0.4 um"):
+        assert run(["next", record]) == 0
+        capsys.readouterr()
+        assert run(["record", record, value]) == 0
+        assert ("mm instead of um?" in capsys.readouterr().out) == (value == "2.5 mm")
+    with Campaign.open(Path(record)) as campaign:
+        calibration = calibration_of(campaign.engine)
+        assert [(doubt.reading, doubt.rejected) for doubt in calibration.doubts] == [(2, True)]
+        assert np.max(np.abs(calibration.belief.mean[:21])) < 50e-6
+    assert run(["finish", record, "--out", str(tmp_path / "d")]) == 0
+    warnings = json.loads((tmp_path / "d" / "result.json").read_text())["warnings"]
+    (text,) = [warning["text"] for warning in warnings if "Reading 3" in warning["text"]]
+    assert text in (tmp_path / "d" / "tables" / "csv" / "README.txt").read_text()
+    capsys.readouterr()
+    assert run(["export", record, "--to", "csv", "--out", str(tmp_path / "t")]) == 0
+    assert text in capsys.readouterr().out
+    assert text in (tmp_path / "t" / "README.txt").read_text()
+
+
+def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = _table(tmp_path, 3, "value_mm", 1.0)
+    assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(tmp_path / "d")]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "r.csv, line " in said
+    assert "mm instead of um?" in said
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_prior_that_is_three_times_too_small_is_no_reason_to_refuse(seed: int, tmp_path: Path) -> None:
+    table = _table(tmp_path, seed, "value_um", 3.0)
+    assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(tmp_path / "d")]) == 0
+    assert json.loads((tmp_path / "d" / "result.json").read_text())["readings"] == 20

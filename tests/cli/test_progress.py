@@ -1,0 +1,30 @@
+"""The line about the progress: of how many readings, and whether that is all that ends the campaign."""
+
+from __future__ import annotations
+
+import pytest
+
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.campaign import Milestone
+from axiscal.cli.progress import progress_line
+from axiscal.description.target import Target
+
+KNOWN = Accuracy(2e-6, 4e-6, 2e-6, 4e-6)
+
+
+def target(readings: int | None = None, rms: float | None = None, budget: float | None = None) -> Target:
+    """Return a target without volume."""
+    return Target(rms, None, readings, budget, (), "volume")
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (target(120), "reading 3 of 120: RMS 2 um"),
+        (target(120, 1e-6), "reading 3 of at most 120: RMS 2 um (target 1 um)"),
+        (target(120, budget=600.0), "reading 3 of at most 120: RMS 2 um"),
+        (target(rms=1e-6), "reading 3: RMS 2 um (target 1 um)"),
+    ],
+)
+def test_of_how_many(asked: Target, said: str) -> None:
+    assert progress_line(Milestone(3, None, KNOWN, 60.0), asked).startswith(said)

@@ -1,0 +1,236 @@
+"""Tables from the belief: the line nearest to the mean deviation, with the right sign, on machines that really turn."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axiscal.belief import Belief
+from axiscal.compensation.conditional import mean_along
+from axiscal.compensation.effect import Effect, effect_of_control, table_control
+from axiscal.compensation.hats import Hats
+from axiscal.compensation.sampling import axis_tables, cross_tables, own_table
+from axiscal.compensation.table import CompensationTable
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.estimate.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import NaturalSpline
+from axiscal.simulation import VirtualMachine
+
+STRAIGHT = """name = "M"
+chain = "{chain}"
+[tool]
+length = "100 mm"
+[axes.X]
+travel = ["-100 mm", "500 mm"]
+[axes.Y]
+travel = ["0 mm", "400 mm"]
+[axes.Z]
+travel = ["-300 mm", "0 mm"]
+[errors]
+EXX = {{ std = "10 um", knots = 7, length = "200 mm" }}
+EYX = {{ std = "10 um", knots = 7, length = "200 mm" }}
+EYY = {{ std = "10 um", knots = 7, length = "200 mm" }}
+EXY = {{ std = "10 um", knots = 5, length = "200 mm" }}
+EZZ = {{ std = "10 um", knots = 7, length = "200 mm" }}
+EYZ = {{ std = "10 um", knots = 5, length = "200 mm" }}
+C0Y = {{ std = "50 urad" }}
+B0Z = {{ std = "50 urad" }}
+EXX_reversal = {{ std = "5 um" }}
+EYY_reversal = {{ std = "5 um" }}
+"""
+CHAINS = ["w-X'-Y'-b-Z-t", "w-b-X-Y-Z-t", "w-Y'-b-X-Z-t"]
+
+
+def machine(chain: str) -> Machine:
+    return machine_from_text(STRAIGHT.format(chain=chain))
+
+
+def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
+    """A machine drawn from the prior, and the belief of somebody who knows it."""
+    prior = model.prior_covariance()
+    mean = np.random.default_rng(seed).multivariate_normal(np.zeros(model.size), prior, method="eigh")
+    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return estimate, VirtualMachine(model, curves, {})
+
+
+def poses(estimate: Estimate, count: int = 600) -> Array:
+    low, high = np.array(estimate.box).T
+    spread: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(count, len(low)))
+    return spread
+
+
+def reached(estimate: Estimate, truth: VirtualMachine, tables: tuple[CompensationTable, ...]) -> Effect:
+    control = table_control(estimate.machine, tables)
+    return effect_of_control(estimate.machine, truth.deviation, control, poses(estimate), estimate.box)
+
+
+def flipped(tables: tuple[CompensationTable, ...]) -> tuple[CompensationTable, ...]:
+    return tuple(replace(t, forward=-t.forward, reverse=-t.reverse) for t in tables)
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
+    estimate, truth = known(ErrorModel(machine(chain)), 3)
+    tables = axis_tables(estimate) + cross_tables(estimate)
+    found = reached(estimate, truth, tables)
+    assert found.before > 10e-6
+    assert found.after < sum(t.departure for t in tables) + 0.02e-6
+    assert found.after < 0.01 * found.before
+    assert reached(estimate, truth, flipped(tables)).after > 1.8 * found.before
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
+    """On the real kinematics: less of them, more of them, or the other way, leaves more."""
+    estimate, truth = known(ErrorModel(load_machine(name)), 5)
+    tables = axis_tables(estimate) + cross_tables(estimate)
+    best = reached(estimate, truth, tables)
+    assert best.after < 0.95 * best.before
+    for share in (0.7, 1.3, -1.0):
+        scaled = tuple(replace(t, forward=share * t.forward, reverse=share * t.reverse) for t in tables)
+        assert reached(estimate, truth, scaled).after > best.after
+
+
+def test_rows_are_the_mean_over_the_other_axes() -> None:
+    model = ErrorModel(load_machine("three-axis-mill"))
+    estimate, _ = known(model, 8)
+    at = np.array([0.1, 0.47])
+    moved = [model.machine.index("Y"), model.machine.index("X")]
+    over = model.machine.index("X")
+    rows = mean_along(model, estimate.box, moved, over, np.array([0.0, *at, 0.6]), 1)[:, 1:3] @ estimate.mean
+    for n, position in enumerate(at):
+        drawn = poses(estimate, 40_000)
+        drawn[:, over] = position
+        approaches = np.zeros_like(drawn)
+        approaches[:, over] = 1
+        sampled = estimate.deviation(drawn, approaches)
+        error = sampled.std(axis=0) / np.sqrt(len(drawn))
+        assert rows[0, n] == pytest.approx(sampled[:, 1].mean(), abs=5 * error[1])
+        assert rows[1, n] == pytest.approx(sampled[:, 0].mean(), abs=5 * error[0])
+
+
+@given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))
+@settings(max_examples=60, deadline=None)
+def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    spline = NaturalSpline(np.sort(rng.uniform(0, 1, knots)) + np.arange(knots) * 0.1)
+    low, high = spline.knots[0], spline.knots[-1]
+    points = np.linspace(low, high, count)
+    control = rng.normal(size=knots)
+    hats = Hats.on(points, spline.knots, (low, high))
+    values = hats.best() @ (spline.rows(hats.nodes) @ control)
+    dense = (np.arange(20_000) + 0.5) / 20_000 * (high - low) + low
+    curve = spline.rows(dense) @ control
+    shapes = np.array([np.interp(dense, points, unit) for unit in np.eye(count)]).T
+    naive = np.linalg.lstsq(shapes, curve, rcond=None)[0]
+    assert values == pytest.approx(naive, abs=1e-5)
+    seen = np.max(np.abs(curve - np.interp(dense, points, values)))
+    departure = hats.departure(spline.rows(hats.nodes) @ control, values)
+    assert seen <= departure * (1 + 1e-9)
+    assert departure == pytest.approx(seen, rel=1e-2, abs=1e-6)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_the_stated_distance_is_the_largest_there_is(seed: int) -> None:
+    """Against the roots of the slope of cubic minus line, with 40 digits, interval by interval."""
+    rng = np.random.default_rng(seed)
+    spline = NaturalSpline(np.linspace(0, 1, 6))
+    control, points = rng.normal(size=6), np.linspace(0, 1, 4)
+    hats = Hats.on(points, spline.knots, (0, 1))
+    values = hats.best() @ (spline.rows(hats.nodes) @ control)
+    stated = hats.departure(spline.rows(hats.nodes) @ control, values)
+    breaks = np.union1d(points, spline.knots)
+    with mpmath.workdps(40):
+        largest = max(_largest(spline, control, points, values, *ends) for ends in itertools.pairwise(breaks))
+    assert stated == pytest.approx(float(largest), rel=1e-9)
+
+
+def _largest(
+    spline: NaturalSpline, control: Array, points: Array, values: Array, low: float, high: float
+) -> mpmath.mpf:
+    i = min(int(np.searchsorted(spline.knots, (low + high) / 2)) - 1, len(spline.knots) - 2)
+    a, b, c, d = (
+        mpmath.mpf(float(x))
+        for x in (
+            control[i],
+            spline.slope_matrix[i] @ control,
+            spline.curvature_matrix[i] @ control,
+            spline.cubic_matrix[i] @ control,
+        )
+    )
+    ends = [mpmath.mpf(float(np.interp(x, points, values))) for x in (low, high)]
+    start, width = mpmath.mpf(float(low)), mpmath.mpf(float(high)) - mpmath.mpf(float(low))
+    knot = mpmath.mpf(float(spline.knots[i]))
+    slope = (ends[1] - ends[0]) / width
+
+    def apart(t: mpmath.mpf) -> mpmath.mpf:
+        u = t - knot
+        return abs(a + u * (b + u * (c + u * d)) - ends[0] - slope * (t - start))
+
+    root = mpmath.sqrt(c * c - 3 * d * (b - slope)) if c * c >= 3 * d * (b - slope) else None
+    turns = [] if root is None or d == 0 else [knot + (sign * root - c) / (3 * d) for sign in (1, -1)]
+    return max(apart(t) for t in [start, start + width, *(t for t in turns if start <= t <= start + width)])
+
+
+def test_the_line_is_best_over_the_volume_only() -> None:
+    spline = NaturalSpline(np.linspace(0, 1, 9))
+    control = np.random.default_rng(1).normal(size=9)
+    dense = np.linspace(1 / 3, 2 / 3, 1000)
+    left = []
+    for bounds in ((1 / 3, 2 / 3), (0, 1)):
+        hats = Hats.on(np.linspace(0, 1, 4), spline.knots, bounds)
+        values = hats.best() @ (spline.rows(hats.nodes) @ control)
+        left.append(np.mean((spline.rows(dense) @ control - np.interp(dense, hats.points, values)) ** 2))
+    assert left[0] < 0.9 * left[1]
+
+
+def test_a_full_turn_closes() -> None:
+    estimate, _ = known(ErrorModel(load_machine("dmu60")), 2)
+    axis = estimate.machine.index("C")
+    table = own_table(estimate, axis, np.linspace(0, 2 * np.pi, 37))
+    assert table.forward[0] == table.forward[-1]
+    assert table.reverse[0] == table.reverse[-1]
+
+
+def test_where_nothing_was_read_the_table_says_so() -> None:
+    model = ErrorModel(machine(CHAINS[0]))
+    prior = Belief(np.zeros(model.size), model.prior_covariance())
+    half = model.names["EXX"]
+    rows = np.zeros((1, model.size))
+    rows[0, model.names["EXX_reversal"].columns] = 1.0
+    read = prior.update(rows, 1e-6, 1e-14)
+    rows[:] = 0.0
+    for t in np.linspace(-0.1, 0.1, 6):
+        rows[0, half.columns] = half.basis.rows(np.array([t]))[0]
+        read = read.update(rows, 5e-6, 1e-14)
+    table = own_table(Estimate(model, read, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
+    assert not table.prior_only[:4].any()
+    assert table.prior_only[-2:].all()
+    untouched = own_table(Estimate(model, prior, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
+    assert np.max(np.abs(untouched.forward)) == 0
+    assert untouched.prior_only.sum() >= 11
+
+
+def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
+    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
+    for table in axis_tables(estimate) + cross_tables(estimate):
+        zero = (table.deviation(np.zeros(1), 1) + table.deviation(np.zeros(1), -1)) / 2
+        assert zero == pytest.approx(0, abs=1e-15)
+
+
+def test_a_spacing_that_does_not_divide_the_travel_is_refused() -> None:
+    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
+    with pytest.raises(TableError, match=r"70 mm does not divide the 600 mm of X. 66\.6667 mm would"):
+        axis_tables(estimate, spacing=0.07)

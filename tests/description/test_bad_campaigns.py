@@ -1,0 +1,265 @@
+"""Campaign files that are wrong: each ends in one failure that names file, line, value and remedy."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.exceptions import DescriptionError, InputError, UnitError
+
+MACHINE = """\
+name = "Small mill"
+chain = "w-C'-X'-b-Z-t"
+[tool]
+length = "100 mm"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[axes.X]
+travel = ["0 mm", "600 mm"]
+[axes.Z]
+travel = ["50 mm", "400 mm"]
+[errors]
+EXX = { std = "10 um" }
+"""
+
+GOOD = """\
+machine = "machine.toml"
+[target]
+rms = "2 um"
+worst = "4 um"
+readings = 40
+budget = "90 min"
+volume = { X = ["50 mm", "550 mm"] }
+criterion = "volume"
+[[setups]]
+name = "laser along X"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+park = { Z = "250 mm" }
+noise = "0.3 um"
+unknowns = { zero = "100 um", slope = "50 urad" }
+setup_time = "30 min"
+settle = "1 s"
+reading_time = "3 s"
+raster = { X = "10 mm" }
+approach = "both"
+[[setups]]
+name = "level"
+instrument = "level"
+direction = [0, 1, 0]
+moves = ["Z"]
+"""
+
+# What is replaced, by what, and what the failure says; it stands in the line where the replacement is.
+WRONG = [
+    ('machine = "machine.toml"', "", '"machine" is missing'),
+    ('"machine.toml"', "7", "machine: 7 is not the name"),
+    ('"machine.toml"', '""', 'machine: "" is not the name'),
+    ('"machine.toml"', r'"a\u0000b"', "is not the name of a machine"),
+    ('machine = "machine.toml"', 'machin = "machine.toml"', '"machine" is missing'),
+    ('machine = "machine.toml"', 'machine = "machine.toml"\nmachine = "x"', "not valid TOML"),
+    ('rms = "2 um"', "rms = 2", "2 has no unit"),
+    ('rms = "2 um"', "rms = 2.0", "has no unit"),
+    ('rms = "2 um"', 'rms = "2"', '"2" has no unit'),
+    ('rms = "2 um"', 'rms = "2 urad"', '"2 urad" is an angle, not a length'),
+    ('rms = "2 um"', 'rms = "2 s"', "is a time, not a length"),
+    ('rms = "2 um"', 'rms = "2,5 um"', "comma"),
+    ('rms = "2 um"', 'rms = "nan um"', "not a finite number"),
+    ('rms = "2 um"', "rms = nan", "has no unit"),
+    ('rms = "2 um"', 'rms = "1e400 um"', "too large"),
+    ('rms = "2 um"', 'rms = "0 um"', '"0 um" is not above zero'),
+    ('rms = "2 um"', 'rms = "-2 um"', "not above zero"),
+    ('rms = "2 um"', "rms = true", "not a quantity"),
+    ('rms = "2 um"', "rms = 2 um", "not valid TOML"),
+    ('rms = "2 um"', 'rsm = "2 um"', 'unknown key "rsm".*Perhaps "rms"'),
+    ('rms = "2 um"', 'rms = "2 furlongs"', "unknown unit"),
+    ('worst = "4 um"', 'worst = "2 um"', "never be reached before 2 um RMS"),
+    ('worst = "4 um"', 'worst = "0 m"', "not above zero"),
+    ("readings = 40", "readings = 0", "0 is not above zero"),
+    ("readings = 40", "readings = -3", "not above zero"),
+    ("readings = 40", "readings = 4.5", "4.5.*whole number"),
+    ("readings = 40", 'readings = "40"', "whole number"),
+    ("readings = 40", "readings = 100001", "too many"),
+    ("readings = 40", "readings = 99999999999999999999999", "too many"),
+    ('budget = "90 min"', 'budget = "90"', "no unit"),
+    ('budget = "90 min"', 'budget = "0 s"', "not above zero"),
+    ('budget = "90 min"', 'budget = "1 min"', r"1 min is less than the 5\.\d+ min that the first reading takes"),
+    ('volume = { X = ["50 mm", "550 mm"] }', 'volume = { U = ["50 mm", "550 mm"] }', 'no axis "U"'),
+    ('["50 mm", "550 mm"]', '["550 mm", "50 mm"]', "does not increase"),
+    ('["50 mm", "550 mm"]', '["50 mm", "50 mm"]', "does not increase"),
+    ('["50 mm", "550 mm"]', '["50 mm", "601 mm"]', '"601 mm" is outside the travel of X.*0 mm to 600 mm'),
+    ('["50 mm", "550 mm"]', '["-1 mm", "550 mm"]', '"-1 mm" is outside'),
+    ('["50 mm", "550 mm"]', '["50 mm"]', "two ends"),
+    ('["50 mm", "550 mm"]', '["50 mm", "60 mm", "70 mm"]', "two ends"),
+    ('["50 mm", "550 mm"]', '["50 deg", "60 deg"]', "is an angle, not a length"),
+    ('["50 mm", "550 mm"]', "[50, 60]", "50 has no unit"),
+    ('volume = { X = ["50 mm", "550 mm"] }', 'volume = "all"', "volume"),
+    ('criterion = "volume"', 'criterion = "rms"', "'volume', 'joint' or 'worst'"),
+    ('name = "laser along X"', "", '"name" is missing'),
+    ('name = "laser along X"', 'name = ""', '"" is not a name'),
+    ('name = "laser along X"', 'name = " laser"', '" laser" is not a name'),
+    ('name = "laser along X"', r'name = "laser\u0007"', "is not a name"),
+    ('name = "laser along X"', 'name = "' + "x" * 81 + '"', "is not a name"),
+    ('name = "laser along X"', "name = 3", "3 is not possible"),
+    ('instrument = "interferometer"', 'instrument = "interferometr"', 'Perhaps "interferometer"'),
+    ('instrument = "interferometer"', 'instrument = "ruler"', '"ruler" is not an instrument.*indicator'),
+    ('direction = "x"', "", '"direction" is missing'),
+    ('direction = "x"', 'direction = "u"', '"u" is not a direction'),
+    ('direction = "x"', 'direction = "xy"', "is not a direction"),
+    ('direction = "x"', 'direction = ""', "is not a direction"),
+    ('direction = "x"', "direction = [0, 0, 0]", r"\[0, 0, 0\] is not a direction"),
+    ('direction = "x"', "direction = [1, 0]", "is not a direction"),
+    ('direction = "x"', "direction = []", "is not a direction"),
+    ('direction = "x"', "direction = [1, 0, nan]", "direction"),
+    ('direction = "x"', "direction = [1, 0, inf]", "direction"),
+    ('direction = "x"', "direction = [1, 0, 1e300]", "is not a direction"),
+    ('direction = "x"', "direction = [true, false, false]", "direction"),
+    ('direction = "x"', 'direction = ["x", "y", "z"]', "direction"),
+    ('moves = ["X"]', "moves = []", "nothing moves"),
+    ('moves = ["X"]', 'moves = ["Y"]', 'no axis "Y".*C, X, Z'),
+    ('moves = ["X"]', 'moves = ["X", "X"]', "names an axis twice"),
+    ('moves = ["X"]', 'moves = "X"', "square brackets"),
+    ('moves = ["X"]', "moves = [1]", "Write a text in quotes"),
+    ('park = { Z = "250 mm" }', 'park = { Z = "401 mm" }', '"401 mm" is outside the travel of Z'),
+    ('park = { Z = "250 mm" }', 'park = { Y = "250 mm" }', 'no axis "Y"'),
+    ('park = { Z = "250 mm" }', 'park = { X = "250 mm" }', "X is parked, but it is one of the axes that move"),
+    ('park = { Z = "250 mm" }', 'park = { C = "250 mm" }', "is a length, not an angle"),
+    ('park = { Z = "250 mm" }', "park = { Z = 250 }", "250 has no unit"),
+    ('park = { Z = "250 mm" }', 'park = { C = "361 deg" }', "outside the travel of C.*0 deg to 360 deg"),
+    ('noise = "0.3 um"', 'noise = "0 um"', "not above zero"),
+    ('noise = "0.3 um"', 'noise = "1e-5 um"', "finer than any instrument"),
+    ('noise = "0.3 um"', 'noise = "-0.3 um"', "not above zero"),
+    ('noise = "0.3 um"', 'noise = "0.3 urad"', "is an angle, not a length"),
+    ('noise = "0.3 um"', "noise = 0.3", "has no unit"),
+    ('zero = "100 um"', 'zero = "100 urad"', "is an angle, not a length"),
+    ('zero = "100 um"', 'zero = "0 um"', "not above zero"),
+    ('zero = "100 um"', 'zro = "100 um"', '"zro" is not an unknown.*Perhaps "zero"'),
+    ('zero = "100 um"', 'centre = "100 um"', "Known are zero, slope"),
+    ('slope = "50 urad"', 'slope = "50 um"', "is a length, not an angle"),
+    ("unknowns = { zero", 'unknowns = "none" # zero', "unknowns"),
+    ('moves = ["X"]\npark = { Z = "250 mm" }', "", "slope needs exactly one linear axis.*X, Z move"),
+    ('setup_time = "30 min"', 'setup_time = "-1 s"', "-1 s is negative"),
+    ('settle = "1 s"', 'settle = "1 mm"', "is a length, not a time"),
+    ('settle = "1 s"', 'settle = "-1 ms"', "is negative"),
+    ('reading_time = "3 s"', "reading_time = 3", "has no unit"),
+    ('raster = { X = "10 mm" }', 'raster = { X = "0 mm" }', "not above zero"),
+    ('raster = { X = "10 mm" }', 'raster = { Z = "10 mm" }', "does not move in this set-up"),
+    ('raster = { X = "10 mm" }', 'raster = { W = "10 mm" }', 'no axis "W"'),
+    ('raster = { X = "10 mm" }', 'raster = { X = "10 deg" }', "is an angle"),
+    ('approach = "both"', 'approach = "up"', "'both', '\\+' or '-'"),
+    ('approach = "both"', 'aproach = "both"', 'Perhaps "approach"'),
+    ('moves = ["Z"]', 'moves = ["Z"]\nraster = { Z = "1 m" }', 'no multiple of "1 m" lies in the travel of Z'),
+    ('moves = ["Z"]', 'moves = ["Z"]\nnoise = "1 um"', "is a length, not an angle"),
+    ('moves = ["Z"]', 'moves = ["Z"]\nunknowns = { zero = "1 um" }', "is a length, not an angle"),
+    ('moves = ["Z"]', 'moves = ["Z"]\nunknowns = { slope = "1 urad" }', "the level reads an angle"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    return tmp_path
+
+
+def failure(folder: Path, text: str) -> InputError:
+    path = folder / "campaign.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert isinstance(caught.value, DescriptionError | UnitError)
+    assert str(caught.value).startswith(str(path))
+    assert caught.value.remedy
+    assert "\n" not in str(caught.value)
+    return caught.value
+
+
+def test_the_good_one_is_good(folder: Path) -> None:
+    (folder / "campaign.toml").write_text(GOOD)
+    assert len(read_campaign(folder / "campaign.toml").setups) == 2
+
+
+@pytest.mark.parametrize(("right", "wrong", "says"), WRONG)
+def test_a_wrong_entry_is_refused_at_its_line(folder: Path, right: str, wrong: str, says: str) -> None:
+    assert GOOD.count(right) == 1
+    text = GOOD.replace(right, wrong)
+    caught = failure(folder, text)
+    assert re.search(says, str(caught)), str(caught)
+    first = text[: GOOD.find(right)].count("\n") + 1
+    missing = wrong == "" or wrong.startswith("machin ")
+    assert caught.line is not None
+    assert missing or first <= caught.line <= first + wrong.count("\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", '"machine" is missing'),
+        ("\n", '"machine" is missing'),
+        ("x", "not valid TOML"),
+        ('machine = "machine.toml"', '"setups" is missing'),
+        ('machine = "machine.toml"\nsetups = []', "there is no set-up"),
+        ('machine = "machine.toml"\nsetups = [1]', "setups"),
+        ('machine = "machine.toml"\nsetups = "laser"', "setups"),
+        ('machine = "machine.toml"\ntarget = 3\nsetups = []', "target"),
+        (GOOD.replace("[[setups]]", "[setups]", 1), "line 22: not valid TOML"),
+        (GOOD.replace('"level"', '"laser along X"', 1), 'line 23: .*two set-ups are called "laser along X"'),
+        (GOOD.replace("[target]", "[goal]"), 'unknown key "goal"'),
+        (GOOD + "[[setups]]\n", '"name" is missing'),
+        (GOOD + "colour = 3\n", 'unknown key "colour"'),
+        ("a = " + "[" * 400, "nested too deeply|not valid TOML"),
+        ('machine = "' + "m" * 300 + '"', "neither a file nor a built-in machine|cannot be read|no such file"),
+    ],
+)
+def test_a_wrong_whole_is_refused(folder: Path, text: str, says: str) -> None:
+    path = folder / "campaign.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=says):
+        read_campaign(path)
+
+
+@pytest.mark.parametrize(
+    "content", [b"\xff\xfem\x00", b"\xef\xbb\xbfmachine = 1", b"machine = '\xb5'", b"a\0b", b"\x81\x30\x81\x30"]
+)
+def test_a_file_that_is_no_text_is_refused(folder: Path, content: bytes) -> None:
+    (folder / "campaign.toml").write_bytes(content)
+    with pytest.raises(InputError, match=r"campaign\.toml"):
+        read_campaign(folder / "campaign.toml")
+
+
+def test_a_campaign_without_end_is_refused_unless_it_only_evaluates(folder: Path) -> None:
+    text = "\n".join(
+        line for line in GOOD.splitlines() if line.split(" ")[0] not in ("rms", "worst", "readings", "budget")
+    )
+    assert "nothing would ever stop" in str(failure(folder, text))
+    assert read_campaign(folder / "campaign.toml", target_needed=False).target.empty
+
+
+def test_a_wrong_machine_is_shown_in_its_own_file(folder: Path) -> None:
+    (folder / "machine.toml").write_text(MACHINE.replace('"600 mm"', '"600"'))
+    (folder / "campaign.toml").write_text(GOOD)
+    with pytest.raises(InputError, match=r"machine\.toml, line 8"):
+        read_campaign(folder / "campaign.toml")
+
+
+def test_a_machine_that_is_not_there_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "campaign.toml").write_text(GOOD.replace("machine.toml", "mashine.toml"))
+    monkeypatch.chdir(folder)
+    with pytest.raises(InputError, match=r"mashine\.toml: there is no such file"):
+        read_campaign("campaign.toml")
+
+
+@settings(max_examples=300)
+@given(st.data())
+def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
+    start = data.draw(st.integers(0, len(GOOD)))
+    end = data.draw(st.integers(start, min(len(GOOD), start + 30)))
+    middle = data.draw(st.text(st.sampled_from('"[]{}=,.\n 0123456789eE+-umsxXnaif_#\\'), max_size=12))
+    with contextlib.suppress(InputError):
+        campaign_from_texts(GOOD[:start] + middle + GOOD[end:], "campaign.toml", MACHINE, "machine.toml")

@@ -1,0 +1,116 @@
+"""The next measurement: the paper's sequence, lines against a plain twin, and no better reading in a dense lattice."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.accuracy import criterion
+from axiscal.belief import Belief
+from axiscal.design.gains.gain import Scorer
+from axiscal.design.step.best_step import best_step
+from axiscal.design.step.lines import lines_along
+from axiscal.design.step.starts_stacked import adds_up
+from axiscal.numerics.axis_pairs import Pairs
+from tests.generators.designs import levered, random_poses, read, splines
+
+POSITIONS = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
+VALUES = (6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404)
+
+
+def test_one_spline_follows_the_published_sequence() -> None:
+    asked = splines(1, 7, 0.1, 50)
+    belief = asked.belief
+    mirrored = None
+    for position, value in zip(POSITIONS, VALUES, strict=True):
+        step = best_step(asked.observation, belief, asked.weight, asked.lattice)
+        found = float(step.pose[0])
+        if mirrored is None:
+            mirrored = abs(found - position) > 0.01
+        assert (10 - found if mirrored else found) == pytest.approx(position, abs=6e-5)
+        belief = belief.update(step.row, 0.0, step.variance)
+        assert criterion.value(belief, asked.weight) == pytest.approx(value, abs=6e-6)
+
+
+def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
+    asked = splines(3, 7, 0.01, 300)
+    belief = asked.belief
+    for _ in range(20):
+        step = best_step(asked.observation, belief, asked.weight, asked.lattice)
+        before = criterion.value(belief, asked.weight)
+        belief = belief.update(step.row, 0.0, step.variance)
+        assert before - criterion.value(belief, asked.weight) == pytest.approx(step.gain, rel=1e-9)
+    assert criterion.value(belief, asked.weight) == pytest.approx(2.8749, abs=5e-4)
+
+
+@pytest.mark.parametrize("setup", [0, 1])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_lines_give_the_gain_of_every_pose_on_them(setup: int, axis: int) -> None:
+    generator = np.random.default_rng(10 * setup + axis)
+    asked = read(levered(), generator, 6)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    poses, approaches = random_poses(asked, generator, 4)
+    positions = np.linspace(*asked.observation.errors.machine.axes[axis].travel, 37)
+    lines = lines_along(scorer, setup, axis, poses, approaches)
+    own = lines.forms(np.tile(positions, (4, 1)), np.arange(4))
+    for together, apart in zip(lines.on(positions), own, strict=True):
+        np.testing.assert_allclose(together, apart, rtol=1e-10)
+    for line, position in itertools.product(range(4), (0, 5, 17, 36)):
+        pose = poses[line].copy()
+        pose[axis] = positions[position]
+        plain = scorer.forms(setup, pose[None], approaches[line][None])
+        assert own[0][line, position] == pytest.approx(float(plain[0][0]), rel=1e-7)
+        assert own[1][line, position] == pytest.approx(float(plain[1][0]), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    asked = read(levered(1500), generator, 8)
+    step = best_step(asked.observation, asked.belief, asked.weight, asked.lattice)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    for setup in (0, 1):
+        poses, approaches = random_poses(asked, generator, 20000)
+        assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-9)
+
+
+def test_a_raster_is_kept_and_the_better_side_chosen() -> None:
+    asked = levered(1500)
+    setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
+    observation = replace(asked.observation, setups=setups)
+    step = best_step(observation, asked.belief, asked.weight, asked.lattice)
+    multiples = step.pose / np.array([0.1, 0.05, 0.05])
+    np.testing.assert_allclose(multiples, np.round(multiples), atol=1e-9)
+    assert set(step.approach) <= {-1.0, 1.0}
+
+
+def test_additive_machines_are_recognised() -> None:
+    assert adds_up(splines(3, 7, 0.1, 50).observation, 0)
+    assert not adds_up(levered().observation, 0)
+
+
+def test_pairs_hold_the_form_everywhere() -> None:
+    generator = np.random.default_rng(1)
+    rows = [generator.normal(size=(p, c)) for p, c in ((4, 2), (5, 3), (3, 2))]
+    parts = [generator.normal(size=(c, 6)) for c in (2, 3, 2)]
+    fixed = generator.normal(size=6)
+    pairs = Pairs.of(fixed, rows, parts).plus(1.5, [generator.normal(size=p) * 0 for p in (4, 5, 3)])
+    everywhere = pairs.everywhere()
+    for where in itertools.product(range(4), range(5), range(3)):
+        vector = fixed + sum(r[i] @ p for r, p, i in zip(rows, parts, where, strict=True))
+        assert everywhere[where] == pytest.approx(vector @ vector + 1.5)
+    index = np.array([[1, 2, 0], [3, 4, 2]])
+    np.testing.assert_allclose(pairs.along(1, index), [everywhere[1, :, 0], everywhere[3, :, 2]])
+
+
+def test_gains_are_the_fall_of_the_criterion() -> None:
+    asked = read(levered(), np.random.default_rng(3), 3)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    pose, approach = random_poses(asked, np.random.default_rng(4), 1)
+    seen = asked.observation.rows(1, pose, approach)
+    after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
+    fall = criterion.value(asked.belief, asked.weight) - criterion.value(after, asked.weight)
+    assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)

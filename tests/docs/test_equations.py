@@ -1,0 +1,421 @@
+"""Every numbered equation of the paper against the function that computes it, each from an independent source.
+
+`docs/equations.md` is made from the docstrings here and in the package: a test that checks an equation names it.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.interpolate import CubicSpline
+
+from axiscal.accuracy import criterion
+from axiscal.belief import Belief
+from axiscal.design.step.best_step import best_step
+from axiscal.error_model import prior
+from axiscal.error_model.model import ErrorModel
+from axiscal.machine import Machine, machine_from_text
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.kinematics import tool_motion
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature, spacing_limit
+from axiscal.numerics.exact_step import gain_forms, maximise_along
+
+KNOTS = np.array([0.0, 0.7, 1.9, 2.4, 4.0, 4.3, 6.0])
+H = np.diff(KNOTS)
+CONTROL = np.array([0.3, -1.1, 0.8, 2.0, -0.4, 0.9, -1.7])
+TURN = np.append(CONTROL[:-1], CONTROL[0])
+"""Control values of a cyclic spline; the last point is the first."""
+
+TRANSLATIONS = """
+name = "Two stages and a quill"
+chain = "w-X'-b-Y-Z-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Y]
+travel = ["0 mm", "300 mm"]
+[axes.Z]
+travel = ["0 mm", "200 mm"]
+[errors]
+EXX = { std = "10 um", knots = 7 }
+EZX = { std = "5 um", knots = 5 }
+EXY = { std = "5 um", knots = 6 }
+EYY = { std = "10 um", knots = 6 }
+EZZ = { std = "8 um", knots = 4 }
+"""
+
+
+def machine() -> Machine:
+    """Return a machine of orthogonal linear joints whose errors are displacements only, as in the paper."""
+    return machine_from_text(TRANSLATIONS)
+
+
+def natural() -> tuple[Array, Array, Array, Array]:
+    """Return a, b, c, d of the natural spline through CONTROL; c with its last entry, which is zero."""
+    spline = NaturalSpline(KNOTS)
+    c = np.append(spline.curvature_matrix @ CONTROL, 0.0)
+    return CONTROL, spline.slope_matrix @ CONTROL, c, spline.cubic_matrix @ CONTROL
+
+
+def cyclic() -> tuple[Array, Array, Array, Array]:
+    """Return a, b, c, d of the cyclic spline through TURN; a and c with their last entry, which is the first."""
+    spline = CyclicSpline(KNOTS)
+    c = spline.curvature_matrix @ TURN[:-1]
+    return TURN, spline.slope_matrix @ TURN[:-1], np.append(c, c[0]), spline.cubic_matrix @ TURN[:-1]
+
+
+def random_covariance(size: int, seed: int = 1) -> Array:
+    """Return a covariance without structure."""
+    factor = np.random.default_rng(seed).normal(size=(size, size))
+    result: Array = factor @ factor.T / size
+    return result
+
+
+def floats(values: NDArray[np.floating]) -> Array:
+    """Return the same numbers; numpy's own types say less than they could."""
+    return np.asarray(values, dtype=np.float64)
+
+
+def poses(count: int, seed: int = 3) -> Array:
+    """Return poses inside the travel of the machine."""
+    low, high = np.array([axis.travel for axis in machine().axes]).T
+    drawn: Array = np.random.default_rng(seed).uniform(low, high, (count, 3))
+    return drawn
+
+
+def height(direction: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Setup:
+    """Return a dial without unknowns."""
+    return Setup(
+        "dial", "indicator", direction, (0, 1, 2), (0.0, 0.0, 0.0), 1e-6, (), 0.0, 0.0, 0.0, (0.0, 0.0, 0.0), "+"
+    )
+
+
+def test_forward_kinematics_is_a_sum_over_joints() -> None:
+    """B&H eq. 1, 28: x_TCP = Σ K^k(t_k) + Σ V^k(t_k), the V^k splines; nothing linearised on the left."""
+    model, t = ErrorModel(machine()), poses(20)
+    a = np.random.default_rng(5).normal(size=model.size) * 1e-5
+    motion = tool_motion(machine(), t, model.small_motions(a, t, np.ones_like(t)))
+    sums = t + np.array([0.0, 0.0, -machine().tool])
+    signs = {"X": -1.0, "Y": 1.0, "Z": 1.0}
+    for function in model.functions:
+        curve = CubicSpline(function.basis.knots, a[function.columns], bc_type="natural")
+        name = machine().axes[function.axis].name
+        sums[:, function.component] += signs[name] * curve(t[:, function.axis])
+    np.testing.assert_allclose(motion.translation, sums, atol=1e-15)
+    np.testing.assert_allclose(t + model.rows(t, np.ones_like(t)) @ a, sums, atol=1e-15)
+
+
+def test_value_on_an_interval_is_its_power_form() -> None:
+    """B&H eq. 2: S = a_i + b_i u + c_i u² + d_i u³ with u = t - t_i."""
+    a, b, c, d = natural()
+    for i in range(6):
+        u = np.linspace(0, H[i], 9)
+        expected = a[i] + b[i] * u + c[i] * u**2 + d[i] * u**3
+        np.testing.assert_allclose(NaturalSpline(KNOTS).rows(KNOTS[i] + u) @ CONTROL, expected, atol=1e-13)
+
+
+def test_control_values_are_values() -> None:
+    """B&H eq. 3: a_i = S(t_i)."""
+    np.testing.assert_allclose(NaturalSpline(KNOTS).rows(KNOTS) @ CONTROL, CONTROL, atol=1e-15)
+
+
+def test_slopes_of_a_natural_spline() -> None:
+    """B&H eq. 4: b_i = (a_{i+1} - a_i)/h_i - (c_{i+1} + 2 c_i) h_i / 3."""
+    a, b, c, _ = natural()
+    np.testing.assert_allclose(b, np.diff(a) / H - (c[1:] + 2 * c[:-1]) * H / 3, atol=1e-13)
+
+
+def test_curvatures_of_a_natural_spline() -> None:
+    """B&H eq. 5: the recurrence holds for the solution of the whole system, whose ends are c_1 = c_n = 0."""
+    a, _, c, _ = natural()
+    assert c[0] == c[-1] == 0.0
+    for i in range(2, 7):
+        ratio = H[i - 2] / H[i - 1]
+        bends = 3 * ((a[i] - a[i - 1]) / H[i - 1] ** 2 - (a[i - 1] - a[i - 2]) / (H[i - 1] * H[i - 2]))
+        assert c[i] == pytest.approx(-ratio * c[i - 2] - 2 * (ratio + 1) * c[i - 1] + bends, abs=1e-12)
+
+
+def test_cubic_coefficients_of_a_natural_spline() -> None:
+    """B&H eq. 6: d_i = (c_{i+1} - c_i)/(3 h_i)."""
+    _, _, c, d = natural()
+    np.testing.assert_allclose(d, np.diff(c) / (3 * H), atol=1e-13)
+
+
+def test_a_cyclic_spline_closes() -> None:
+    """B&H eq. 7: a_1 = S(t_1) = S(t_n), and slope and curvature close too."""
+    spline = CyclicSpline(KNOTS)
+    for order in range(3):
+        ends = [spline.rows(t, order) @ TURN[:-1] for t in (KNOTS[0], np.nextafter(KNOTS[-1], 0))]
+        np.testing.assert_allclose(ends[0], ends[1], atol=1e-12)
+    np.testing.assert_allclose(spline.rows(KNOTS) @ TURN[:-1], TURN, atol=1e-15)
+
+
+def test_slopes_of_a_cyclic_spline() -> None:
+    """B&H eq. 8, with h_1 where h_2 is printed."""
+    a, b, c, _ = cyclic()
+    np.testing.assert_allclose(b, np.diff(a) / H - (c[1:] + 2 * c[:-1]) * H / 3, atol=1e-13)
+    printed = (a[1] - a[0]) / H[0] - (c[1] + 2 * c[0]) / 3 * H[1]
+    assert abs(printed - b[0]) > 0.1
+
+
+def test_curvatures_of_a_cyclic_spline() -> None:
+    """B&H eq. 9, with the indices moved so that they name the knot where the ends meet."""
+    a, _, c, _ = cyclic()
+    for i in range(6):
+        before, after = H[i - 1], H[i]
+        load = 3 * ((a[i + 1] - a[i]) / after - (a[i] - TURN[(i - 1) % 6]) / before)
+        assert before * c[i - 1 if i else 5] + 2 * (before + after) * c[i] + after * c[i + 1] == pytest.approx(load)
+
+
+def test_cubic_coefficients_of_a_cyclic_spline() -> None:
+    """B&H eq. 10: d_1 = (c_2 - c_1)/(3 h_1)."""
+    _, _, c, d = cyclic()
+    np.testing.assert_allclose(d, np.diff(c) / (3 * H), atol=1e-13)
+
+
+@pytest.mark.parametrize(("kind", "end"), [(NaturalSpline, "natural"), (CyclicSpline, "periodic")])
+def test_coefficients_are_linear_maps_of_the_control_values(
+    kind: type[NaturalSpline | CyclicSpline], end: Literal["natural", "periodic"]
+) -> None:
+    """B&H eq. 11: b = M1 a, c = M2 a, d = M3 a, column by column as scipy has them."""
+    spline = kind(KNOTS)
+    units = np.eye(spline.size) if end == "natural" else np.vstack([np.eye(6), np.eye(6)[:1]])
+    d, c, b, _ = CubicSpline(KNOTS, units, bc_type=end).c
+    for found, expected in ((spline.slope_matrix, b), (spline.curvature_matrix, c), (spline.cubic_matrix, d)):
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def beam(knots: Array) -> tuple[Array, Array]:
+    """Return stiffness blocks of an Euler-Bernoulli beam of unit rigidity, nodes at the knots.
+
+    returns : (n, n) of the rotations among themselves, (n, n) of rotations with deflections, and the rest in one
+    """
+    n = len(knots)
+    stiffness = np.zeros((2 * n, 2 * n))
+    for i, h in enumerate(np.diff(knots)):
+        element = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h]])
+        element = np.vstack([element, -element[0], [6 * h, 2 * h * h, -6 * h, 4 * h * h]]) / h**3
+        at = [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3]
+        stiffness[np.ix_(at, at)] += element
+    rotations = floats(np.linalg.solve(stiffness[1::2, 1::2], -stiffness[1::2, ::2]))
+    energy = stiffness[::2, ::2] + stiffness[::2, 1::2] @ rotations
+    return rotations, energy
+
+
+def test_a_beam_pinned_at_the_control_points_bends_as_the_spline() -> None:
+    """B&H eq. 12, 13-14: finite elements of the beam give the spline's slopes, and twice its energy is aᵀ K a."""
+    spline = NaturalSpline(KNOTS)
+    rotations, energy = beam(KNOTS)
+    np.testing.assert_allclose(spline.rows(KNOTS, 1), rotations, atol=1e-12)
+    np.testing.assert_allclose(spline.curvature(), energy, rtol=1e-11, atol=1e-11)
+
+
+def test_the_widest_spacing_is_that_of_a_spline_between_both_borders() -> None:
+    """B&H eq. 15: control points in turn at both borders of a band, and x_d apart, bend with exactly k_max."""
+    width, curvature = 3.0, 0.4
+    spacing = spacing_limit(width, curvature)
+    spline = CyclicSpline(spacing * np.arange(9.0))
+    zigzag = width / 2 * np.tile([1.0, -1.0], 4)
+    t = np.linspace(0, 8 * spacing, 4001)
+    assert np.abs(spline.rows(t, 2) @ zigzag).max() == pytest.approx(curvature)
+    assert np.abs(spline.rows(t) @ zigzag).max() == pytest.approx(width / 2)
+
+
+def test_control_values_are_gaussian() -> None:
+    """B&H eq. 16: independent beforehand; draws have the density with mean â and covariance C."""
+    axis = machine().axes[0]
+    entry = ErrorEntry("EXX", std=2.0, knots=7)
+    np.testing.assert_array_equal(prior.covariance(entry, prior.basis(entry, axis)), 4 * np.eye(7))
+    mean, covariance = CONTROL, random_covariance(7)
+    drawn = Belief(mean, covariance).sample(np.random.default_rng(2), 4000) - mean
+    distance = np.einsum("ij,jk,ik->i", drawn, np.linalg.inv(covariance), drawn)
+    assert stats.kstest(distance, stats.chi2(7).cdf).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("name", ["slope_matrix", "curvature_matrix", "cubic_matrix"])
+def test_covariances_of_the_coefficients(name: str) -> None:
+    """B&H eq. 17: C_b = M1 C M1ᵀ and so on; every column of a root of C sent through scipy's spline."""
+    covariance, row = random_covariance(7), {"slope_matrix": 2, "curvature_matrix": 1, "cubic_matrix": 0}[name]
+    sent = CubicSpline(KNOTS, np.linalg.cholesky(covariance), bc_type="natural").c[row]
+    matrix: Array = getattr(NaturalSpline(KNOTS), name)
+    np.testing.assert_allclose(matrix @ covariance @ matrix.T, sent @ sent.T, atol=1e-10)
+    found = Belief(CONTROL, covariance).predict(matrix)
+    np.testing.assert_allclose(found.std**2, np.sum(sent**2, axis=1), atol=1e-10)
+
+
+def test_estimate_and_variance_along_the_spline() -> None:
+    """B&H eq. 18, 19, 20: Ŝ(t) = mᵀ â with m from the Kronecker symbol and M1 M2 M3; its variance is mᵀ C m."""
+    spline, covariance = NaturalSpline(KNOTS), random_covariance(7)
+    t = np.linspace(0, 6, 50, endpoint=False)
+    i = np.searchsorted(KNOTS, t, side="right") - 1
+    u = (t - KNOTS[i])[:, None]
+    maps = spline.slope_matrix, spline.curvature_matrix, spline.cubic_matrix
+    m = np.eye(7)[i] + sum(matrix[i] * u ** (k + 1) for k, matrix in enumerate(maps))
+    found = Belief(CONTROL, covariance).predict(spline.rows(t))
+    np.testing.assert_allclose(found.mean, m @ CONTROL, atol=1e-12)
+    np.testing.assert_allclose(found.std**2, np.diag(m @ covariance @ m.T), atol=1e-12)
+    np.testing.assert_allclose(found.mean, CubicSpline(KNOTS, CONTROL, bc_type="natural")(t), atol=1e-12)
+
+
+def test_one_reading_improves_the_estimate() -> None:
+    """B&H eq. 21, 22, 23: the stochastic combination written out, and the same posterior by Bayes' rule."""
+    covariance, m, noise, read = random_covariance(7), NaturalSpline(KNOTS).rows(3.3)[0], 0.04, 1.9
+    gain = covariance @ m / (noise + m @ covariance @ m)
+    shrink = np.eye(7) - np.outer(gain, m)
+    found = Belief(CONTROL, covariance).update(m, read, noise)
+    np.testing.assert_allclose(found.mean, shrink @ CONTROL + gain * read, atol=1e-12)
+    expected = shrink @ covariance @ shrink.T + noise * np.outer(gain, gain)
+    np.testing.assert_allclose(found.covariance, expected, atol=1e-12)
+    information = np.linalg.inv(covariance) + np.outer(m, m) / noise
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(information), atol=1e-11)
+
+
+def test_interval_variances_add_up_to_the_overall_variance() -> None:
+    """B&H eq. 24, 25, 26: ∫ var S dt over each interval by quadrature, summed over the n - 1 intervals."""
+    text = TRANSLATIONS[: TRANSLATIONS.index("EZX")]
+    model = ErrorModel(machine_from_text(text))
+    function, belief = model.functions[0], Belief(np.zeros(7), 1e-10 * random_covariance(7))
+    node, weight = quadrature(function.basis)
+    variance = belief.predict(function.basis.rows(node)).std ** 2
+    intervals = (weight * variance).reshape(6, 5).sum(axis=1)
+    assert criterion.spline_variance(belief, function) == pytest.approx(intervals.sum(), rel=1e-12)
+    assert criterion.value(belief, criterion.joint_root(model)) == pytest.approx(intervals.sum(), rel=1e-12)
+
+
+def tenth_order(numerator: Array, denominator: Array) -> Array:
+    """Return N'D - ND' in powers, lowest first, without the leading terms that cancel."""
+    poly = np.polynomial.polynomial
+    product = poly.polysub(
+        poly.polymul(poly.polyder(numerator), denominator), poly.polymul(numerator, poly.polyder(denominator))
+    )
+    return floats(np.atleast_1d(product)[:11])
+
+
+def test_the_best_reading_is_an_interval_end_or_a_root_of_a_tenth_order_polynomial() -> None:
+    """B&H eq. 27: in powers as the paper has it, with numpy's roots; every interior knot is a candidate too."""
+    spline, covariance, noise = NaturalSpline(KNOTS), random_covariance(7), 0.04
+    factor, root = floats(np.linalg.cholesky(covariance)), floats(np.linalg.cholesky(spline.gram()).T)
+    candidates = list(KNOTS)
+    for i in range(6):
+        u = np.linspace(0, H[i], 7)
+        above, below = gain_forms(spline.rows(KNOTS[i] + u), factor, root @ factor, noise)
+        series = [np.polynomial.polynomial.polyfit(u, values, 6) for values in (above, below)]
+        found = np.polynomial.polynomial.polyroots(tenth_order(floats(series[0]), floats(series[1])))
+        assert len(found) == 10
+        real = found.real[np.abs(found.imag) < 1e-6]
+        candidates += list(KNOTS[i] + real[(real > 0) & (real < H[i])])
+
+    def after(t: float) -> float:
+        m = spline.rows(t)[0]
+        reduced = covariance - np.outer(covariance @ m, m @ covariance) / (noise + m @ covariance @ m)
+        return float(np.trace(spline.gram() @ reduced))
+
+    best = min(candidates, key=after)
+
+    def forms(t: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
+        above, below = gain_forms(spline.rows(t.ravel()), factor, root @ factor, noise)
+        return above.reshape(t.shape), below.reshape(t.shape)
+
+    position, gain = maximise_along(forms, KNOTS[:-1], KNOTS[1:], 7)
+    assert position[gain.argmax()] == pytest.approx(best, abs=1e-7)
+    assert np.trace(spline.gram() @ covariance) - gain.max() == pytest.approx(after(best), rel=1e-12)
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)])
+def test_a_reading_is_linear_in_all_control_values(direction: tuple[float, float, float]) -> None:
+    """B&H eq. 29, 30: y = hᵀ x_TCP + v is h̄ᵀ A + v once the nominal position, which is known, is taken away."""
+    model, t = ErrorModel(machine()), poses(12)
+    a = np.random.default_rng(6).normal(size=model.size) * 1e-5
+    motion = tool_motion(machine(), t, model.small_motions(a, t, np.ones_like(t)))
+    deviation = (motion.translation - t) @ np.array(direction)
+    seen = Observation(model, (height(direction),)).rows(0, t, np.ones_like(t))
+    np.testing.assert_allclose(seen.rows @ a, deviation, atol=1e-15)
+    np.testing.assert_array_equal(seen.variances, 1e-12)
+
+
+def test_a_vector_of_readings_improves_the_estimate() -> None:
+    """B&H eq. 31, 32, 33: three readings at once, with K as a matrix."""
+    rng = np.random.default_rng(7)
+    covariance, rows, noise, read = (
+        random_covariance(7),
+        rng.normal(size=(3, 7)),
+        np.array([0.1, 0.2, 0.3]),
+        rng.normal(3),
+    )
+    gain = covariance @ rows.T @ np.linalg.inv(np.diag(noise) + rows @ covariance @ rows.T)
+    shrink = np.eye(7) - gain @ rows
+    found = Belief(CONTROL, covariance).update(rows, np.full(3, read), noise)
+    np.testing.assert_allclose(found.mean, shrink @ CONTROL + gain @ np.full(3, read), atol=1e-12)
+    expected = shrink @ covariance @ shrink.T + gain @ np.diag(noise) @ gain.T
+    np.testing.assert_allclose(found.covariance, expected, atol=1e-12)
+
+
+def test_overall_variance_of_stacked_vectorial_splines() -> None:
+    """B&H eq. 34, 35, 36: the traces of the interval covariance matrices of all joints, by quadrature."""
+    model = ErrorModel(machine())
+    covariance = 1e-10 * random_covariance(model.size)
+    total = 0.0
+    for axis in range(3):
+        own = [function for function in model.functions if function.axis == axis]
+        for function in own:
+            node, weight = quadrature(function.basis)
+            rows = function.basis.rows(node)
+            variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
+            total += float(weight @ variance)
+    belief = Belief(np.zeros(model.size), covariance)
+    assert criterion.value(belief, criterion.joint_root(model)) == pytest.approx(total, rel=1e-12)
+
+
+def test_the_best_configuration_of_all_joints() -> None:
+    """B&H eq. 37: no configuration of a lattice leaves a smaller overall variance than the one chosen."""
+    model = ErrorModel(machine())
+    observation = Observation(model, (height((0.6, 0.0, 0.8)),))
+    covariance = 1e-10 * random_covariance(model.size, seed=4)
+    belief, root = Belief(np.zeros(model.size), covariance), criterion.joint_root(model)
+    chosen = best_step(observation, belief, root, spread(machine(), observation.setups, 500))
+    low, high = np.array([axis.travel for axis in machine().axes]).T
+    grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
+    rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])
+    weight, noise = root.T @ root, 1e-12
+    along = rows @ covariance
+    falls = np.einsum("ij,jk,ik->i", along, weight, along) / (noise + np.einsum("ij,ij->i", along, rows))
+    assert falls[-1] == pytest.approx(chosen.gain, rel=1e-9)
+    assert falls[:-1].max() <= falls[-1] * (1 + 1e-9)
+    after = belief.update(chosen.row, 0.0, noise)
+    assert criterion.value(after, root) == pytest.approx(criterion.value(belief, root) - chosen.gain, rel=1e-9)
+
+
+def forward_recurrence(control: Array) -> Array:
+    """Return c on even knots of spacing 1 by B&H eq. 5 as a recipe: from c_1 and the right c_2 onwards."""
+    c = np.zeros(len(control))
+    c[1] = (NaturalSpline(np.arange(float(len(control)))).curvature_matrix @ control)[1]
+    for i in range(2, len(control)):
+        c[i] = -c[i - 2] - 4 * c[i - 1] + 3 * (control[i] - 2 * control[i - 1] + control[i - 2])
+    return c
+
+
+def test_the_recurrence_as_a_recipe_multiplies_rounding_errors() -> None:
+    """B&H eq. 5 as printed: computed onwards, an error grows by 2 + √3 at every knot, 10²² over 40 of them."""
+    control = np.random.default_rng(8).normal(size=41)
+    right = np.append(NaturalSpline(np.arange(41.0)).curvature_matrix @ control, 0.0)
+    wrong = np.abs(forward_recurrence(control) - right)
+    assert wrong[40] > 1e3
+    assert (wrong[30:] / wrong[29:-1]) == pytest.approx(2 + np.sqrt(3), rel=1e-6)
+
+
+def test_the_knot_where_the_ends_meet_needs_its_neighbours() -> None:
+    """B&H eq. 9 as printed: with a_n = a_1 and h_n = h_1 it does not give the spline's c_1."""
+    a, _, c, _ = cyclic()
+    ratio = H[-1] / H[0]
+    load = 3 * ((a[0] - a[6]) / H[0] ** 2 - (a[6] - a[5]) / (H[0] * H[-1]))
+    printed = -ratio * c[5] - 2 * (ratio + 1) * c[6] + load
+    assert abs(printed - c[0]) > 0.1
+    moved = -ratio * c[5] - 2 * (ratio + 1) * c[0] + 3 * ((a[1] - a[0]) / H[0] ** 2 - (a[0] - a[5]) / (H[0] * H[-1]))
+    assert moved == pytest.approx(c[1])

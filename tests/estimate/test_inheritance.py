@@ -1,0 +1,127 @@
+"""Last year's campaign as this year's prior, the curves that have changed since, and drift while measuring."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import read_campaign
+from axiscal.estimate.changes import changes
+from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.inference.repeats import trend
+from axiscal.measurement.reading import Reading
+from axiscal.report.findings import findings
+
+SETUP = '[[setups]]\nname = "laser"\ninstrument = "interferometer"\ndirection = "x"\n'
+POSITIONS = np.linspace(0.02, 0.98, 15)
+
+
+def _campaign(folder: Path, head: str = "") -> Path:
+    path = folder / f"campaign{len(list(folder.iterdir()))}.toml"
+    path.write_text(f'machine = "one-axis"\n{head}\n{SETUP}')
+    return path
+
+
+def _record(folder: Path, values: np.ndarray[tuple[int], np.dtype[np.float64]], head: str, name: str) -> Path:
+    readings = [Reading("laser", (float(x),), (1,), float(v)) for x, v in zip(POSITIONS, values, strict=True)]
+    path = folder / name
+    with Campaign.create(path, read_campaign(_campaign(folder, head), target_needed=False)) as campaign:
+        campaign.adopt(tuple(readings))
+    return path
+
+
+def _curve(size: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    noise = 0.3e-6 * np.random.default_rng(0).standard_normal(len(POSITIONS))
+    result: np.ndarray[tuple[int], np.dtype[np.float64]] = size * np.sin(5 * POSITIONS) + noise
+    return result
+
+
+def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> None:
+    last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    with Campaign.open(last) as campaign:
+        old = calibration_of(campaign.engine)
+    for kept in (1.0, 0.8):
+        description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
+        with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
+            new, size = calibration_of(campaign.engine), old.problem.errors.size
+            rest = old.problem.errors.functions[0].rest ** 2 * np.eye(size)
+            rest[old.problem.errors.names["EXX_reversal"].columns] = 0.0
+            expected = kept**2 * (old.belief.covariance[:size, :size] + rest)
+            expected += (1 - kept**2) * old.problem.errors.prior_covariance()
+            assert new.belief.mean[:size] == pytest.approx(kept * old.belief.mean[:size], abs=1e-12)
+            assert np.abs(new.belief.covariance[:size, :size] - expected).max() < 1e-17
+
+
+def test_the_record_needs_no_other_file(tmp_path: Path) -> None:
+    last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    new = _record(tmp_path, _curve(8e-6), 'prior = "last.axiscal"', "new.axiscal")
+    with Campaign.open(new) as campaign:
+        before = calibration_of(campaign.engine).belief.mean
+    last.unlink()
+    with Campaign.open(new) as campaign:
+        assert calibration_of(campaign.engine).belief.mean == pytest.approx(before)
+
+
+def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path: Path) -> None:
+    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    for size, expected in ((8e-6, []), (-8e-6, ["EXX"])):
+        path = _record(tmp_path, _curve(size), 'prior = "last.axiscal"', f"new{expected}.axiscal")
+        with Campaign.open(path) as campaign:
+            calibration = calibration_of(campaign.engine)
+            assert [change.name for change in changes(calibration)] == expected
+            said = [finding for finding in findings(calibration) if finding.code == "drift"]
+            assert [finding.error for finding in said] == expected
+
+
+def test_a_prior_that_is_no_campaign_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordError):
+        read_campaign(_campaign(tmp_path, 'prior = "nothing.axiscal"'), target_needed=False)
+    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    with pytest.raises(DescriptionError):
+        read_campaign(_campaign(tmp_path, 'prior = "last.axiscal"\nkept = 1.5'), target_needed=False)
+
+
+def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Path) -> None:
+    _record(tmp_path, _curve(8e-6), "", "last.axiscal")
+    rng, found = np.random.default_rng(5), {}
+    noisy = [_curve(8e-6) + 1.5e-6 * rng.standard_normal(len(POSITIONS)) for _ in range(3)]  # repeats show the noise
+    for scales in ("stated", "estimate"):
+        path = _record(tmp_path, noisy[0], f'prior = "last.axiscal"\nscales = "{scales}"', f"{scales}.axiscal")
+        with Campaign.open(path) as campaign:
+            for values in noisy[1:]:
+                campaign.adopt(
+                    tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
+                )
+            found[scales] = calibration_of(campaign.engine)
+    stated, learnt = found["stated"], found["estimate"]
+    size = stated.problem.errors.size
+    assert learnt.fit is not None
+    assert {scale.kind for scale in learnt.fit.scales.of} == {"noise", "rest"}
+    assert 1e-6 < learnt.problem.description.setups[0].noise < 2.5e-6
+    assert np.array_equal(learnt.problem.prior.covariance[:size, :size], stated.problem.prior.covariance[:size, :size])
+    assert np.array_equal(learnt.problem.prior.mean, stated.problem.prior.mean)
+    curve = learnt.problem.errors.names["EXX"]
+    widths = [np.linalg.norm(each.belief.factor[curve.columns]) for each in (stated, learnt)]
+    assert widths[1] > widths[0]
+    assert any("the noise of" in finding.text for finding in findings(learnt))
+
+
+def test_drift_shows_in_repeated_readings(tmp_path: Path) -> None:
+    setup = read_campaign(_campaign(tmp_path), target_needed=False).setups[0]
+    rng = np.random.default_rng(1)
+
+    def repeated(rate: float) -> list[Reading]:
+        places = [0.1 + 0.2 * (i % 4) for i in range(24)]
+        noise = 0.3e-6 * rng.standard_normal(24)
+        return [Reading("laser", (x,), (1,), x * 1e-5 + rate * i + noise[i], time=i) for i, x in enumerate(places)]
+
+    rate, std, _ = trend(repeated(0.2e-6), setup)
+    assert abs(rate - 0.2e-6) < 4 * std
+    assert rate > 4 * std
+    still, std, _ = trend(repeated(0.0), setup)
+    assert abs(still) < 4 * std

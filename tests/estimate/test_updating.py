@@ -1,0 +1,171 @@
+"""Many readings absorbed at once are the same as one after the other: belief, innovations, and the history of both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.belief import Belief, Innovations
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.history import path
+from axiscal.estimate.updating import absorbed
+from axiscal.exceptions import ShapeError
+from axiscal.inference.numbers import seen_together, visited_together
+from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.measurement.reading import Reading
+from tests.generators.campaigns import drawn, mixed
+
+
+def _turning(problem: Case, count: int) -> list[Reading]:
+    """Readings that begin to come from sides that nobody told only after a third of them."""
+    readings = drawn(problem, count)
+    return [replace(r, approach=(1, 1, -1)) if i < count // 3 else r for i, r in enumerate(readings)]
+
+
+def _one_by_one(
+    problem: Case, readings: Sequence[Reading], weights: Sequence[float]
+) -> tuple[Calibration, list[Accuracy]]:
+    again = Calibration(problem)
+    again._hindsight = True
+    again._trusted = again._trusted._replace(weights=tuple(weight or 1.0 for weight in weights))
+    again._implausible = {i: Doubt(i, 99.0, NOTHING, True) for i, weight in enumerate(weights) if weight == 0}
+    known = []
+    for reading in readings:
+        again.absorb(reading)
+        known.append(again.accuracy())
+    return again, known
+
+
+def test_a_map_is_widened_by_all_readings_as_by_each() -> None:
+    problem = mixed()
+    readings, one_by_one = _turning(problem, 40), problem.observation
+    for reading in readings:
+        one_by_one = one_by_one.visited(np.array(reading.pose), problem.index(reading.setup), reading.time)
+    together = visited_together(problem.observation, readings)
+    assert together.cells == one_by_one.cells
+    assert {zero: course.columns for zero, course in together.courses.items()} == {
+        zero: course.columns for zero, course in one_by_one.courses.items()
+    }
+    for reading, seen in zip(readings, seen_together(together, readings), strict=True):
+        alone = together.reading(reading)
+        np.testing.assert_allclose(seen.rows, alone.rows, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(seen.variances, alone.variances, rtol=1e-12)
+        np.testing.assert_allclose(seen.values, alone.values, rtol=1e-12)
+
+
+@pytest.mark.parametrize("together", [7, 400])
+def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("axiscal.estimate.updating._TOGETHER", together)
+    problem = mixed()
+    readings = _turning(problem, 60)
+    readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
+    weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(60)]
+    twin, seen_by_twin = _one_by_one(problem, readings, weights)
+    known, surprises = list[Accuracy](), list[Innovations]()
+    for part in absorbed(problem, problem.observation, problem.prior, readings, weights):
+        known += part.accuracies()
+        surprises += part.innovations
+    assert part.observation.cells == twin.observation.cells
+    spread = np.sqrt(np.diag(twin.belief.covariance))
+    np.testing.assert_array_less(np.abs(part.belief.mean - twin.belief.mean), 1e-8 * spread)
+    apart = (part.belief.covariance - twin.belief.covariance) / np.outer(spread, spread)
+    assert np.max(np.abs(apart)) < 1e-9
+    for mine, theirs in zip(surprises, twin.innovations, strict=True):
+        np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)
+        np.testing.assert_array_less(np.abs(mine.value - theirs.value), 1e-7 * theirs.std + 1e-9 * abs(theirs.value))
+    assert part.problem.both == twin.problem.both == {"probe", "nest"}
+    np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
+
+
+@pytest.mark.parametrize("scales", ["", 'scales = "estimate"'])
+def test_the_history_is_that_of_a_replay(scales: str) -> None:
+    problem = mixed(scales)
+    calibration, readings = Calibration(problem), _turning(problem, 24)
+    readings[15] = replace(readings[15], value=2.0)
+    for reading in readings:
+        calibration.absorb(reading)
+    concluded = calibration.concluded()
+    replay = concluded.replay()
+    moments = path(concluded)
+    assert moments[0].accuracy == replay.accuracy()
+    assert moments[0].innovations is None
+    assert len(moments) == 25
+    for moment, reading in zip(moments[1:], readings, strict=True):
+        replay.absorb(reading)
+        assert moment.seconds == replay.seconds
+        np.testing.assert_allclose(moment.accuracy, replay.accuracy(), rtol=1e-8)
+        assert moment.innovations is not None
+        np.testing.assert_allclose(moment.innovations.std, replay.innovations[-1].std, rtol=1e-8)
+        sizes = moment.innovations.value - replay.innovations[-1].value
+        assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
+
+
+@given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))
+@settings(max_examples=60, deadline=None)
+def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: float, fixed: int) -> None:
+    """With priors that are very wide, variables that are known exactly, and readings that do not count."""
+    rng = np.random.default_rng(seed)
+    size, count = 5, int(rng.integers(1, 12))
+    root = rng.standard_normal((size, size)) * 10.0 ** (decades / 2 * rng.random(size))[:, None]
+    root[:fixed] = 0.0
+    belief, rows = Belief(rng.standard_normal(size), root @ root.T), rng.standard_normal((count, size))
+    values, noise = rng.standard_normal(count), rng.uniform(0.5, 2.0, count)
+    reading = np.sort(rng.integers(0, count, count))
+    used = np.where(rng.random(count) < 0.3, np.inf, noise * rng.uniform(1.0, 5.0, count))
+    told, losses = belief.told(rows, values, noise, used, reading)
+    twin = belief
+    for each in np.unique(reading):
+        mine = reading == each
+        expected = twin.predict(rows[mine])
+        surprise = told.innovations.std[mine]
+        np.testing.assert_allclose(surprise, np.sqrt(expected.std**2 + noise[mine]), rtol=1e-6)
+        np.testing.assert_allclose(
+            told.innovations.value[mine], values[mine] - expected.mean, rtol=1e-6, atol=1e-6 * float(surprise.max())
+        )
+        mine &= np.isfinite(used)
+        twin = twin.update(rows[mine], values[mine], used[mine]) if mine.any() else twin
+    spread = np.maximum(np.sqrt(np.diag(twin.covariance)), 1e-100)
+    assert np.max(np.abs(told.covariance - twin.covariance) / np.outer(spread, spread)) < 1e-7
+    assert np.max(np.abs(told.mean - twin.mean) / spread) < 1e-6
+    np.testing.assert_allclose(
+        belief.covariance - losses.T @ losses, twin.covariance, atol=1e-9 * float(np.max(belief.covariance) + 1.0)
+    )
+
+
+def test_none_that_counts_leaves_the_belief_as_it_was() -> None:
+    belief = Belief([1.0, 2.0], np.diag([4.0, 0.0]))
+    told, losses = belief.told(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
+    np.testing.assert_array_equal(told.mean, belief.mean)
+    np.testing.assert_array_equal(told.covariance, belief.covariance)
+    np.testing.assert_array_equal(losses, 0.0)
+    np.testing.assert_allclose(told.innovations.std, [np.sqrt(5.0), 1.0])
+
+
+def test_readings_that_cannot_be_are_refused() -> None:
+    belief = Belief([0.0], [[1.0]])
+    with pytest.raises(ShapeError):
+        belief.told(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
+
+
+def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:
+    """A bad one amid the others, which is found out by those that follow it."""
+    problem = mixed()
+    readings = drawn(problem, 40)
+    readings[12] = replace(readings[12], value=readings[12].value + 90e-6)
+    at_once, one_by_one = Calibration(problem), Calibration(problem)
+    for reading in readings:
+        at_once.absorb(reading)
+        one_by_one.absorb(reading)
+        assert one_by_one.accuracy().rms > 0.0
+    assert [(doubt.reading, doubt.rejected) for doubt in at_once.doubts] == [(12, True)]
+    np.testing.assert_allclose(at_once.doubts, one_by_one.doubts, rtol=1e-9)
+    np.testing.assert_allclose(at_once.accuracy(), one_by_one.accuracy(), rtol=1e-9)
+    for mine, theirs in zip(at_once.innovations, one_by_one.innovations, strict=True):
+        np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)

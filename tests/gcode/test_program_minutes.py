@@ -1,0 +1,102 @@
+"""The minutes of a plan are those of its programs, as read back from their lines and run at the machine's speeds."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.plan.plan import Plan
+from axiscal.design.plan.task import Limits
+from axiscal.estimate.case import Case
+from axiscal.gcode import ProgramOptions, controllers, dialect, programs
+from axiscal.machine import Machine, load_machine
+from axiscal.planning.next_readings import placed
+from axiscal.planning.proposal import Thoroughness, proposed
+from tests.certify.gcode_traces import READERS, Event, Halt, Move, Wait
+
+CAMPAIGN = """
+machine = "{machine}"
+[target]
+readings = 14
+[[setups]]
+name = "probe x"
+instrument = "probe"
+direction = "x"
+reading_time = "{reading}"
+settle = "0.2 s"
+setup_time = "3 min"
+approach = "{approach}"
+[[setups]]
+name = "probe z"
+instrument = "probe"
+direction = "z"
+reading_time = "{reading}"
+setup_time = "4 min"
+approach = "both"
+"""
+
+
+@cache
+def planned(machine: str, approach: str) -> tuple[Case, Plan]:
+    """Return a plan whose readings take so little time that the ways count."""
+    text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s")
+    case = Case(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
+    return case, proposed(case, Limits(readings=14), Thoroughness(300)).plan
+
+
+def run(events: list[Event], machine: Machine) -> float:
+    """Return the seconds from the start at the mounted instrument to the end; stops take none."""
+    start = max(k for k, event in enumerate(events) if isinstance(event, Halt)) + 1
+    at: dict[str, float] = {}
+    for event in events[:start]:
+        at.update(event.to if isinstance(event, Move) else {})
+    seconds = 0.0
+    for event in events[start:]:
+        if isinstance(event, Wait):
+            seconds += event.seconds
+        elif isinstance(event, Move):
+            seconds += _move(event, at, machine)
+            at.update(event.to)
+    return seconds
+
+
+def _move(move: Move, at: dict[str, float], machine: Machine) -> float:
+    ways = {machine.axis(name): abs(to - at[name]) for name, to in move.to.items() if to != at[name]}
+    if not ways:
+        return 0.0
+    length = math.hypot(*ways.values())
+    unit = {axis: math.degrees(1) if axis.rotary else 1000.0 for axis in ways}
+    push = min(unit[axis] * axis.acceleration * length / way for axis, way in ways.items())
+    speed = min(move.feed / 60, math.sqrt(length * push))
+    return length / speed + speed / push
+
+
+@pytest.mark.parametrize("controller", controllers())
+@pytest.mark.parametrize("approach", ["+", "both"])
+@pytest.mark.parametrize("machine", ["three-axis-mill", "dmu60"])
+def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, controller: str) -> None:
+    case, plan = planned(machine, approach)
+    description = case.description
+    places = placed(case, plan)
+    made = programs(description.machine, description.setups, places, dialect(controller), ProgramOptions(wait="dwell"))
+    taken = sum(run(READERS[controller](program.text), description.machine) for program in made)
+    mounted = {place.setup for place in places}
+    mounting = sum(description.setup(name).setup_time for name in mounted)
+    assert taken == pytest.approx(plan.seconds - mounting, rel=0.01)
+    assert len(made) == len(mounted)
+
+
+def test_the_list_of_a_program_has_the_same_seconds(tmp_path: Path) -> None:
+    case, plan = planned("dmu60", "+")
+    description = case.description
+    places = placed(case, plan)
+    for program in programs(
+        description.machine, description.setups, places, dialect("sinumerik"), ProgramOptions(wait="dwell")
+    ):
+        last = program.readings[-1]
+        waits = last.setup.settle + last.setup.reading_time
+        assert last.seconds + waits == pytest.approx(run(READERS["sinumerik"](program.text), description.machine))

@@ -1,0 +1,1 @@
+"""Machines, set-ups, readings and campaigns that the tests of many rooms are tried on."""

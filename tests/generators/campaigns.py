@@ -1,0 +1,49 @@
+"""A campaign of two set-ups in turn: one value and three, a zero that drifts, sides that nobody told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimate.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+
+CAMPAIGN = """machine = "three-axis-mill"
+[target]
+readings = 1
+[[setups]]
+name = "probe"
+instrument = "probe"
+direction = "x"
+approach = "both"
+[[setups]]
+name = "nest"
+instrument = "rtest"
+station = ["0 mm", "0 mm", "-300 mm"]
+approach = "both"
+drift = "3 um/h"
+"""
+
+
+def mixed(first_line: str = "") -> Case:
+    """Return the problem.  first_line : of the campaign file"""
+    text = f"{first_line}\n{CAMPAIGN}"
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill"))
+
+
+def drawn(problem: Case, count: int = 24) -> list[Reading]:
+    """Return readings of a virtual machine, 200 s apart, every fifth with its own std."""
+    rng, setups = np.random.default_rng(3), problem.description.setups
+    machine = Simulator(problem.description.machine, setups).drawn(3)
+    low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
+
+    def taken(i: int) -> Reading:
+        setup, pose = setups[i % 2], tuple(rng.uniform(low, high).tolist())
+        approach = tuple(int(sign) for sign in rng.choice([-1, 0, 1], 3))
+        value, *others = machine.read_all(setup, pose, approach, rng, 200.0 * i)
+        std = 2e-6 if i % 5 == 0 else None
+        return Reading(setup.name, pose, approach, value, std, others=tuple(others), time=200.0 * i)
+
+    return [taken(i) for i in range(count)]

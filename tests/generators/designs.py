@@ -1,0 +1,103 @@
+"""Small problems for the tests of design: the paper's splines, and a machine with levers, reversal and rests."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.accuracy import criterion
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.belief import Belief
+from axiscal.design.plan.task import Task
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.setup import Approach, Setup, Unknown
+from axiscal.numerics import Array
+
+
+def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
+    """Return stacked natural splines on [0, 10] m, C0 = I, criterion `joint`."""
+    names = "XYZUV"[:axes]
+    machine = Machine("m", tuple(Axis.named(n, False, (0.0, 10.0)) for n in names), 0.0, _errors(names, knots), "", "")
+    setup = _setup("s", machine, noise, (), "+")
+    return problem(machine, (setup,), candidates, joint=True)
+
+
+def levered(candidates: int = 300, reversal: bool = True) -> Task:
+    """Return a table that turns under two slides: levers, reversal, rests, and two set-ups with a zero each."""
+    axes = (
+        Axis.named("C", True, (-1.0, 2.0), origin=(0.1, 0.2, 0.0)),
+        Axis.named("X", False, (0.0, 0.6)),
+        Axis.named("Z", False, (0.0, 0.4)),
+    )
+    errors = [
+        ErrorEntry("EXX", 1e-5, knots=5, rest=1e-6),
+        ErrorEntry("EZX", 1e-5, knots=4),
+        ErrorEntry("EBX", 2e-5, knots=4),
+        ErrorEntry("EXZ", 1e-5, knots=4, rest=5e-7),
+        ErrorEntry("ECC", 3e-5, knots=5, rest=1e-6),
+        ErrorEntry("B0Z", 2e-5),
+    ]
+    if reversal:
+        errors.append(ErrorEntry("EXX_reversal", 3e-6))
+    machine = Machine("m", axes, 0.15, tuple(errors), "", "")
+    zero = (Unknown("zero", 1e-4),)
+    setups = (
+        _setup("x", machine, 1e-6, zero, "both", (1.0, 0.0, 0.0)),
+        _setup("z", machine, 2e-6, zero, "both", (0.0, 0.0, 1.0)),
+    )
+    return problem(machine, setups, candidates)
+
+
+def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool = False) -> Task:
+    """Return the problem before the first reading."""
+    model = ErrorModel(machine)
+    observation = Observation(model, setups)
+    box = whole_travel(model)
+    yardstick = Yardstick(model, box, volume_moments(model, box), np.zeros((model.size, 0)))
+    weight = criterion.joint_root(model) if joint else yardstick.root
+    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
+    return Task(observation, belief, weight, yardstick, spread(machine, setups, candidates))
+
+
+def random_poses(asked: Task, generator: np.random.Generator, count: int) -> tuple[Array, Array]:
+    """Return poses and approaches anywhere in the travels, each (count, axes)."""
+    low, high = np.array([axis.travel for axis in asked.observation.errors.machine.axes]).T
+    return generator.uniform(low, high, (count, len(low))), generator.choice([-1.0, 1.0], (count, len(low)))
+
+
+def read(asked: Task, generator: np.random.Generator, count: int) -> Task:
+    """Return the problem after some readings in random places."""
+    observation, belief = asked.observation, asked.belief
+    for _ in range(count):
+        setup = int(generator.integers(len(observation.setups)))
+        pose, approach = random_poses(asked, generator, 1)
+        wider = observation.visited(pose[0], setup)
+        belief, observation = belief.extended(observation.rest_variances(wider)), wider
+        seen = observation.rows(setup, pose, approach)
+        belief = belief.update(seen.rows, 0.0, seen.variances)
+    return Task(observation, belief, asked.weight, asked.yardstick, asked.lattice)
+
+
+def _errors(names: str, knots: int) -> tuple[ErrorEntry, ...]:
+    return tuple(ErrorEntry(f"EZ{name}", 1.0, knots=knots) for name in names)
+
+
+def _setup(
+    name: str,
+    machine: Machine,
+    noise: float,
+    unknowns: tuple[Unknown, ...],
+    approach: Approach,
+    direction: tuple[float, float, float] = (0.0, 0.0, 1.0),
+) -> Setup:
+    count = len(machine.axes)
+    park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
+    times = (600.0, 1.0, 3.0)
+    return Setup(
+        name, "indicator", direction, tuple(range(count)), park, noise, unknowns, *times, (0.0,) * count, approach
+    )

@@ -1,0 +1,100 @@
+"""The weighted estimate of all readings at once against plain conditioning, and the weights of Student-t noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.inference.numbers import seen_together
+from axiscal.inference.outliers import FREEDOM, verdict
+from axiscal.inference.weighted_fit import Fitted
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.campaigns import drawn, mixed
+
+
+def _conditioned(problem: Case, readings: list[Reading], weights: Array) -> tuple[Array, Array]:
+    """What the readings minus their estimate are, and the variance of the estimate, by the road the belief takes."""
+    observation = problem.observation
+    for reading in readings:
+        observation = observation.visited(np.array(reading.pose), problem.index(reading.setup), reading.time)
+    seen = [observation.reading(reading) for reading in readings]
+    rows, values = np.concatenate([s.rows for s in seen]), np.concatenate([s.values for s in seen])
+    noise = np.concatenate([s.variances / w for s, w in zip(seen, weights, strict=True)])
+    signal = rows @ observation.prior_covariance() @ rows.T
+    gain = np.linalg.solve(signal + np.diag(noise), signal).T
+    return values - gain @ values, np.diag(signal - gain @ signal)
+
+
+def test_left_and_spread_are_those_of_conditioning_on_all_readings() -> None:
+    problem = mixed()
+    readings = drawn(problem)
+    weights = np.random.default_rng(1).uniform(0.1, 1.0, len(readings))
+    fitted = Fitted.of(problem.observation, readings)
+    fitted.weigh(weights)
+    left, spread = _conditioned(problem, readings, weights)
+    assert fitted.left == pytest.approx(left, abs=1e-11)
+    assert fitted.spread == pytest.approx(spread, rel=1e-5)
+
+
+def test_a_reading_surprises_as_the_estimate_without_it_says() -> None:
+    problem = mixed()
+    readings = [r for r in drawn(problem) if r.setup == "probe"]
+    fitted = Fitted.of(problem.observation, readings)
+    fitted.weigh(np.ones(len(readings)))
+    for i in (0, 5, 11):
+        alone = np.ones(len(readings))
+        alone[i] = 1e-12
+        left, spread = _conditioned(problem, readings, alone)
+        expected = left[i] / np.sqrt(spread[i] + fitted.noise[i])
+        assert fitted.surprise[i] == pytest.approx(expected, rel=1e-4)
+        without = fitted.without(i)
+        others = np.arange(len(readings)) != i
+        assert without.left[others] == pytest.approx(left[others], abs=1e-11)
+        assert without.spread[others] == pytest.approx(spread[others], rel=1e-4)
+
+
+def test_the_weights_are_those_of_student_t_noise() -> None:
+    problem = mixed()
+    readings = drawn(problem)
+    found = verdict(problem.observation, readings)
+    assert not any(doubt.rejected for doubt in found.doubts)
+    left, spread = _conditioned(problem, readings, np.array(found.weights))
+    noise = Fitted.of(problem.observation, readings).noise
+    counts = np.array([len(reading.values) for reading in readings])
+    total = np.add.reduceat((left**2 + spread) / noise, np.cumsum(counts) - counts)
+    expected = np.minimum((FREEDOM + counts) / (FREEDOM + total), 1.0)
+    assert np.array(found.weights) == pytest.approx(expected, abs=2e-3)
+
+
+def test_all_readings_are_seen_at_once_as_one_by_one() -> None:
+    problem = mixed()
+    readings = drawn(problem)
+    for together, reading in zip(seen_together(problem.observation, readings), readings, strict=True):
+        alone = problem.observation.reading(reading)
+        for one, other in zip(together, alone, strict=True):
+            assert one == pytest.approx(other, rel=1e-12, abs=1e-18)
+
+
+def test_a_replay_ends_where_the_estimate_does() -> None:
+    problem = mixed()
+    readings = drawn(problem)
+    readings[4] = replace(readings[4], value=readings[4].value + 90e-6)
+    readings[6] = replace(readings[6], value=readings[6].value + 0.1)
+    calibration = Calibration(problem)
+    for reading in readings:
+        calibration.absorb(reading)
+    concluded = calibration.concluded()
+    again = concluded.replay()
+    for reading in readings:
+        again.absorb(reading)
+        assert again.accuracy().rms > 0.0
+    assert again.doubts == concluded.doubts
+    assert {doubt.reading for doubt in again.doubts if doubt.rejected} == {4, 6}
+    assert again.belief.mean == pytest.approx(concluded.belief.mean, abs=1e-12)
+    assert again.accuracy().rms == pytest.approx(concluded.accuracy().rms, rel=1e-9)
+    assert again.seconds == pytest.approx(concluded.seconds)

@@ -1,0 +1,105 @@
+"""A warm scale on a machine that is true at 20 degC, against readings worked out by hand: 5 K at 11.7 um/m/K."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.machine.description import machine_from_text
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+
+STRAIN = 58.5e-6
+"""By what the scale is longer at 25 degC."""
+MIDDLE = 0.15
+CAMPAIGN = """machine = "m.toml"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "{direction}"
+noise = "0.5 um"
+temperature = "25 degC"
+expansion = "11.7 um/m/K"
+temperature_std = "{std}"
+"""
+
+
+MACHINE = """name = "one"
+chain = "{chain}"
+[tool]
+length = "0 mm"
+[axes.X]
+travel = ["-200 mm", "500 mm"]
+[errors]
+EXX = {{ std = "50 um", knots = 5, length = "300 mm" }}
+"""
+
+
+@pytest.mark.parametrize("std", ["0 K", "0.5 K"])
+@pytest.mark.parametrize("chain", ["w-b-X-t", "w-X'-b-t"])
+@pytest.mark.parametrize(("direction", "sign"), [("x", 1.0), ("-x", -1.0)])
+def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: float, chain: str, std: str) -> None:
+    """Along −x the carriage that goes too far reads −58.5 um/m; corrected the other way it would be 41 um."""
+    text = CAMPAIGN.format(direction=direction, std=std)
+    calibration = Calibration(Case(campaign_from_texts(text, "c.toml", MACHINE.format(chain=chain), "m.toml")))
+    for x in np.linspace(-0.19, 0.49, 15).tolist():
+        calibration.absorb(Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)))
+    concluded = calibration.concluded()
+    errors = concluded.problem.errors
+    assert np.max(np.abs(concluded.belief.mean[: errors.size])) < 1e-9
+    assert not any(doubt.rejected for doubt in concluded.doubts)
+
+
+TURNED = """name = "turned"
+chain = "{chain}"
+[tool]
+length = "0 mm"
+[axes.C]
+travel = ["-180 deg", "180 deg"]
+[axes.X]
+travel = ["-200 mm", "500 mm"]
+[errors]
+EXX = {{ std = "5 um", knots = 4 }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("chain", "angle", "direction", "share"),
+    [
+        ("w-C'-b-X-t", 0.0, (0.6, 0.8, 0.0), 0.6),
+        ("w-C'-b-X-t", 0.0, (-0.8, 0.0, 0.6), -0.8),
+        ("w-C'-X'-b-t", 0.0, (-1.0, 0.0, 0.0), -1.0),
+        ("w-C'-b-X-t", 90.0, (0.0, 1.0, 0.0), 1.0),
+        ("w-C'-X'-b-t", 90.0, (0.0, -1.0, 0.0), -1.0),
+        ("w-C'-b-X-t", 90.0, (1.0, 0.0, 0.0), 0.0),
+        ("w-X'-C'-b-t", 90.0, (-1.0, 0.0, 0.0), -1.0),
+    ],
+)
+def test_growth_shows_as_far_as_it_goes_along_the_direction(
+    chain: str, angle: float, direction: tuple[float, float, float], share: float
+) -> None:
+    """A table turned by 90 degrees sees the carriage of X go along its y."""
+    machine = machine_from_text(TURNED.format(chain=chain), "t.toml")
+    c, x = (next(k for k, axis in enumerate(machine.axes) if axis.name.startswith(letter)) for letter in "CX")
+    poses = np.zeros((3, 2))
+    poses[:, c], poses[:, x] = np.radians(angle), [-0.2, 0.15, 0.4]
+    park = tuple(poses[0].tolist())
+    unknowns = (Unknown("growth", 1e-6),)
+    times = (0.0, 0.0, 0.0)
+    setup = Setup("s", "interferometer", direction, (x,), park, 1e-6, unknowns, *times, (0.0, 0.0), "both")
+    warm, place, at = replace(setup, growth=STRAIN), Nominal(machine, poses, (x,)), np.array(direction)
+    hand = share * np.array([-0.35, 0.0, 0.25])
+    model, still = Displacement(), Actual(np.zeros((3, 3)), np.zeros((3, 3)))
+    assert model.own(setup, "growth", at, place) == pytest.approx(hand, abs=1e-15)
+    assert model.beyond(warm, place) == pytest.approx(STRAIN * hand, abs=1e-18)
+    assert model.shown(warm, at, place, still, {"growth": 1e-6}) == pytest.approx((STRAIN + 1e-6) * hand, abs=1e-18)
+    assert model.own(setup, "slope", at, place) == pytest.approx([-0.35, 0.0, 0.25])

@@ -1,0 +1,301 @@
+"""Zeros that wander: the mathematics against a plain integral, the estimate, the markers, and the clock."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources import open_source
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_readings
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.zero_drift import paths
+from axiscal.exceptions import DescriptionError, ReadingError, UnitError
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.repeats import trend
+from axiscal.machine import load_machine
+from axiscal.measurement.drift import MEMORY, STEP, Course, wandering
+from axiscal.measurement.place import Place
+from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.planning.drift_markers import EVERY, with_markers, without_markers
+from axiscal.record.events import Recorded
+from axiscal.record.payload import decode, encode
+from axiscal.report.curves import constants
+from axiscal.report.findings import findings, untimed
+from axiscal.simulation import Simulator, VirtualMachine
+
+RATE = 6e-6 / 3600
+CAMPAIGN = """machine = "one-axis"
+[target]
+readings = {readings}
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+setup_time = "0 min"
+reading_time = "2 min"
+{drift}
+"""
+
+
+def _description(drift: str = 'drift = "6 um/h"', readings: int = 40) -> CampaignDescription:
+    text = CAMPAIGN.format(drift=drift, readings=readings)
+    return campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
+
+
+def _by_steps(times: Array) -> Array:
+    """The covariance of ∫ rate, the rate's correlation exp(−|s − t|/T) summed up in steps of ten seconds."""
+    steps = np.arange(5.0, float(np.max(times)), 10.0)
+    rates = RATE**2 * np.exp(-np.abs(steps[:, None] - steps[None, :]) / MEMORY)
+    until = 10.0 * (steps[None, :] < times[:, None])
+    covariance: Array = until @ rates @ until.T
+    return covariance
+
+
+def test_a_wandering_zero_is_the_integral_of_a_rate_that_forgets_itself() -> None:
+    times = np.array([0.0, 60.0, 600.0, 3600.0, 3610.0, 20000.0])
+    assert wandering(RATE, times) == pytest.approx(_by_steps(times), rel=1e-3, abs=1e-20)
+    assert np.sqrt(wandering(RATE, [3600.0])[0, 0]) == pytest.approx(6e-6, rel=0.2)
+
+
+def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() -> None:
+    nodes = [100.0, 700.0, 1100.0, 5000.0, 100000.0]
+    course = Course.begun(RATE, nodes[0], 7)
+    for node in nodes[1:]:
+        assert course.needs_node(node)
+        course = course.with_node(node, 7 + len(course.columns))
+    assert course.columns == tuple(range(7, 16))
+    assert not course.needs_node(nodes[-1] + STEP)
+    rows = np.array([course.row(time) for time in nodes])
+    assert rows @ rows.T == pytest.approx(wandering(RATE, np.array(nodes) - nodes[0]), rel=1e-6, abs=1e-20)
+    assert np.array_equal(course.row(), rows[-1])
+    late = nodes[2] + STEP
+    expected = wandering(RATE, [late - nodes[0]])[0, 0]
+    assert course.row(late) @ course.row(late) == pytest.approx(expected, rel=0.02)
+
+
+def _readings(
+    machine: VirtualMachine, description: CampaignDescription, seed: int, gap: float = 120.0
+) -> list[Reading]:
+    """Forty readings in random order, every eighth at the first place again."""
+    rng, setup = np.random.default_rng(seed), description.setups[0]
+    places = rng.permutation((np.arange(40) + 0.5) / 40)
+
+    def taken(i: int) -> Reading:
+        x, sign = (places[0], -1) if i % 8 == 0 else (places[i], 1 if i % 2 else -1)
+        value = machine.read(setup, (float(x),), (sign,), rng, gap * i)
+        return Reading("laser", (float(x),), (sign,), value, time=gap * i)
+
+    return [taken(i) for i in range(40)]
+
+
+def _estimated(description: CampaignDescription, readings: list[Reading]) -> Calibration:
+    calibration = Calibration(Case(description))
+    for reading in readings:
+        calibration.absorb(reading)
+    return calibration.concluded()
+
+
+def _covered(calibration: Calibration, machine: VirtualMachine) -> float:
+    held = []
+    for function, curve in zip(calibration.problem.errors.functions, machine.curves, strict=True):
+        positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
+        rows = function.basis.rows(positions)
+        variance = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
+        missed = curve(positions) - rows @ calibration.belief.mean[function.columns]
+        held.append(np.abs(missed) <= 1.96 * np.sqrt(variance))
+    return float(np.mean(np.concatenate(held)))
+
+
+def test_a_stated_drift_is_found_and_the_bands_hold_which_they_do_not_without() -> None:
+    drifting, shares, silent, beyond = _description(), [], [], []
+    for seed in range(30):
+        machine = Simulator(drifting.machine, drifting.setups).drawn(seed)
+        readings = _readings(machine, drifting, seed)
+        known = _estimated(drifting, readings)
+        shares.append(_covered(known, machine))
+        silent.append(_covered(_estimated(_description(""), readings), machine))
+        (path,) = paths(known, drifting.setups[0])
+        truth = np.array([machine.drifts["laser"](float(time))[0] for time in path.times])
+        beyond.append((path.mean - truth + truth[0])[1:] / path.std[1:])
+    assert np.mean(shares) > 0.91
+    assert np.mean(silent) < 0.88
+    assert 0.7 < np.std(np.concatenate(beyond)) < 1.3
+
+
+def test_the_report_says_how_large_a_stated_drift_was() -> None:
+    description = _description()
+    machine = Simulator(description.machine, description.setups).drawn(1)
+    calibration = _estimated(description, _readings(machine, description, 1))
+    (said,) = [finding.text for finding in findings(calibration) if finding.code == "drift"]
+    assert 'The zero of "laser" had moved by' in said
+    drift = next(c for c in constants(calibration, machine) if c.name == "laser: drift")
+    assert drift.truth is not None
+    assert abs(drift.mean - drift.truth) < 4 * drift.std
+    assert drift.std < drift.prior_std / 3
+
+
+def test_a_drift_that_nobody_stated_is_noticed_at_a_marker() -> None:
+    silent = _description("")
+    machine = Simulator(silent.machine, silent.setups).drawn(3)
+    still = _readings(machine, silent, 3)
+    moving = [replace(r, value=r.value + 4e-6 * (r.time or 0.0) / 7200) for r in still]
+    said = [f.text for f in findings(_estimated(silent, moving)) if f.code == "drift"]
+    assert any('The zero of "laser" moved by' in text and "state drift =" in text for text in said)
+    assert not [f for f in findings(_estimated(silent, still)) if f.code == "drift"]
+
+
+def test_a_reversal_whose_sides_nobody_told_is_not_taken_for_drift() -> None:
+    silent = _description("")
+    machine = Simulator(silent.machine, silent.setups).drawn(3)
+    there = [
+        replace(r, approach=(0,), value=4e-6, pose=(0.1 * i,), time=10.0 * i)
+        for i, r in enumerate(_readings(machine, silent, 3)[:10])
+    ]
+    back = [replace(r, value=-4e-6, time=200.0 - (r.time or 0.0)) for r in there]
+    assert trend([*there, *back], silent.setups[0]).rate != 0
+    assert not [f for f in findings(_estimated(silent, [*there, *reversed(back)])) if f.code == "drift"]
+
+
+def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
+    drifting, still = _description().setups, _description("").setups
+    timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
+    (found,) = untimed([timed, replace(timed, time=None)], drifting)
+    assert found.code == "drift"
+    assert "add a column time" in found.text
+    assert untimed([timed], drifting) == untimed([replace(timed, time=None)], still) == []
+
+
+def test_a_trend_needs_a_place_read_three_times() -> None:
+    setup = _description("").setups[0]
+    two = [Reading("laser", (0.1,), (1,), 1e-6 * t, time=t) for t in (0.0, 60.0)]
+    assert trend(two, setup) == (0.0, 0.0, 0.0)
+    assert trend([*two, replace(two[0], time=None)], setup) == (0.0, 0.0, 0.0)
+    found = trend([*two, replace(two[0], value=120e-6, time=120.0)], setup)
+    assert found.rate == pytest.approx(1e-6)
+    assert found.seconds == 120.0
+
+
+def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() -> None:
+    description = _description()
+    problem = Case(description)
+    readings = _readings(Simulator(description.machine, description.setups).drawn(5), description, 5, gap=400.0)
+    observation = problem.observation
+    for reading in readings:
+        observation = observation.visited(np.array(reading.pose), 0, reading.time)
+    seen = [observation.reading(reading) for reading in readings]
+    rows = np.concatenate([each.rows for each in seen])
+    expected = rows @ observation.prior_covariance() @ rows.T + np.diag([each.variances[0] for each in seen])
+    assert Evidence(problem.observation, readings).covariance() == pytest.approx(expected, rel=1e-9)
+
+
+def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
+    text = 'machine = "three-axis-mill"\n[target]\nreadings = 1\n[[setups]]\nname = "r"\ninstrument = "rtest"\n'
+    text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
+    description = campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill")
+    machine = Simulator(description.machine, description.setups).drawn(1)
+    setup, rng, calibration = description.setups[0], np.random.default_rng(1), Calibration(Case(description))
+    middle = tuple(sum(axis.travel) / 2 for axis in description.machine.axes)
+    for i in range(12):
+        value, *others = machine.read_all(setup, middle, (1, 1, 1), rng, 600.0 * i)
+        calibration.absorb(Reading("r", middle, (1, 1, 1), value, others=tuple(others), time=600.0 * i))
+    found = paths(calibration.concluded(), setup)
+    truth = np.array(machine.drifts["r"](6600.0)) - machine.drifts["r"](0.0)
+    assert len(found) == 3
+    assert all(abs(path.mean[-1] - moved) < 4 * path.std[-1] for path, moved in zip(found, truth, strict=True))
+
+
+def test_a_marker_is_read_again_every_twenty_minutes() -> None:
+    problem = Case(_description())
+    places = [Place("laser", (0.01 * i,), (1,)) for i in range(40)]
+    marked = with_markers(problem, (), (), places)
+    again = [i for i, place in enumerate(marked) if place == places[0]]
+    assert again[0] == 0
+    seconds = 122.0  # of a reading, at least
+    assert all((later - one - 1) * seconds <= EVERY + seconds for one, later in pairwise(again))
+    assert len(again) == 4
+    assert [place for place in marked if place != places[0]] == places[1:]
+    first = Reading("laser", places[0].pose, (1,), 0.0, time=0.0)
+    assert without_markers(problem, [first], marked) == tuple(places[1:])
+
+
+def test_the_loop_reads_markers_within_its_readings_and_finds_the_drift_of_a_virtual_machine(tmp_path: Path) -> None:
+    description = _description(readings=30)
+    simulator = Simulator(description.machine, description.setups)
+    with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
+        campaign.run(open_source("sim:4", simulator), lambda _: None)
+        readings, calibration = campaign.state.readings, calibration_of(campaign.engine)
+    assert len(readings) == 30
+    assert sum(reading.pose == readings[0].pose for reading in readings) >= 3
+    assert all(reading.time is None for reading in readings)  # no clock: what is planned counts
+    (path,) = paths(calibration, description.setups[0])
+    moved = simulator.drawn(4).drifts["laser"]
+    truth = moved(float(path.times[-1]))[0] - moved(float(path.times[0]))[0]
+    assert abs(path.mean[-1] - truth) < 4 * path.std[-1]
+
+
+def test_a_reading_that_a_person_records_keeps_the_clock_and_old_records_have_none(tmp_path: Path) -> None:
+    with Campaign.create(tmp_path / "c.axiscal", _description()) as campaign:
+        campaign.next()
+        first = campaign.record(1e-6)
+        campaign.next()
+        second = campaign.record(1e-6)
+    assert first.time is not None
+    assert second.time is not None
+    assert 0.0 <= first.time <= second.time < 600.0
+    event = Recorded(first)
+    assert decode(*encode(event)) == event
+    old = '{"setup": "laser", "position": [0.1], "approach": [1], "value": 1e-6, "std": null}'
+    assert decode("recorded", old) == Recorded(Reading("laser", (0.1,), (1,), 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("times", "seconds"),
+    [
+        (("10:30", "10:31:30", "12:00:00.5"), (0.0, 90.0, 5400.5)),
+        (("2026-11-20T23:59:00", "2026-11-21T00:01:00", "2026-11-21T00:01:00"), (0.0, 120.0, 120.0)),
+        (("2026-11-20 10:00:00+01:00", "2026-11-20 10:00:00Z", "2026-11-20T12:00:00+01:00"), (0.0, 3600.0, 7200.0)),
+        (("5 min", "0.5 h", "3600 s"), (0.0, 1500.0, 3300.0)),
+    ],
+)
+def test_a_table_of_readings_may_say_when_they_were_taken(
+    tmp_path: Path, times: tuple[str, ...], seconds: tuple[float, ...]
+) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text("setup,X_mm,value_um,time\n" + "".join(f"laser,{100 * i},1,{t}\n" for i, t in enumerate(times)))
+    placed = placed_readings(read_readings(file), _description(), file)
+    assert [reading.time for reading in placed] == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize("wrong", ["", "soon", "09:59", "25:00", "12 um", "2026-11-20T11:00:00"])
+def test_a_time_that_is_none_is_named_with_its_line(tmp_path: Path, wrong: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,10:00\nlaser,2,1,{wrong}\n")
+    with pytest.raises(ReadingError) as caught:
+        read_readings(file)
+    assert caught.value.line == 3
+
+
+@pytest.mark.parametrize("day", ["2026-11-20", "20261120", "2026-W47-5"])
+def test_a_day_is_no_time_for_all_its_readings_would_be_taken_at_once(tmp_path: Path, day: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(f"setup,X_mm,value_um,time\nlaser,1,1,{day}\nlaser,2,1,{day}\n")
+    with pytest.raises(ReadingError, match="without a time of day"):
+        read_readings(file)
+
+
+@pytest.mark.parametrize("wrong", ['"2 um"', '"2 urad/h"', '"-2 um/h"', '"2 m/min"'])
+def test_a_drift_that_is_no_rate_is_refused(wrong: str) -> None:
+    with pytest.raises((DescriptionError, UnitError)) as refused:
+        _description(f"drift = {wrong}")
+    assert refused.value.remedy == 'Give one such as "2 um/h"'

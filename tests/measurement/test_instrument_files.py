@@ -1,0 +1,198 @@
+"""Files of instruments and controllers: what they say, and that each way to break them is an error with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_readings
+from axiscal.evaluation import evaluate, read_iso230
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.files import read_any
+
+RTL = """HEADER::
+File type  : rtl
+Version no : 1
+TARGET DATA::
+Filetype  : ISO
+Target-count: 3
+Targets :
+0.000000 50.000000
+100.000000
+Flags: 0 0 2 0
+USER-TEXT::
+Machine: Fräse
+RUNS::
+Run-count: 4
+DEVIATIONS::
+Run Target Data:
+1   1   0.100
+1   2   1.300
+1   3  -0.400
+2   3   0.200
+2   2   1.900
+2   1   0.500
+3   1   0.300
+3   2   1.100
+3   3  -0.200
+4   3   0.400
+4   2   1.700
+4   1   0.700
+ENVIRONMENT::
+Air temp   : 20.1 20.2 0
+EOF::
+"""
+MAP = """RepRapFirmware height map file v2 generated at 2026-01-01 10:00
+xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum
+10.00,70.00,20.00,50.00,-1.00,30.00,30.00,3,2
+      0, -0.041, 0.000
+  0.020,  0.030,      0
+"""
+MESH = """[printer]
+kinematics: corexy
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# [bed_mesh default]
+#*# version = 1
+#*# points =
+#*# \t0.147500, 0.000000, 0.063750
+#*# \t0.171250, 0.112500, 0.081250
+#*# x_count = 3
+#*# y_count = 2
+#*# min_x = 10.0
+#*# max_x = 70.0
+#*# min_y = 20.0
+#*# max_y = 50.0
+"""
+OWN = """# axiscal-csv 1
+run_id,axis,error,direction,target,value,unit,u_std,t_c,time
+1,X,EXX,+,10,1.5,um,0.2,20.1,
+1,X,EXX,-,10,-0.5,µm,,,
+"""
+BED = """chain = "w-b-X-Y-t"
+[axes.X]
+travel = ["0 mm", "100 mm"]
+[axes.Y]
+travel = ["0 mm", "100 mm"]
+[errors]
+EZX = { std = "50 um", length = "50 mm" }
+EXX = { std = "10 um", length = "50 mm" }
+"""
+
+
+def _campaign(*setups: str) -> CampaignDescription:
+    tables = "".join(f'[[setups]]\nname = "{i}"\ninstrument = "probe"\n{setup}\n' for i, setup in enumerate(setups))
+    return campaign_from_texts(f'machine = "bed"\n{tables}', "campaign.toml", BED, "bed")
+
+
+def _file(tmp_path: Path, text: str, encoding: str = "utf-8", name: str = "file") -> Path:
+    path = tmp_path / name
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "gbk", "utf-16"])
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: str) -> None:
+    text = RTL.replace("Fräse", "Fr?se") if encoding == "gbk" else RTL
+    test = read_iso230(_file(tmp_path, text.replace("\n", ends), encoding, "test.rtl"))
+    assert test.targets == pytest.approx([0.0, 0.05, 0.1])
+    assert test.up is not None
+    assert test.down is not None
+    assert test.up[1] == pytest.approx([1.3e-6, 1.1e-6])
+    assert test.down[2] == pytest.approx([0.2e-6, 0.4e-6])
+    assert pytest.approx(0.6e-6) == evaluate(test).B
+
+
+def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
+    directions = {tuple(r.approach.values()) for r in read_any(_file(tmp_path, RTL.replace("0 0 2 0", "0 1 2 0")))}
+    assert directions == {(1,)}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1   2   1.300", "1   2   1,300", "line 18.*'1,300' is not a finite number"),
+        ("1   2   1.300", "1   9   1.300", "line 18.*target 9 of run 1 is not there"),
+        ("1   2   1.300", "1   2", "line 18.*is not run, target and deviation"),
+        ("1   2   1.300", "1   1   1.300", "line 18.*has target 1 already"),
+        ("Target-count: 3", "Target-count: 4", "line 6: 4 targets are announced, and there are 3"),
+        ("DEVIATIONS::", "OTHER::", "no section DEVIATIONS"),
+        ("TARGET DATA::", "OTHER::", "no section TARGET DATA"),
+        ("50.000000", "x", "line 8.*'x' is not a finite number"),
+        ("50.000000", "0.000000", "a target is named twice"),
+    ],
+)
+def test_a_broken_rtl_file_is_an_error_with_its_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(ReadingError, match=message):
+        read_any(_file(tmp_path, RTL.replace(old, new)))
+
+
+def test_a_zero_that_was_not_probed_is_no_reading(tmp_path: Path) -> None:
+    found = read_any(_file(tmp_path, MAP))
+    assert [(r.position["X"], r.position["Y"], r.value) for r in found] == [
+        pytest.approx(node)
+        for node in ((0.04, 0.02, -41e-6), (0.07, 0.02, 0.0), (0.01, 0.05, 2e-5), (0.04, 0.05, 3e-5))
+    ]
+
+
+def test_a_height_map_of_version_one_has_one_spacing(tmp_path: Path) -> None:
+    old = MAP.replace("v2", "v1").replace("xspacing,yspacing", "spacing").replace("30.00,30.00,3", "30.00,3")
+    assert len(read_any(_file(tmp_path, old))) == 4
+
+
+def test_a_klipper_mesh_has_all_its_nodes(tmp_path: Path) -> None:
+    found = read_any(_file(tmp_path, MESH))
+    assert len(found) == 6
+    assert (found[4].position["X"], found[4].position["Y"]) == pytest.approx((0.04, 0.05))
+    assert found[4].value == pytest.approx(112.5e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (MAP.replace("-0.041", "zero"), "line 4.*'zero'"),
+        (MAP.replace("-0.041, ", ""), "line 4.*2 heights, and 3 are announced"),
+        (MAP.rsplit("\n", 2)[0] + "\n", "2 rows are announced, and there are 1"),
+        (MAP.replace("xnum", "nx"), "line 2.*no xnum"),
+        (MAP.replace("3,2\n", "x,2\n"), "line 3.*'x'"),
+        (MESH.replace("#*# x_count = 3\n", ""), "line 4.*no x_count"),
+        (MESH.replace("0.112500, ", ""), "line 8.*2 heights"),
+        (MESH.replace("y_count = 2", "y_count = 3"), "3 rows are announced, and there are 2"),
+        (MESH + "#*# [bed_mesh hot]\n", "2 meshes are saved here: default, hot"),
+        (OWN.replace("EXX,+", "EXQ,+"), "line 3"),
+        (OWN.replace("EXX,+", "EYY,+"), "line 3.*not an error of axis 'X'"),
+        (OWN.replace("1.5,um", "1.5,urad"), "line 3.*EXX is not given in urad"),
+        (OWN.replace("1.5,um", "1.5,lb"), "line 3"),
+        (OWN.replace("EXX,+", "EXX,up"), "line 3.*direction 'up'"),
+        (OWN.replace("1.5,um,0.2", "1.5,um,-1"), "line 3.*u_std is -1"),
+        (OWN.replace("value", "values"), "line 2"),
+    ],
+)
+def test_a_broken_map_or_exchange_file_is_an_error_with_its_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(ReadingError, match=message):
+        read_any(_file(tmp_path, text))
+
+
+def test_maps_and_exchange_files_find_their_set_up(tmp_path: Path) -> None:
+    campaign = _campaign('direction = "-z"', 'direction = "x"')
+    nodes = placed_readings(read_any(_file(tmp_path, MAP)), campaign, "map")
+    assert {reading.setup for reading in nodes} == {"0"}
+    assert nodes[0].value == pytest.approx(41e-6)
+    one_axis = _campaign('direction = "z"', 'direction = "x"\nmoves = ["X"]')
+    up, down = placed_readings(read_any(_file(tmp_path, OWN)), one_axis, "own")
+    assert (up.setup, up.approach) == ("1", (1, 0))
+    assert (up.value, up.std) == pytest.approx((1.5e-6, 2e-7))
+    assert (down.approach, down.std) == ((-1, 0), None)
+    with pytest.raises(ReadingError, match=r"line 4: no set-up reads a length along z while X, Y moves"):
+        placed_readings(read_any(_file(tmp_path, MAP)), _campaign('direction = "x"'), "map")
+
+
+def test_estimate_takes_a_bed_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bed.toml").write_text(BED)
+    text = 'machine = "bed.toml"\n[[setups]]\nname = "probe"\ninstrument = "probe"\ndirection = "z"\n'
+    campaign = _file(tmp_path, text, name="campaign.toml")
+    assert run(["estimate", str(campaign), str(_file(tmp_path, MESH)), "--out", str(tmp_path / "out")]) == 0
+    assert "6 readings" in capsys.readouterr().out

@@ -1,0 +1,161 @@
+"""Ball bar, R-test, tracker and tracer in whole estimates, and the set-ups that are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_readings
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.machine import load_machine
+from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator, VirtualMachine
+
+STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
+
+
+def _description(*setups: str) -> CampaignDescription:
+    tables = "".join(f'[[setups]]\nname = "{i}"\n{setup}\n' for i, setup in enumerate(setups))
+    text = f'machine = "three-axis-mill"\n[target]\nreadings = 1\n{tables}'
+    return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
+
+
+def _fed(description: CampaignDescription, seed: int, count: int) -> tuple[Calibration, VirtualMachine]:
+    """Return the concluded calibration after so many readings of a virtual machine, in each set-up in turn."""
+    machine, rng = Simulator(description.machine, description.setups).drawn(seed), np.random.default_rng(seed)
+    calibration = Calibration(Case(description))
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    for number in range(count):
+        setup = description.setups[number % len(description.setups)]
+        pose = tuple(map(float, rng.uniform(low, high)))
+        value, *others = machine.read_all(setup, pose, (1, 1, 1), rng)
+        calibration.absorb(Reading(setup.name, pose, (1, 1, 1), value, others=tuple(others)))
+    return calibration.concluded(), machine
+
+
+@pytest.mark.parametrize("instrument", ["tracer", "ballbar", "tracker"])
+def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> None:
+    calibration, machine = _fed(_description(f'instrument = "{instrument}"\n{STATION}'), 5, 40)
+    columns = calibration.problem.observation.unknowns_of(0)
+    found, std = calibration.belief.mean[columns], np.sqrt(np.diagonal(calibration.belief.covariance)[columns])
+    hidden = [machine.offsets["0"][unknown.name] for unknown in calibration.problem.description.setups[0].unknowns]
+    assert np.all(np.abs(found - hidden) < 4 * std)
+    assert not any(doubt.rejected for doubt in calibration.doubts)
+
+
+def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
+    """Linearised once, 5 mm beside a line of 1 m is an error of 12 um; where it stands, the noise is left."""
+    calibration, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
+    seen = calibration.rows_of(calibration.readings)
+    left = [float(s.values[0] - s.rows[0] @ calibration.belief.mean) for s in seen]
+    assert np.sqrt(np.mean(np.square(left))) < 2 * 0.3e-6
+
+
+def test_several_instruments_see_one_machine() -> None:
+    kinds = ('instrument = "rtest"', f'instrument = "tracker"\n{STATION}', 'instrument = "level"\ndirection = "y"')
+    calibration, machine = _fed(_description(*kinds), 3, 60)
+    poses = np.array([[0.1, 0.1, -0.1], [0.3, 0.2, -0.2], [0.5, 0.3, -0.3]])
+    errors, rng = calibration.problem.errors, np.ones((3, 3))
+    rows, size = errors.rows(poses, rng), errors.size
+    left = np.diff(machine.deviation(poses, rng) - rows @ calibration.belief.mean[:size], axis=0)
+    spread = np.linalg.norm(np.diff(rows, axis=0) @ calibration.belief.factor[:size], axis=2)
+    assert np.all(np.abs(left) < 4 * spread + 2e-6)
+
+
+@pytest.mark.parametrize(
+    ("setup", "reason"),
+    [
+        ('instrument = "tracer"', "not said where the tracer's other end is"),
+        ('instrument = "tracker"', "not said where the tracker is"),
+        ('instrument = "rtest"\ndirection = "x"', "a rtest has no direction of its own"),
+        ('instrument = "indicator"', '"direction" is missing'),
+        ('instrument = "rtest"\nunknowns = { slope = "1 urad" }', "is not an unknown of a set-up with a rtest"),
+        ('instrument = "tracer"\nstation = ["1 mm"]', "is not a place"),
+    ],
+)
+def test_set_ups_that_make_no_sense_are_refused(setup: str, reason: str) -> None:
+    with pytest.raises(DescriptionError, match=reason):
+        _description(setup)
+
+
+def test_three_values_come_from_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "readings.csv"
+    path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,-2,3\n")
+    (reading,) = placed_readings(read_readings(path), _description('instrument = "rtest"'), path)
+    assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6))
+    with pytest.raises(ReadingError, match="gives 1 values a reading"):
+        placed_readings(read_readings(path), _description('instrument = "probe"\ndirection = "x"'), path)
+
+
+def test_two_of_three_values_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "readings.csv"
+    path.write_text("setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um\n0,100,200,50,1,,3\n")
+    with pytest.raises(ReadingError, match="line 2: the line has a value along x, but not along y and z"):
+        read_readings(path)
+
+
+def test_three_values_are_recorded_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "mill.axiscal"
+    Campaign.create(record, _description('instrument = "rtest"')).close()
+    place = ["--at", "X=100 mm Y=200 mm Z=50 mm", "--setup", "0"]
+    assert run(["record", str(record), "1 um, 2 um", *place]) == 1
+    assert "gives 3 values, not 2" in capsys.readouterr().err
+    assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
+    with Campaign.open(record) as campaign:
+        assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))
+
+
+def _thermal(text: str) -> CampaignDescription:
+    return _description(f'instrument = "interferometer"\ndirection = "x"\nmoves = ["X"]\n{text}')
+
+
+def test_lengths_are_brought_to_twenty_degrees_with_their_uncertainty() -> None:
+    """3 K at 11.7 um/m/K over 300 mm from the middle are 10.53 um; 0.5 K and 1 um/m/K leave 2 um of it open there."""
+    text = 'temperature = "23 degC"\nexpansion = "11.7 um/m/K"\ntemperature_std = "0.5 K"\nexpansion_std = "1 um/m/K"'
+    warm, cold = Case(_thermal(text)).observation, Case(_thermal("")).observation
+    reading = Reading("0", (0.6, 0.0, 0.0), (1, 0, 0), 20e-6)
+    assert warm.reading(reading).values - cold.reading(reading).values == pytest.approx(-10.53e-6)
+    (growth,) = [u for u in warm.setups[0].unknowns if u.name == "growth"]
+    assert growth.std == pytest.approx(np.hypot(11.7e-6 * 0.5, 3 * 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('temperature = "23 degC"', "temperature and expansion go together"),
+        ('temperature = "23 K/s"\nexpansion = "11.7 um/m/K"', "23 K/s"),
+        ('temperature = "23 degC"\nexpansion = "11.7 um"', "11.7 um"),
+    ],
+)
+def test_a_temperature_that_makes_no_sense_is_refused(text: str, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        _thermal(text)
+
+
+def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None:
+    with pytest.raises(DescriptionError, match="a length along the one linear axis that moves"):
+        _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("kind", ["tracer", "ballbar", "tracker", "rtest", "level"])
+def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str, seed: int) -> None:
+    extra = {"level": 'direction = "y"', "rtest": ""}.get(kind, STATION)
+    stated = _description(f'instrument = "{kind}"\n{extra}')
+    errors = tuple(replace(entry, std=3 * entry.std) for entry in stated.machine.errors)
+    worse = replace(stated, machine=replace(stated.machine, errors=errors))
+    readings = _fed(worse, seed, 25)[0].readings
+    calibration = Calibration(Case(stated))
+    for reading in readings:
+        calibration.absorb(reading)
+        assert calibration.objection() is None
+    assert not calibration.implausible(readings)

@@ -1,0 +1,249 @@
+"""What instruments see: rows against the virtual machine's own readings, rests against a dense twin, exact lines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.machine import Machine, load_machine
+from axiscal.machine.axis import Axis
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+from axiscal.numerics.chebyshev import coefficients, evaluate, node_count, nodes
+from axiscal.numerics.exact_step import gain_forms
+from axiscal.simulation import Curve, VirtualMachine
+from tests.generators.machines import random_machine, random_poses
+
+
+def mounted(machine: Machine, instrument: str, direction: tuple[float, float, float], name: str = "s") -> Setup:
+    """Return a set-up that may move every axis and has every unknown that it can have."""
+    linear = any(not axis.rotary for axis in machine.axes)
+    kinds = INSTRUMENTS[instrument].model.unknown_reads
+    usual = [kind for kind in kinds if kind != "growth" and (linear or kind != "slope")]
+    unknowns = tuple(Unknown(kind, 1e-4) for kind in usual)
+    count = len(machine.axes)
+    park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
+    times, raster = (0.0, 0.0, 0.0), (0.0,) * count
+    moves, station = tuple(range(count)), (3.0, -2.0, 1.5)
+    return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station)
+
+
+def _direction(seed: int) -> tuple[float, float, float]:
+    x, y, z = np.random.default_rng(seed).standard_normal(3)
+    length = float(np.sqrt(x * x + y * y + z * z))
+    return float(x) / length, float(y) / length, float(z) / length
+
+
+def _curve(function: ErrorFunction, coefficients: Array) -> Curve:
+    return lambda t: np.asarray(function.basis.rows(t) @ coefficients[function.columns])
+
+
+def _virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> VirtualMachine:
+    """Return the machine whose unknowns, the set-ups' own behind the errors, have these values."""
+    offsets, start = {}, model.size
+    for setup in setups:
+        offsets[setup.name] = {u.name: float(unknowns[start + i]) for i, u in enumerate(setup.unknowns)}
+        start += len(setup.unknowns)
+    return VirtualMachine(model, tuple(_curve(f, unknowns) for f in model.functions), offsets)
+
+
+@pytest.mark.parametrize("instrument", sorted(INSTRUMENTS))
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
+    """Every unknown, errors and the set-ups' own, by central differences; two set-ups, so that columns can be mixed."""
+    model, rng = ErrorModel(random_machine(seed, count=2 + seed % 2)), np.random.default_rng(seed)
+    one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0)
+    setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
+    observation, step = Observation(model, setups), 1e-5
+    poses, approaches = random_poses(model.machine, 1, rng)
+    pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
+    rows = observation.reading(Reading("s", pose, approach, 0.0)).rows
+    for i in range(observation.size):
+        ends = [_virtual(model, setups, sign * step * np.eye(observation.size)[i]) for sign in (1, -1)]
+        up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
+        assert np.abs((up - down) / (2 * step) - rows[:, i]).max() < 1e-8
+
+
+def test_columns_are_errors_then_set_ups_then_cells() -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    observation = Observation(model, (setup, replace(setup, name="second"))).visited(np.array([0.5]))
+    assert observation.unknowns_of(0) == slice(22, 24)
+    assert observation.unknowns_of(1) == slice(24, 26)
+    assert observation.size == 27
+    expected = [1e-8, 1e-8, 1e-8, 1e-8, 0.3e-6**2]
+    assert np.diagonal(observation.prior_covariance())[22:] == pytest.approx(expected)
+    assert observation.prior_covariance()[:22, 22:].any() is np.False_
+
+
+def test_the_slope_is_counted_from_the_middle_of_the_travel() -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    observation = Observation(model, (mounted(model.machine, "straightedge", (1.0, 0.0, 0.0)),))
+    rows = observation.rows(0, np.array([[0.0], [0.5], [1.0]]), np.zeros((3, 1))).rows
+    assert rows[:, 22:].tolist() == [[1.0, -0.5], [1.0, 0.0], [1.0, 0.5]]
+
+
+def _fed(observation: Observation, poses: Array, approaches: Array, values: Array) -> tuple[Belief, Observation]:
+    """Return the belief after these readings of the only set-up, one by one, as a campaign takes them in."""
+    covariance = observation.prior_covariance()
+    belief = Belief(np.zeros(len(covariance)), covariance)
+    for pose, approach, value in zip(poses, approaches, values, strict=True):
+        wider = observation.visited(pose, 0)
+        belief = belief.extended(observation.rest_variances(wider))
+        seen = wider.rows(0, pose[None], approach[None])
+        belief, observation = belief.update(seen.rows, value, seen.variances), wider
+    return belief, observation
+
+
+def _rest_kernel(model: ErrorModel, levers: Array, poses: Array, approaches: Array) -> Array:
+    """Return the covariance of the rests of readings: each function's is one number per eighth of a knot interval."""
+    total = np.zeros((len(poses), len(poses)))
+    for function, lever in zip(model.functions, levers, strict=True):
+        low, high = model.machine.axes[function.axis].travel
+        count = 8 * (len(function.basis.knots) - 1)
+        cell = np.minimum(((poses[:, function.axis] - low) / (high - low) * count).astype(int), count - 1)
+        felt = lever * approaches[:, function.axis] / 2 if function.name.endswith("_reversal") else lever
+        total += function.rest**2 * np.outer(felt, felt) * (cell[:, None] == cell)
+    return total
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("instrument", ["probe", "level"])
+def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> None:
+    """Poses repeated and close together; the twin has no columns for rests, only their joint covariance."""
+    machine = random_machine(seed, count=1 + seed % 3, smooth=True)
+    machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.errors))
+    model, rng = ErrorModel(machine), np.random.default_rng(seed)
+    setup = mounted(machine, instrument, _direction(seed))
+    poses, approaches = random_poses(machine, 15, rng)
+    approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
+    poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]
+    observation = Observation(model, (setup,))
+    levers = (model.levers if instrument == "probe" else model.angular_levers)(poses) @ np.array(setup.direction)
+    rows, prior = observation.rows(0, poses, approaches).rows, observation.prior_covariance()
+    joint = rows @ prior @ rows.T + _rest_kernel(model, levers, poses, approaches) + setup.noise**2 * np.eye(27)
+    values = np.linalg.cholesky(joint) @ rng.standard_normal(27)
+    gain = np.linalg.solve(joint, rows @ prior).T
+    belief, _ = _fed(observation, poses, approaches, values)
+    found, scale = belief.covariance[: len(prior), : len(prior)], np.sqrt(np.diagonal(prior))
+    expected = (prior - gain @ rows @ prior) / scale[:, None] / scale
+    assert np.abs(found / scale[:, None] / scale - expected).max() < 1e-9
+    assert np.abs((belief.mean[: len(prior)] - gain @ values) / scale).max() < 1e-9
+
+
+def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
+    """With +½ and −½ of the reversal equally likely, the variance is a quarter of the reversal's."""
+    model = ErrorModel(load_machine("one-axis"))
+    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    observation, at = Observation(model, (setup,)), np.array([[0.5]])
+    told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
+    reversal = model.names["EXX_reversal"]
+    drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
+    sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
+    assert untold - told == pytest.approx(np.var(drawn * sides), rel=0.02)
+    assert untold - told == pytest.approx((reversal.covariance[0, 0] + reversal.rest**2) / 4)
+
+
+def test_repeating_at_one_position_does_not_average_the_rest_away() -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    setup = replace(mounted(model.machine, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
+    poses = np.full((2000, 1), 0.5)
+    belief, observation = _fed(Observation(model, (setup,)), poses, np.ones((2000, 1)), np.zeros(2000))
+    curve = np.zeros(belief.size)
+    curve[:22] = model.rows(poses[:1], np.ones((1, 1)))[0, 0]
+    assert belief.predict(curve).std[0] == pytest.approx(0.3e-6, rel=0.01)
+    assert len(observation.cells) == 1
+
+
+def test_a_reading_in_a_visited_cell_is_promised_less_noise_and_less_news() -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    before = Observation(model, (setup,))
+    after = before.visited(np.array([0.5]))
+    at = np.array([[0.5], [0.504], [0.51], [0.499]])
+    assert before.rows(0, at, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
+    assert after.rows(0, at, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
+    assert after.rows(0, at, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert after.visited(np.array([0.504])).cells == after.cells
+    assert before.rest_variances(after).tolist() == [0.3e-6**2]
+    assert after.rest_variances(after.visited(np.array([0.504]))).tolist() == []
+
+
+@pytest.mark.parametrize("position", [0.0, 1.0])
+def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    observation = Observation(model, (mounted(model.machine, "probe", (1.0, 0.0, 0.0)),)).visited(np.array([position]))
+    ((_, cell),) = observation.cells
+    assert cell == round(position * 159)
+    assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
+
+
+def test_a_rest_that_a_set_up_does_not_feel_gets_no_column() -> None:
+    model = ErrorModel(load_machine("three-axis-mill"))
+    laser = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    observation, pose = Observation(model, (laser,)), np.array([0.3, 0.2, 0.1])
+    felt = {model.functions[i].name for i, _ in observation.visited(pose, 0).cells}
+    assert felt == {"EXX", "EXY", "EXZ"}
+    assert len(observation.visited(pose).cells) == 9
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("instrument", ["probe", "level"])
+def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -> None:
+    """`breaks` and `smoothness` let Chebyshev series of that many nodes follow the gain's forms to 1e-12."""
+    machine, rng = random_machine(seed + 20), np.random.default_rng(seed)
+    model = ErrorModel(machine)
+    observation = Observation(model, (mounted(machine, instrument, _direction(seed)),))
+    poses, approaches = random_poses(machine, 3, rng)
+    for pose in poses:
+        observation = observation.visited(pose)
+    factor = np.sqrt(np.diagonal(observation.prior_covariance()))[:, None] * rng.standard_normal((observation.size, 4))
+    weighted = rng.standard_normal((3, 4))
+    inside = rng.uniform(-1, 1, 7)
+    for axis in range(len(machine.axes)):
+        count, breaks = node_count(*observation.smoothness(axis, 0)), observation.breaks(axis, 0)
+        assert breaks[0] == machine.axes[axis].travel[0]
+        assert breaks[-1] == machine.axes[axis].travel[1]
+        for left, right in pairwise(breaks):
+            x = np.concatenate([nodes(count), inside])
+            at = np.tile(poses[0], (len(x), 1))
+            at[:, axis] = left * (1 - x) / 2 + right * (1 + x) / 2
+            seen = observation.rows(0, at, np.tile(approaches[0], (len(x), 1)))
+            for form in gain_forms(seen.rows, factor, weighted, seen.variances):
+                series = evaluate(coefficients(form[None, :count]), inside[None])[0]
+                assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
+
+
+def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
+    """Cubics times sine and cosine, squared, over 117°."""
+    turn = Axis.named("C", True, (0.0, np.radians(350)), origin=(0.3, -0.2, 0.0))
+    entries = tuple(ErrorEntry(name, 1e-5, knots=4) for name in ("EXC", "EYC", "ECC", "EAC"))
+    observation = Observation(
+        ErrorModel(Machine("m", (turn,), 0.1, entries, "", "")),
+        (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
+    )
+    factor = np.random.default_rng(1).standard_normal((16, 4))
+    count, inside = node_count(*observation.smoothness(0, 0)), np.linspace(-1, 1, 101)
+    for left, right in pairwise(observation.breaks(0, 0)):
+        at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
+        seen = observation.rows(0, at, np.zeros_like(at))
+        form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
+        series = evaluate(coefficients(form[None, :count]), inside[None])[0]
+        assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
+
+
+def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
+    axis = Axis.named("X", False, (0.0, 0.4))
+    machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
+    observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
+    assert observation.breaks(0, 0) == pytest.approx([0.0, 0.2, 0.4])
+    assert observation.visited(np.array([0.06])).breaks(0, 0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])

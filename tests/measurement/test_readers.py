@@ -1,0 +1,173 @@
+"""Readings, poses and truth curves from CSV: what is read, and what is refused in which words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.csv_readings import RawReading, read_readings
+from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.poses import RawPose, read_poses
+from axiscal.measurement.readers.truth_curves import read_truth
+
+READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
+laser along X,120,250,,X+,1.7,,
+laser along X,130,250,90,X+ Y-,-1.5,,0.4
+level,130,,,,,3.5,
+"""
+TRUTH = """error,position_mm,position_deg,value_um,value_urad
+EXX,0,,1.5,
+EXX,100.5,,-2,
+EAX,0,,,10
+ECC,,-180,,1
+ECC,,180,,2
+C0Y,,,,30
+EXX_reversal,,,3,
+"""
+
+
+def written(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "file.csv"
+    path.write_text(text)
+    return path
+
+
+def test_readings_are_in_si_units(tmp_path: Path) -> None:
+    first, second, third = read_readings(written(tmp_path, READINGS))
+    assert first == RawReading("laser along X", {"X": 0.12, "Y": 0.25}, {"X": 1}, 1.7 / 1e6, None, "length", 2)
+    assert second.position == {"X": 0.13, "Y": 0.25, "B": pytest.approx(pi / 2)}
+    assert second.approach == {"X": 1, "Y": -1}
+    assert second.std == pytest.approx(4e-7)
+    assert third.dimension == "angle"
+    assert third.value == pytest.approx(radians(3.5 / 3600))
+    assert third.position == {"X": 0.13}
+
+
+def test_readings_of_an_iso_230_2_test(tmp_path: Path) -> None:
+    text = "# one slide\ndirection,target_mm,deviation_um,run\n-,-20,4.5,3\n+,0,1,1\n"
+    first, second = read_readings(written(tmp_path, text))
+    assert first == RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3)
+    assert (second.position, second.approach) == ({"": 0.0}, {"": 1})
+
+
+def test_readings_of_a_rotary_iso_230_2_test(tmp_path: Path) -> None:
+    (reading,) = read_readings(written(tmp_path, "direction,target_deg,deviation_arcsec,run\n-,180,1,3\n"))
+    assert reading.position == {"": pytest.approx(pi)}
+    assert reading.dimension == "angle"
+
+
+def test_the_micro_sign_is_a_micro(tmp_path: Path) -> None:
+    (reading,) = read_readings(written(tmp_path, "setup,X_mm,value_µm\ns,1,2\n"))
+    assert reading.value == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize("approach", ["X+ Y-", "X+;Y-", " X+ ;  Y- ", '"X+ Y-"'])
+def test_spellings_of_an_approach(approach: str, tmp_path: Path) -> None:
+    (reading,) = read_readings(written(tmp_path, f"setup,approach,value_um\ns,{approach},2\n"))
+    assert reading.approach == {"X": 1, "Y": -1}
+
+
+def test_poses(tmp_path: Path) -> None:
+    poses = read_poses(written(tmp_path, "C_deg,X_mm,approach\n180,10,X-\n0,20,\n"))
+    assert poses == (RawPose({"C": pi, "X": 0.01}, {"X": -1}, 2), RawPose({"C": 0.0, "X": 0.02}, {}, 3))
+
+
+def test_truth_curves(tmp_path: Path) -> None:
+    curves = read_truth(written(tmp_path, TRUTH))
+    assert list(curves) == ["EXX", "EAX", "ECC", "C0Y", "EXX_reversal"]
+    assert curves["EXX"].positions == pytest.approx([0, 0.1005])
+    assert curves["EXX"].values == pytest.approx([1.5e-6, -2e-6])
+    positions, values = curves["ECC"]
+    assert positions == pytest.approx([-pi, pi])
+    assert values == pytest.approx([1e-6, 2e-6])
+    assert (curves["C0Y"].positions.tolist(), curves["C0Y"].values.tolist()) == ([0.0], [pytest.approx(3e-5)])
+    assert curves["EXX_reversal"].values == pytest.approx([3e-6])
+
+
+def test_truth_curves_may_interleave_and_be_spelt_in_full(tmp_path: Path) -> None:
+    curves = read_truth(written(tmp_path, "error,position_mm,value_um\nEXX,0,1\nEYX,0,5\nEXX,1,2\nEYX,1,6\n"))
+    assert np.array_equal(curves["EYX"].values, np.array([5e-6, 6e-6]))
+    assert list(read_truth(written(tmp_path, "error,position_mm,value_urad\nEC(0X)Y,,5\n"))) == ["C0Y"]
+
+
+Reader = Callable[[str | Path], object]
+BAD: dict[str, tuple[Reader, str, str, int]] = {
+    "no set-up column": (read_readings, "X_mm,value_um\n1,2\n", "no column 'setup'", 1),
+    "empty set-up": (read_readings, "setup,X_mm,value_um\n,1,2\n", "has no set-up", 2),
+    "no value column": (read_readings, "setup,X_mm\ns,1\n", "no column 'value_um'", 1),
+    "empty value": (read_readings, "setup,X_mm,value_um\ns,1,\n", "no value", 2),
+    "two values": (read_readings, "setup,X_mm,value_um,value_urad\ns,1,2,3\n", "both filled", 2),
+    "two positions": (read_readings, "setup,X_mm,X_um,value_um\ns,1,2,3\n", "'X_mm' and 'X_um' are both filled", 2),
+    "angle as length": (read_readings, "setup,B_mm,value_um\ns,1,2\n", "'B_mm' has a unit of the wrong kind.*B_deg", 1),
+    "position without unit": (read_readings, "setup,X,value_um\ns,1,2\n", "'X' has no unit.*X_mm", 1),
+    "small letter": (read_readings, "setup,x_mm,value_um\ns,1,2\n", "Did you mean 'X_mm'", 1),
+    "inches": (read_readings, "setup,X_in,value_um\ns,1,2\n", "X_in' is in inches. Inches are not read.*write X_mm", 1),
+    "unknown column": (read_readings, "setup,humidity,value_um\ns,1,2", "Known are setup, approach, time, value_mm", 1),
+    "position NaN": (read_readings, "setup,X_mm,value_um\ns,nan,2\n", "X_mm 'nan' is not finite", 2),
+    "value infinite": (read_readings, "setup,X_mm,value_um\ns,1,-inf\n", "value_um '-inf' is not finite", 2),
+    "std zero": (read_readings, "setup,X_mm,value_um,std_um\ns,1,2,0\n", "std_um is 0.*at least 0.1 nm", 2),
+    "std of another kind": (read_readings, "setup,X_mm,value_um,std_urad\ns,1,2,1\n", "'std_urad' does not fit", 2),
+    "approach word": (read_readings, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
+    "approach twice": (read_readings, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),
+    "approach without axis": (read_readings, "setup,approach,value_um\ns,+,2\n", "as in 'X\\+'", 2),
+    "iso column missing": (read_readings, "target_mm,direction,deviation_um\n1,+,2\n", "not known.*Known are setup", 1),
+    "poses without axes": (read_poses, "approach\nX+\n", "no column names an axis", 1),
+    "pose incomplete": (read_poses, "X_mm,Y_mm\n1,2\n3,\n", "empty coordinate", 3),
+    "pose value": (read_poses, "X_mm,value_um\n1,2\n", "'value_um' is not known", 1),
+    "truth without values": (read_truth, "error,position_mm\nEXX,1\n", "no column 'value_um'", 1),
+    "truth without error": (read_truth, "position_mm,value_um\n1,1\n", "no column 'error'", 1),
+    "unknown error": (read_truth, "error,position_mm,value_um\nEQX,0,1\n", "not the name of an error", 2),
+    "positions equal": (read_truth, "error,position_mm,value_um\nEXX,0,1\nEXX,0,2\n", "does not lie beyond", 3),
+    "positions descend": (read_truth, "error,position_mm,value_um\nEXX,1,1\nEXX,0,2\n", "Sort the positions", 3),
+    "angle in um": (read_truth, "error,position_mm,value_um\nEAX,0,1\n", "'value_um' does not fit EAX.*an angle", 2),
+    "rotary in mm": (read_truth, "error,position_mm,value_urad\nECC,0,1\n", "'position_mm' does not fit ECC", 2),
+    "curve without position": (read_truth, "error,position_mm,value_um\nEXX,,1\n", "EXX has no position here", 2),
+    "constant twice": (read_truth, "error,position_mm,value_urad\nC0Y,,1\nC0Y,,2\n", "given in one line", 3),
+    "truth value empty": (read_truth, "error,position_mm,value_um\nEXX,1,\n", "has no value here", 2),
+    "two truth values": (read_truth, "error,position_mm,value_um,value_urad\nEXX,1,1,1\n", "both filled", 2),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_bad_input_says_file_line_fault_and_remedy(fault: str, tmp_path: Path) -> None:
+    read, text, message, line = BAD[fault]
+    path = written(tmp_path, text)
+    with pytest.raises(ReadingError, match=message) as caught:
+        read(path)
+    assert (caught.value.file, caught.value.line) == (str(path), line)
+    assert "\n" not in str(caught.value)
+
+
+@given(st.text())
+def test_any_text_is_a_table_or_refused(text: str) -> None:
+    try:
+        table = parse_table(text, "file.csv")
+    except ReadingError:
+        return
+    assert table.rows
+    assert all(set(row.cells) == {column.name for column in table.columns} for row in table.rows)
+
+
+@given(st.lists(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=3, max_size=3), min_size=1))
+def test_numbers_come_back_as_written(rows: list[list[float]]) -> None:
+    text = "X_m,Y_m,Z_m\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)
+    table = parse_table(text, "file.csv")
+    assert [[row.quantity(column) for column in table.columns] for row in table.rows] == rows
+
+
+@given(st.text(alphabet="0123456789.,eE+-_ naif١²", min_size=1))
+def test_a_number_is_read_only_when_every_other_program_reads_it_so(cell: str) -> None:
+    table = parse_table('X_m,Y_m\n"' + cell + '",1\n', "file.csv")
+    try:
+        value = table.rows[0].quantity(table.columns[0])
+    except ReadingError:
+        return
+    assert value == float(cell)
+    assert set(cell.strip()) <= set("0123456789.eE+-")

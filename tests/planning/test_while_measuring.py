@@ -1,0 +1,192 @@
+"""What happens while measuring, on a machine of one axis: the plan stands, or the rest is renewed, from the record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign, Ended
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.description.campaign import read_campaign
+from axiscal.estimate.case import Case
+from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.planning.plan_basis import twice_rejected
+from axiscal.planning.planner import Planner
+from axiscal.record.events import Asked, Planned
+from axiscal.simulation import Simulator
+
+TEXT = """
+machine = "one-axis"
+[target]
+readings = 16
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+"""
+MACHINE = """
+chain = "w-X'-Y'-b-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[axes.Y]
+travel = ["0 mm", "500 mm"]
+[errors]
+EXX = { std = "10 um", knots = 5 }
+EXX_reversal = { std = "3 um" }
+EXY = { std = "10 um", knots = 5 }
+"""
+OFF = 40e-6
+"""How wrong a reading is that the others contradict."""
+
+Start = Callable[[], tuple[Campaign, SimulatedSource]]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    opened: list[Campaign] = []
+
+    def begin() -> tuple[Campaign, SimulatedSource]:
+        (tmp_path / "c.toml").write_text(TEXT)
+        description = read_campaign(tmp_path / "c.toml")
+        opened.append(Campaign.create(tmp_path / "c.axiscal", description))
+        truth = Simulator(description.machine, description.setups).drawn(3)
+        return opened[-1], SimulatedSource(truth, 3)
+
+    yield begin
+    for campaign in opened:
+        campaign.close()
+
+
+def question(campaign: Campaign) -> Asked:
+    """Return what is asked for next."""
+    asked = campaign.next()
+    assert isinstance(asked, Asked)
+    return asked
+
+
+def read(campaign: Campaign, source: SimulatedSource, count: int) -> None:
+    """Take so many readings where they are asked for."""
+    for _ in range(count):
+        campaign.record(source.read(campaign.request(question(campaign))).value)
+
+
+def plans(campaign: Campaign) -> list[Planned]:
+    """Return all plans of the record, the first one first."""
+    return [stored.event for stored in campaign._record.events() if isinstance(stored.event, Planned)]
+
+
+def test_readings_taken_as_planned_leave_one_plan(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 16)
+    assert isinstance(campaign.next(), Ended)
+    (plan,) = plans(campaign)
+    assert [place.pose for place in plan.places] == [reading.pose for reading in campaign.state.readings]
+
+
+def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 12)
+    known = campaign.engine.accuracy().rms
+    asked = question(campaign)
+    campaign.record(source.read(campaign.request(asked)).value + OFF)
+    assert campaign.engine.accuracy().rms == pytest.approx(known, rel=1e-6)
+    left = len(campaign.state.plan)
+    question(campaign)
+    assert [plan.grounds for plan in plans(campaign)] == ["", "13 rejected"]
+    assert len(plans(campaign)[-1].places) == left == 3
+
+
+def test_the_plan_follows_from_the_record(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 12)
+    campaign.record(source.read(campaign.request(question(campaign))).value + OFF)
+    following = question(campaign)
+    renewed = campaign.state.plan
+    with Campaign.open(campaign.path) as again:
+        assert (again.next(), again.state.plan) == (following, renewed)
+        assert again.engine.grounds() == again.state.grounds
+        again.record(source.read(again.request(following)).value)
+        question(again)
+        assert len(plans(again)) == 2  # what is known of reading 13 has not changed
+    planned = Planner(Case(campaign.description))
+    for reading in campaign.state.readings:
+        planned.absorb(reading)
+    taken = [reading.place for reading in campaign.state.readings]
+    assert planned.plan((), taken, plans(campaign)[0].places[13:]) == plans(campaign)[1].places
+
+
+def test_a_reading_elsewhere_or_taken_back_renews_the_rest(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 3)
+    question(campaign)
+    elsewhere = Place("laser", (0.123,), (1,))
+    campaign.record(campaign.state.readings[-1].value, at=elsewhere)
+    question(campaign)
+    assert len(plans(campaign)) == 2
+    campaign.undo()
+    read(campaign, source, 2)
+    question(campaign)
+    assert len(plans(campaign)) == 3
+
+
+def test_a_reading_with_other_noise_than_planned_renews_the_rest(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 3)
+    for std, grounds in ((0.52e-6, ""), (2e-6, "noise of 5")):
+        campaign.record(source.read(campaign.request(question(campaign))).value, std)
+        question(campaign)
+        assert campaign.state.grounds == grounds
+
+
+def test_a_place_that_is_rejected_twice_is_not_asked_for_again(start: Start) -> None:
+    campaign, source = start()
+    read(campaign, source, 13)
+    bad = campaign.state.readings[4]
+    place = bad.place
+    for off in (OFF, -2 * OFF):
+        question(campaign)
+        campaign.record(bad.value + off, at=place)
+    assert [doubt.rejected for doubt in calibration_of(campaign.engine).doubts] == [True, True]
+    question(campaign)
+    assert campaign.state.pending is not None
+    asked = [campaign.state.pending.place, *campaign.state.plan]
+    assert all(abs(each.pose[0] - bad.pose[0]) > 0.01 * 0.5 for each in asked)
+
+
+def test_one_rejected_reading_makes_no_gap_and_two_in_different_places_make_none(start: Start) -> None:
+    campaign, _ = start()
+    case = Case(campaign.description)
+    readings = [Reading("laser", (x,), (1,), 0.0, None) for x in (0.1, 0.1001, 0.3, 0.3)]
+    rejected = [Doubt(index, 9.0, NOTHING) for index in range(4)]
+    assert twice_rejected(case, readings, rejected[:1]) == ()
+    assert twice_rejected(case, readings, rejected[1:3]) == ()
+    assert [gap.place.pose for gap in twice_rejected(case, readings, rejected)] == [(0.1001,), (0.3,)]
+    assert twice_rejected(case, readings, [Doubt(0, 3.5, 0.3), Doubt(1, 3.5, 0.3)]) == ()
+
+
+@pytest.mark.parametrize(("side", "told"), [(1, frozenset()), (0, frozenset({"laser"})), (-1, frozenset({"laser"}))])
+def test_a_side_is_missed_only_where_the_axis_has_a_reversal(side: int, told: frozenset[str], tmp_path: Path) -> None:
+    (tmp_path / "m.toml").write_text(MACHINE)
+    (tmp_path / "c.toml").write_text(TEXT.replace("one-axis", "m.toml").replace('"both"', '"+"'))
+    calibration = Planner(Case(read_campaign(tmp_path / "c.toml")))
+    calibration.absorb(Reading("laser", (0.1, 0.0), (side, 0), 0.0, None))  # Y stands at its end: from any side
+    assert calibration.problem.both == told
+
+
+@pytest.mark.parametrize(("drift", "grounds"), [("", ["", "", ""]), ('drift = "6 um/h"', ["", "1 times 20 min", ""])])
+def test_where_a_zero_drifts_a_plan_rests_on_the_clock(drift: str, grounds: list[str], tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text(TEXT + drift)
+    said = []
+    for times in ([5.0], [5.0, 1900.0], []):
+        calibration = Planner(Case(read_campaign(tmp_path / "c.toml")))
+        for time in times:
+            calibration.absorb(Reading("laser", (0.1,), (1,), 0.0, None, time=time))
+        said.append(calibration.grounds())
+    assert said == grounds

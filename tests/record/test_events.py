@@ -1,0 +1,161 @@
+"""Folding events: against a naive twin that replays every prefix, and against orders that cannot have happened."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import (
+    Asked,
+    Created,
+    Event,
+    EventOrderError,
+    Finished,
+    Planned,
+    Recorded,
+    Skipped,
+    State,
+    Stored,
+    Undone,
+    fold,
+)
+from axiscal.record.payload import PayloadError, decode, encode
+
+CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})
+finite = st.floats(allow_nan=False, allow_infinity=False)
+readings = st.builds(
+    Reading, st.text(), st.tuples(finite, finite), st.tuples(*[st.sampled_from([-1, 0, 1])] * 2), finite, st.none()
+)
+recorded = st.builds(Recorded, readings)
+asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))
+event = recorded | asked | st.builds(Skipped, st.text()) | st.builds(Finished, st.text()) | st.just(Undone(0))
+
+
+def stored(events: list[Event]) -> list[Stored]:
+    return [Stored(number, "", each) for number, each in enumerate(events, start=1)]
+
+
+def possible(drawn: list[Event]) -> list[Event]:
+    """Keep of the drawn events those that can happen, each `Undone` naming what can be taken back."""
+    events: list[Event] = [CREATED]
+    for each in drawn:
+        state = fold(stored(events))
+        if isinstance(each, Undone):
+            if state.undo:
+                events.append(Undone(state.undo[-1].number))
+        elif state.finished is None and not (isinstance(each, Skipped) and state.pending is None):
+            events.append(each)
+    return events
+
+
+@given(st.lists(event, max_size=25))
+def test_taking_back_restores_what_was_before(drawn: list[Event]) -> None:
+    events = possible(drawn)
+    state = fold(stored(events))
+    if not state.undo:
+        return
+    number = state.undo[-1].number
+    back = fold(stored([*events, Undone(number)]))
+    before = fold(stored(events[: number - 1]))
+    assert (back.readings, back.skipped, back.pending, back.finished, back.undo) == (
+        before.readings,
+        before.skipped,
+        before.pending,
+        before.finished,
+        before.undo,
+    )
+
+
+@given(st.lists(recorded | asked, max_size=20))
+def test_readings_are_those_recorded(drawn: list[Event]) -> None:
+    state = fold(stored([CREATED, *drawn]))
+    values = [each.reading.value for each in drawn if isinstance(each, Recorded)]
+    assert [reading.value for reading in state.readings] == values
+    assert state.last == len(drawn) + 1
+    last = drawn[-1] if drawn else None
+    assert state.pending == (last if isinstance(last, Asked) else None)
+
+
+@given(event)
+def test_an_event_survives_the_record(each: Event) -> None:
+    assert decode(*encode(each)) == each
+
+
+@given(st.sampled_from(["created", "asked", "recorded", "skipped", "undone", "finished"]), st.text() | st.binary())
+def test_any_text_is_an_event_or_refused(kind: str, text: str | bytes) -> None:
+    with pytest.raises(PayloadError):
+        decode(kind, "{" + str(text))
+
+
+def test_deep_nesting_is_refused() -> None:
+    with pytest.raises(PayloadError):
+        decode("asked", "[" * 100_000)
+
+
+QUESTION = Asked(1, Place("laser", (0.0,), (1,)))
+VALUE = Recorded(Reading("laser", (0.0,), (1,), 1e-6))
+
+
+@pytest.mark.parametrize(
+    "events",
+    [
+        [VALUE],
+        [CREATED, CREATED],
+        [CREATED, Skipped("nobody asked")],
+        [CREATED, Undone(1)],
+        [CREATED, VALUE, Undone(1)],
+        [CREATED, VALUE, Undone(2), Undone(2)],
+        [CREATED, QUESTION, Undone(2)],
+        [CREATED, Finished("done"), VALUE],
+        [CREATED, Finished("done"), QUESTION],
+        [CREATED, Finished("done"), Finished("again")],
+    ],
+)
+def test_an_impossible_order_is_refused(events: list[Event]) -> None:
+    with pytest.raises(EventOrderError):
+        fold(stored(events))
+
+
+def test_a_skipped_question_is_kept_with_its_reason() -> None:
+    state = fold(stored([CREATED, QUESTION, Skipped("the beam is blocked")]))
+    assert [(gap.asked, gap.reason) for gap in state.skipped] == [(QUESTION, "the beam is blocked")]
+    assert state.pending is None
+
+
+def test_taking_back_an_answer_opens_its_question_again() -> None:
+    assert fold(stored([CREATED, QUESTION, VALUE, Undone(3)])).pending == QUESTION
+
+
+def test_nothing_has_happened_at_first() -> None:
+    assert fold([]) == State()
+
+
+PLACE = Place("laser", (0.0,), (1,))
+PLAN = Planned((PLACE, Place("laser", (0.5,), (1,))), "7 rejected")
+
+
+def test_a_plan_survives_the_record_and_one_of_before_has_no_grounds() -> None:
+    assert decode(*encode(PLAN)) == PLAN
+    assert decode("planned", '{"places": []}') == Planned(())
+
+
+@pytest.mark.parametrize(
+    ("events", "renew"),
+    [
+        ([PLAN, QUESTION, VALUE], False),
+        ([PLAN, VALUE], True),
+        ([PLAN, QUESTION, Recorded(Reading("laser", (0.1,), (1,), 1e-6))], True),
+        ([PLAN, QUESTION, Recorded(Reading("laser", (0.0,), (-1,), 1e-6))], True),
+        ([PLAN, QUESTION, Recorded(Reading("ruler", (0.0,), (1,), 1e-6))], True),
+        ([PLAN, QUESTION, Skipped("blocked")], True),
+        ([PLAN, QUESTION, VALUE, Undone(4)], True),
+        ([PLAN, VALUE, PLAN], False),
+    ],
+)
+def test_what_was_not_planned_asks_for_the_plan_to_be_renewed(events: list[Event], renew: bool) -> None:
+    state = fold(stored([CREATED, *events]))
+    assert state.renew == renew
+    assert state.grounds == "7 rejected"

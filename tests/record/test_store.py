@@ -1,0 +1,328 @@
+"""The record: append-only, whole after any kill, and plain about what is wrong with a file."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record import store
+from axiscal.record.events import Created, Finished, Recorded, Undone
+from axiscal.record.migrations import MIGRATIONS
+from axiscal.record.store import Record
+
+CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
+
+
+def recorded(value: float) -> Recorded:
+    return Recorded(Reading("laser", (0.1, 0.2), (1, 0), value))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "trial.axiscal"
+
+
+@pytest.fixture
+def record(path: Path) -> Iterator[Record]:
+    with Record.create(path, CREATED) as opened:
+        yield opened
+
+
+def test_a_new_record_holds_its_inputs_and_nothing_else_lies_beside_it(record: Record) -> None:
+    record.close()
+    with Record.open(record.path) as again:
+        assert again.state().created == CREATED
+    assert [file.name for file in record.path.parent.iterdir()] == ["trial.axiscal"]
+
+
+def test_events_come_back_in_order_to_the_last_bit(record: Record) -> None:
+    values = [1e-6 / 3, -0.0, 5e-324, 1.7976931348623157e308]
+    for value in values:
+        record.append(recorded(value))
+    assert [reading.value.hex() for reading in record.state().readings] == [value.hex() for value in values]
+    assert [stored.number for stored in record.events()] == [1, 2, 3, 4, 5]
+
+
+def test_several_events_are_one_transaction(record: Record) -> None:
+    with pytest.raises(ValueError, match="Out of range"):
+        record.append(recorded(1.0), recorded(float("nan")))
+    assert record.last() == 1
+
+
+@pytest.mark.parametrize("statement", ["UPDATE events SET payload = '{}'", "DELETE FROM events"])
+def test_events_cannot_be_changed_or_deleted(record: Record, statement: str) -> None:
+    other = sqlite3.connect(record.path)
+    with pytest.raises(sqlite3.IntegrityError, match="never"):
+        other.execute(statement)
+    other.close()
+
+
+def test_it_writes_ahead_and_waits_for_the_disk(record: Record) -> None:
+    pragma = record._connection.execute
+    assert pragma("PRAGMA journal_mode").fetchone()[0] == "wal"
+    assert pragma("PRAGMA synchronous").fetchone()[0] == 2
+
+
+def test_a_record_is_never_overwritten(record: Record) -> None:
+    record.append(recorded(1e-6))
+    with pytest.raises(RecordError, match="exists already"):
+        Record.create(record.path, CREATED)
+    assert len(record.state().readings) == 1
+
+
+def test_creation_that_loses_a_race_leaves_the_winner(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "_migrate", lambda connection: path.write_bytes(b"winner"))
+    with pytest.raises(RecordError):
+        Record.create(path, CREATED)
+    assert path.read_bytes() == b"winner"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_an_entry_by_another_process_is_noticed(record: Record) -> None:
+    with Record.open(record.path) as other:
+        other.append(recorded(1e-6))
+    with pytest.raises(RecordError, match=r"Another process has written.*axiscal status"):
+        record.append(recorded(2e-6), after=1)
+    assert [reading.value for reading in record.state().readings] == [1e-6]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "not a campaign record"),
+        (b"S", "not a campaign record"),
+        (b"machine = 'mill'\n", "not a campaign record"),
+        (b"SQLite format 3\0" + b"\0" * 84, "not a campaign record"),
+        (b"SQLite format 3\0" + b"\0" * 52 + b"AXIS" + b"\0" * 28, "damaged"),
+        (b"SQLite format 3\0" + b"\x10" * 52 + b"AXIS" + bytes(range(256)) * 32, "damaged"),
+    ],
+)
+def test_a_file_that_is_no_record_is_refused(path: Path, content: bytes, says: str) -> None:
+    path.write_bytes(content)
+    with pytest.raises(RecordError, match=says):
+        Record.open(path)
+    assert path.read_bytes() == content
+
+
+def test_another_programs_database_is_refused_and_not_touched(path: Path) -> None:
+    foreign = sqlite3.connect(path)
+    foreign.execute("CREATE TABLE events (id INTEGER)")
+    foreign.commit()
+    foreign.close()
+    before = path.read_bytes()
+    with pytest.raises(RecordError, match="not a campaign record"):
+        Record.open(path)
+    assert path.read_bytes() == before
+
+
+def test_a_newer_record_is_refused(record: Record) -> None:
+    record._connection.execute(f"PRAGMA user_version = {len(MIGRATIONS) + 1}")
+    with pytest.raises(RecordError, match="newer axiscal"):
+        Record.open(record.path)
+
+
+def test_a_damaged_page_is_noticed(record: Record) -> None:
+    for _ in range(300):
+        record.append(recorded(1e-6))
+    record.close()
+    content = bytearray(record.path.read_bytes())
+    content[8192:12288] = os.urandom(4096)
+    record.path.write_bytes(content)
+    with pytest.raises(RecordError, match="damaged"), Record.open(record.path) as again:
+        again.state()
+
+
+@pytest.mark.parametrize(
+    ("kind", "payload"),
+    [
+        ("recorded", "{}"),
+        ("recorded", "not json"),
+        ("recorded", '{"setup":"a","position":[0],"approach":[1,1],"value":1,"std":null}'),
+        ("recorded", '{"setup":"a","position":[0],"approach":[2],"value":1,"std":null}'),
+        ("recorded", '{"setup":"a","position":[0],"approach":[1],"value":NaN,"std":null}'),
+        ("recorded", '{"setup":"a","position":[0],"approach":[1],"value":true,"std":null}'),
+        ("invented", "{}"),
+        ("skipped", '{"reason":"no question was open"}'),
+        ("undone", '{"event":77}'),
+        (
+            "created",
+            '{"machine_text":"","campaign_text":"","machine_source":"","campaign_source":"","versions":{}}',
+        ),
+    ],
+)
+def test_an_entry_that_cannot_have_been_written_is_damage(record: Record, kind: str, payload: str) -> None:
+    record._connection.execute("INSERT INTO events (kind, payload, at) VALUES (?, ?, '')", (kind, payload))
+    with pytest.raises(RecordError, match="damaged"):
+        record.state()
+
+
+def test_a_missing_record_and_a_folder_are_told_apart(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match="no such record"):
+        Record.open(tmp_path / "none.axiscal")
+    with pytest.raises(RecordError, match="This is a folder"):
+        Record.open(tmp_path)
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match=r"cannot be written.*[Ff]older"):
+        Record.create(tmp_path / "none" / "r.axiscal", CREATED)
+
+
+def test_a_locked_record_says_so(record: Record, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "PATIENCE", 0.05)
+    blocker = sqlite3.connect(record.path, isolation_level=None)
+    blocker.execute("BEGIN IMMEDIATE")
+    with Record.open(record.path) as other, pytest.raises(RecordError, match="Another program holds this record"):
+        other.append(recorded(1e-6))
+    blocker.close()
+    assert record.append(recorded(1e-6)) == 2
+
+
+AS_NOBODY = """
+import os, sys
+from pathlib import Path
+from axiscal.record.events import Created
+from axiscal.record.store import Record
+from axiscal.exceptions import RecordError
+folder = Path(sys.argv[1])
+if os.geteuid() == 0:
+    os.setgroups([]); os.setgid(65534); os.setuid(65534)
+try:
+    Record.create(folder / "new.axiscal", Created("", "", "", "", {}))
+except RecordError as error:
+    print(error)
+with Record.open(folder / "old.axiscal", write=False) as record:
+    print(record.last(), "events")
+try:
+    Record.open(folder / "old.axiscal")
+except RecordError as error:
+    print(error)
+"""
+
+
+def test_in_a_read_only_folder_one_can_look_but_not_write() -> None:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        Record.create(folder / "old.axiscal", CREATED).close()
+        (folder / "old.axiscal").chmod(0o444)
+        folder.chmod(0o555)
+        run = subprocess.run([sys.executable, "-c", AS_NOBODY, name], capture_output=True, text=True, check=False)
+        folder.chmod(0o755)
+    assert run.returncode == 0, run.stderr
+    first, look, second = run.stdout.splitlines()
+    assert "cannot be written here" in first
+    assert look == "1 events"
+    assert "cannot be written here" in second
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Recorded
+from axiscal.record.store import Record
+start, count = int(sys.argv[2]), int(sys.argv[3])
+with Record.open(Path(sys.argv[1])) as record:
+    for number in range(start, start + count):
+        record.append(Recorded(Reading("laser", (0.0,), (1,), float(number))))
+        print(number, flush=True)
+"""
+
+
+def writer(path: Path, start: int, count: int) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(path), str(start), str(count)], stdout=subprocess.PIPE, text=True
+    )
+
+
+def killed_after(path: Path, start: int, acknowledged: int) -> list[int]:
+    """Start a writer, kill it without warning once it has acknowledged some readings, return all it acknowledged."""
+    process = writer(path, start, 1_000_000)
+    assert process.stdout is not None
+    heard = [int(process.stdout.readline()) for _ in range(acknowledged)]
+    process.send_signal(signal.SIGKILL)
+    rest, _ = process.communicate()
+    return heard + [int(line) for line in rest.splitlines(keepends=True) if line.endswith("\n")]
+
+
+def test_no_acknowledged_reading_is_lost_when_the_writer_is_killed(path: Path) -> None:
+    Record.create(path, CREATED).close()
+    acknowledged: list[int] = []
+    for kill in range(20):
+        acknowledged += killed_after(path, 1_000_000 * kill, 1 + kill % 4)
+    with Record.open(path) as record:
+        kept = [int(reading.value) for reading in record.state().readings]
+    assert set(acknowledged) <= set(kept)
+    assert len(kept) == len(set(kept)) <= len(acknowledged) + 20  # at most one unheard reading per kill
+
+
+def test_two_processes_writing_lose_and_double_nothing(path: Path) -> None:
+    Record.create(path, CREATED).close()
+    writers = [writer(path, start, 150) for start in (0, 1000)]
+    for process in writers:
+        process.communicate()
+        assert process.returncode == 0
+    with Record.open(path) as record:
+        kept = [int(reading.value) for reading in record.state().readings]
+    assert sorted(kept) == [*range(150), *range(1000, 1150)]
+
+
+def test_the_end_can_be_taken_back(record: Record) -> None:
+    record.append(recorded(1e-6), Finished("enough"))
+    assert record.state().finished == "enough"
+    record.append(Undone(3))
+    assert record.state().finished is None
+    assert len(record.state().readings) == 1
+
+
+def test_a_copy_takes_the_place_of_an_earlier_copy(record: Record, tmp_path: Path) -> None:
+    record.copy(tmp_path / "copy.axiscal")
+    record.append(recorded(1e-6), Finished("done"))
+    record.copy(tmp_path / "copy.axiscal")
+    with Record.open(tmp_path / "copy.axiscal", write=False) as copy:
+        assert copy.events() == record.events()
+    assert not list(tmp_path.glob(".*.new"))
+
+
+def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) -> None:
+    other = tmp_path / "other.axiscal"
+    with Record.create(other, Created("name = 'n'", "", "machine.toml", "campaign.toml", {})):
+        pass
+    (tmp_path / "text.axiscal").write_text("no record")
+    for name, why in (("other.axiscal", "Another campaign"), ("text.axiscal", "not a campaign record")):
+        before = (tmp_path / name).read_bytes()
+        with pytest.raises(RecordError, match=why):
+            record.copy(tmp_path / name)
+        assert (tmp_path / name).read_bytes() == before
+
+
+def test_a_copy_that_has_gone_on_by_itself_is_kept(record: Record, tmp_path: Path) -> None:
+    copy = tmp_path / "copy.axiscal"
+    record.copy(copy)
+    with Record.open(copy) as again:
+        again.append(recorded(2e-6))
+    with pytest.raises(RecordError, match="gone on by itself"):
+        record.copy(copy)
+
+
+def test_a_record_is_named_by_text_or_path(record: Record) -> None:
+    with Record.open(str(record.path)) as again:
+        assert again.path == record.path
+
+
+@pytest.mark.parametrize("write", [True, False])
+def test_reading_a_record_leaves_nothing_beside_it(record: Record, write: bool) -> None:
+    record.close()
+    with Record.open(record.path, write=write) as again:
+        again.events()
+    assert [file.name for file in record.path.parent.iterdir()] == ["trial.axiscal"]

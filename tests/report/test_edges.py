@@ -1,0 +1,129 @@
+"""The report page where there is little, too much or too large to show."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from axiscal.error_model.iso230 import words
+from axiscal.exceptions import SummaryError
+from axiscal.report.figures import accuracy
+from axiscal.report.page import render
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
+
+
+def _figures(page: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(page.split('id="figures">')[1].split("</script>")[0])
+    return found
+
+
+def _bare(**changes: Any) -> Summary:
+    first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
+    empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", 0, 0.0, 14.2, 31.0, 0.0, [first])
+    return replace(empty, **changes)
+
+
+def _plain_curve(mean: list[float], std: float) -> CurveSummary:
+    size = len(mean)
+    where = [float(n) for n in range(size)]
+    return CurveSummary("EXX", "X", words("EXX"), where, mean, [std] * size, [std] * size, [std] * size, "mm", "um")
+
+
+def test_a_campaign_without_readings_has_a_page() -> None:
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, 0.0], [9.0, 9.0], [9.0, 9.0], [9.0, 9.0], "mm", "um"
+    )
+    page = render(_bare(curves=[curve]))
+    assert "Before any reading the TCP is known to <strong>±14.2\u00a0µm</strong>" in page
+    assert "hardly touched by the readings" in page
+    assert "truth" not in page[: page.index("<script>")].split("</style>")[1].replace('"truth"', "")
+
+
+def test_an_evaluation_without_history_or_curves_has_a_page() -> None:
+    assert "TCP is known to" in render(_bare(history=[]))
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
+def test_extreme_figures_still_make_a_page(size: float) -> None:
+    scaled = [size, -size, size]
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0, 2.0], scaled, [size] * 3, [size] * 3, [size] * 3, "mm", "um"
+    )
+    constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
+    figures = _figures(render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size)))
+    assert len(figures) == 2
+
+
+def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, float("nan")], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0], "mm", "um"
+    )
+    with pytest.raises(SummaryError, match="mean of EXX is nan"):
+        render(_bare(curves=[curve]))
+
+
+@pytest.mark.parametrize("field", ["mean", "std", "std_seen", "prior_std"])
+def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
+    curve = replace(_plain_curve([0.0, 1.0], 1.0), **{field: [1.0]})  # type: ignore[arg-type]
+    with pytest.raises(SummaryError, match=f"{field} of EXX has 1 values for 2 positions"):
+        render(_bare(curves=[curve]))
+
+
+def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
+    rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, z, 1.0, 1.0, 2.0, 1.0) for n, z in ((1, 0.5), (2, 900.0), (3, -40.0))]
+    figures = _figures(render(_bare(history=rows, readings=3)))
+    usual, unusual, _ = figures[-1]["data"]
+    assert usual["y"] == [0.5]
+    assert list(zip(unusual["y"], unusual["marker"]["symbol"], strict=True)) == [
+        (6.0, "triangle-up"),
+        (-6.0, "triangle-down"),
+    ]
+
+
+def test_targets_are_judged_in_the_verdict() -> None:
+    page = render(_bare(target_rms_um=15.0, target_worst_um=30.0, readings=1, minutes=0.2))
+    assert "After 1 reading in less than a minute" in page
+    assert "(target 15\u00a0µm: reached)" in page
+    assert "(target 30\u00a0µm: not reached)" in page
+
+
+def test_minutes_view_hides_the_traditional_plan_whose_minutes_are_unknown() -> None:
+    rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, 0, 1, 9.0 - n, 9.0, 3.0 * n, traditional_rms_um=9.0) for n in range(3)]
+    accuracy = _figures(render(_bare(history=rows)))[0]
+    minutes = accuracy["views"]["minutes"]
+    assert minutes["x"] == [0.0, 3.0, 6.0]
+    assert [accuracy["data"][index]["name"] for index in minutes["hidden"]] == ["traditional plan"]
+    assert not [label for label in minutes["annotations"] if "traditional" in label["text"]]
+
+
+def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
+    rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0, traditional_rms_um=5.005) for n in range(2)]
+    figure = _figures(render(_bare(history=rows)))[0]
+    low, high = figure["layout"]["yaxis"]["range"]
+    margin = figure["layout"]["margin"]
+    pixels = (figure["layout"]["height"] - margin["t"] - margin["b"]) / (high - low)
+    ends = [label for label in figure["views"]["readings"]["annotations"] if label["x"] == 1]
+    heights = sorted(label["y"] * pixels + label["yshift"] for label in ends)
+    assert len(heights) == 3
+    assert min(b - a for a, b in pairwise(heights)) >= 16
+
+
+def test_one_axis_is_shown_against_the_order_of_the_readings() -> None:
+    rows = [HistoryRow(n, "a", {"X": 10.0 * n}, 1.0, 0.0, 1.0, 1.0, 2.0, 1.0) for n in (1, 2, 3)]
+    place = _figures(render(_bare(history=rows, readings=3)))[1]
+    assert (place["data"][0]["x"], place["data"][0]["y"]) == ([10.0, 20.0, 30.0], [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("unseen", "drawn", "said"), [(0.6, True, "0.6"), (0.4, False, "0.4"), (0.04, False, "nothing")]
+)
+def test_what_cannot_be_seen_is_shown_as_far_as_it_counts(unseen: float, drawn: bool, said: str) -> None:
+    rows = [HistoryRow(n, None, None, None, None, None, rms, 9.0, 0.0) for n, rms in enumerate((50.0, 5.0))]
+    summary = _bare(history=rows, rms_um=5.0, unseen_rms_um=unseen)
+    labels = str(accuracy(summary)["views"]["readings"]["annotations"])
+    assert ("cannot be seen" in labels) is drawn
+    assert f"<dt>cannot be seen</dt><dd>{said}" in render(summary)

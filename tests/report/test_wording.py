@@ -1,0 +1,91 @@
+"""Numbers and sentences as a reader sees them."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.report.sentences import coordinate, curve_note, duration, figure, iso_name, quantity, short
+from axiscal.report.summary import ConstantSummary, CurveSummary
+from axiscal.report.whiskers import scales
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (1.934, "1.93"),
+        (0.82, "0.820"),
+        (14.25, "14.2"),
+        (9.999, "10.0"),
+        (-3.0, "−3.00"),
+        (0.0, "0"),
+        (12345.0, "12\u202f345"),
+        (999999.6, "1.00 × 10⁶"),
+        (0.00099999, "0.00100"),
+        (2.5e-7, "2.50 × 10⁻⁷"),
+        (-1e150, "−1.00 × 10¹⁵⁰"),
+    ],
+)
+def test_figures(value: float, expected: str) -> None:
+    assert figure(value) == expected
+
+
+@given(st.floats(min_value=-1e200, max_value=1e200).filter(lambda v: abs(v) > 1e-200))
+def test_a_figure_says_its_value_to_three_digits(value: float) -> None:
+    digits = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    text = re.sub(r" × 10(.*)", lambda m: f"e{m[1].translate(digits)}", figure(value))
+    assert float(text.replace("−", "-").replace("\u202f", "")) == pytest.approx(value, rel=5.1e-3)
+
+
+def test_units_and_durations() -> None:
+    assert [quantity(2, u) for u in ("um", "arcsec", "deg", "urad")] == [
+        "2.00\u00a0µm",
+        "2.00″",
+        "2.00°",
+        "2.00\u00a0µrad",
+    ]
+    assert [duration(m) for m in (0.3, 1, 41.2, 200)] == ["less than a minute", "1 minute", "41 minutes", "3 h 20 min"]
+    assert [short(v) for v in (2.0, 2.5, 100.0, 1e9)] == ["2", "2.5", "100", "1.00 × 10⁹"]
+    assert [coordinate(v) for v in (120.0, -0.0001, 1.2345)] == ["120", "0", "1.234"]
+    assert [iso_name(n) for n in ("A", "E_up", "R_down", "B_mean")] == ["A", "E↑", "R↓", "B mean"]
+
+
+def _curve(std: float, seen: float, prior: float) -> CurveSummary:
+    return CurveSummary("EXX", "X", "", [0.0, 1.0], [0.0, 0.0], [std] * 2, [seen] * 2, [prior] * 2, "mm", "um")
+
+
+def test_a_curve_says_what_it_owes_to_the_readings() -> None:
+    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, before ±19.6\u00a0µm"
+    assert curve_note(_curve(10.0, 9.9, 10.0)).endswith("; hardly touched by the readings")
+    assert curve_note(_curve(5.0, 3.0, 10.0)).endswith("; ±7.84\u00a0µm of it cannot be seen")
+
+
+def test_whiskers_stand_on_one_symmetric_scale_per_unit() -> None:
+    constants = [
+        ConstantSummary("C0Y", "", 10.0, 1.0, 20.0, "urad"),
+        ConstantSummary("X0C", "", -3.0, 0.5, 5.0, "um", truth=-3.2),
+        ConstantSummary("B0Z", "", 0.0, 1.0, 20.0, "urad"),
+    ]
+    angles, lengths = scales(constants)
+    assert [w.constant.name for w in angles.whiskers] == ["C0Y", "B0Z"]
+    first, second = angles.whiskers
+    assert second.dot == 50
+    reach = 1.05 * 1.96 * 20
+    assert first.dot == pytest.approx(50 + 50 * 10 / reach, abs=1e-3)
+    assert first.now[1] - first.dot == pytest.approx(50 * 1.96 / reach, abs=2e-3)
+    assert (50, "0") in angles.ticks
+    (only,) = lengths.whiskers
+    assert only.truth is not None
+    assert only.truth < only.dot < 50
+
+
+def test_a_small_constant_is_not_crushed_by_a_large_one() -> None:
+    zero, slope, reversal = (
+        ConstantSummary(n, "", 0.0, 0.1, prior, "um") for n, prior in (("z", 100.0), ("s", 30.0), ("r", 3.0))
+    )
+    wide, narrow = scales([reversal, zero, slope])[::-1]
+    assert [w.constant.name for w in wide.whiskers] == ["z", "s"]
+    assert [w.constant.name for w in narrow.whiskers] == ["r"]

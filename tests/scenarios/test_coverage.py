@@ -1,0 +1,78 @@
+"""A sample of `make certify PART=coverage`: the printed 95 % holds the truth of virtual machines 95 times in 100."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.machine import builtin_names
+from tests.certify.coverage import CLAIMED, MACHINES, SLACK, Covered, Trial
+
+SIGMAS = 4.5
+"""False alarms: one in 10⁵ for a single band; the seeds are fixed, so none comes and goes."""
+SAMPLES = {
+    "one-axis": (15, 400),
+    "paper-three-stacked": (15, 400),
+    "printer-gantry": (12, 150),
+    "three-axis-mill": (12, 150),
+    "dmu60": (10, 100),
+}
+"""Readings and virtual machines."""
+
+
+@pytest.fixture(scope="module", params=SAMPLES)
+def trial(request: pytest.FixtureRequest) -> tuple[Trial, list[Covered]]:
+    """Return each built-in machine with its coverage."""
+    readings, machines = SAMPLES[request.param]
+    trial = Trial(request.param, readings)
+    return trial, trial.judged(machines, first=10_000)
+
+
+def beyond(covered: list[Covered]) -> list[str]:
+    """Return the errors whose coverage is further from the claim than chance explains."""
+    return [c.name for c in covered if abs(c.mean - CLAIMED) > SLACK + SIGMAS * c.std]
+
+
+def test_every_band_holds_as_often_as_it_says(trial: tuple[Trial, list[Covered]]) -> None:
+    assert beyond(trial[1]) == []
+
+
+def test_all_bands_together_hold_as_often_as_they_say(trial: tuple[Trial, list[Covered]]) -> None:
+    together = np.mean([covered.shares for covered in trial[1][:-1]], axis=0)
+    assert abs(together.mean() - CLAIMED) < SLACK + SIGMAS * together.std(ddof=1) / np.sqrt(len(together))
+
+
+def test_a_band_that_is_too_narrow_is_noticed() -> None:
+    trial = Trial("one-axis")
+    trial.stds = [(positions, 0.6 * std) for positions, std in trial.stds]
+    assert "EXX" in beyond(trial.judged(400))
+
+
+def test_the_gain_matrix_is_the_estimate_of_a_campaign() -> None:
+    trial = Trial("three-axis-mill", readings=12)
+    machine = trial.drawn(3)
+    values = trial.values(machine, 3)
+    calibration = Calibration(Case(trial.description))
+    for visit, value in zip(trial.visits, values, strict=True):
+        calibration.absorb(replace(visit, value=float(value)))
+    std = np.linalg.norm(calibration.belief.factor, axis=1)
+    assert np.abs((calibration.belief.mean - trial.gain @ values) / std).max() < 1e-8
+
+
+def test_values_are_those_that_a_source_would_give() -> None:
+    """Without noise, reading by reading."""
+    trial = Trial("three-axis-mill", readings=12)
+    machine, quiet = trial.drawn(4), [replace(setup, noise=0.0) for setup in trial.description.setups]
+    trial.description = replace(trial.description, setups=tuple(quiet))
+    by_name = {setup.name: setup for setup in quiet}
+    rng = np.random.default_rng(0)
+    expected = [machine.read(by_name[v.setup], v.pose, v.approach, rng) for v in trial.visits]
+    np.testing.assert_allclose(trial.values(machine, 4), expected, atol=1e-15)
+
+
+def test_every_built_in_machine_takes_part() -> None:
+    assert set(MACHINES) == set(SAMPLES) == set(builtin_names())
