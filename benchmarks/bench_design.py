@@ -21,22 +21,20 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
+from axiscal.estimate.knowledge import Knowledge
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import CASES
 
 
 def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
     """Return the median seconds of a pick, and J after the last."""
-    observation, belief, seconds = problem.observation, problem.belief, []
+    knowledge, seconds = Knowledge(problem.observation, problem.belief), []
     for _ in range(readings):
         start = time.process_time()
-        step = best_step(observation, belief, problem.weight, problem.lattice)
+        step = best_step(knowledge, problem.weight, problem.lattice)
         seconds.append(time.process_time() - start)
-        wider = observation.visited(step.pose, step.setup)
-        belief, observation = belief.extended(observation.rest_variances(wider)), wider
-        seen = observation.rows(step.setup, step.pose[None], step.approach[None])
-        belief = belief.update(seen.rows, 0.0, seen.variances)
-    return statistics.median(seconds), criterion.value(belief, problem.weight)
+        knowledge = knowledge.read([step.reading(knowledge.observation)])
+    return statistics.median(seconds), criterion.value(knowledge.belief, problem.weight)
 
 
 def timed(work: Callable[[], object]) -> float:

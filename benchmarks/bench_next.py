@@ -13,13 +13,12 @@ import time
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import numpy as np
 
 from axiscal.accuracy import criterion
-from axiscal.belief import Belief
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -56,18 +55,15 @@ def picks(
     model = ErrorModel(machine)
     setup = setup_of(machine, direction, noise)
     observation = Observation(model, (setup,))
-    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
+    knowledge = Knowledge.before(observation)
     weight = criterion.volume_root(volume_moments(model, whole_travel(model)))
     lattice = spread(machine, (setup,), 1000)
     times = []
     for _ in range(readings):
         wall, processor = time.perf_counter(), time.process_time()
-        step = best_step(observation, belief, weight, lattice)
+        step = best_step(knowledge, weight, lattice)
         times.append((time.perf_counter() - wall, time.process_time() - processor))
-        wider = observation.visited(step.pose, step.setup)
-        belief = belief.extended(observation.rest_variances(wider))
-        seen = wider.rows(step.setup, step.pose[None], step.approach[None])
-        observation, belief = wider, belief.update(seen.rows, 0.0, seen.variances)
+        knowledge = knowledge.read([step.reading(observation)])
     return times
 
 

@@ -4,9 +4,10 @@
 
 A machine is described (`load_machine`), its errors are splines (`NaturalSpline`, `CyclicSpline`, `Constant`, stacked by
 `ErrorModel`), an instrument sees linear combinations of them (`Setup`, `Observation`), a `Belief` is what is known of
-them, and `best_step` is the reading that would sharpen it most. `Campaign` does all of it and keeps a record;
-`Simulator` makes virtual machines to try it on. Inside everything is metres, radians and seconds. The names below are
-loaded when they are first used; all others are imported from where they live.
+them, `Knowledge` both together, which readings sharpen, and `best_step` is the reading that would sharpen it most.
+`Campaign` does all of it and keeps a record; `Simulator` makes virtual machines to try it on. Inside everything
+is metres, radians and seconds. The names below are loaded when they are first used; all others are imported from where
+they live.
 """
 
 from importlib import import_module
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from axiscal.description.campaign import read_campaign
     from axiscal.design.step.best_step import best_step
     from axiscal.error_model.model import ErrorModel
+    from axiscal.estimate.knowledge import Knowledge
     from axiscal.machine.description import load_machine
     from axiscal.measurement.observation import Observation
     from axiscal.measurement.setup import Setup
@@ -32,6 +34,7 @@ __all__ = [
     "Constant",
     "CyclicSpline",
     "ErrorModel",
+    "Knowledge",
     "NaturalSpline",
     "Observation",
     "Setup",
@@ -47,6 +50,7 @@ _HOMES = {
     "Constant": "numerics.cubic",
     "CyclicSpline": "numerics.cubic",
     "ErrorModel": "error_model.model",
+    "Knowledge": "estimate.knowledge",
     "NaturalSpline": "numerics.cubic",
     "Observation": "measurement.observation",
     "Setup": "measurement.setup",

@@ -119,7 +119,7 @@ class Belief:
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
         return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
 
-    def told(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
+    def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
         """Return what many updates make of the belief, all at once, and what each of them was surprised by.
 
         rows : (m, n); values, noise : (m,); used : (m,) the variances of the updates, infinite for none

@@ -14,6 +14,7 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
 from axiscal.design.step.starts_stacked import adds_up
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.numerics.axis_pairs import Pairs
 from tests.generators.designs import levered, random_poses, read, splines
 
@@ -26,7 +27,7 @@ def test_one_spline_follows_the_published_sequence() -> None:
     belief = asked.belief
     mirrored = None
     for position, value in zip(POSITIONS, VALUES, strict=True):
-        step = best_step(asked.observation, belief, asked.weight, asked.lattice)
+        step = best_step(Knowledge(asked.observation, belief), asked.weight, asked.lattice)
         found = float(step.pose[0])
         if mirrored is None:
             mirrored = abs(found - position) > 0.01
@@ -39,7 +40,7 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
     asked = splines(3, 7, 0.01, 300)
     belief = asked.belief
     for _ in range(20):
-        step = best_step(asked.observation, belief, asked.weight, asked.lattice)
+        step = best_step(Knowledge(asked.observation, belief), asked.weight, asked.lattice)
         before = criterion.value(belief, asked.weight)
         belief = belief.update(step.row, 0.0, step.variance)
         assert before - criterion.value(belief, asked.weight) == pytest.approx(step.gain, rel=1e-9)
@@ -70,7 +71,7 @@ def test_lines_give_the_gain_of_every_pose_on_them(setup: int, axis: int) -> Non
 def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
     generator = np.random.default_rng(seed)
     asked = read(levered(1500), generator, 8)
-    step = best_step(asked.observation, asked.belief, asked.weight, asked.lattice)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.weight, asked.lattice)
     scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
     for setup in (0, 1):
         poses, approaches = random_poses(asked, generator, 20000)
@@ -81,7 +82,7 @@ def test_a_raster_is_kept_and_the_better_side_chosen() -> None:
     asked = levered(1500)
     setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
     observation = replace(asked.observation, setups=setups)
-    step = best_step(observation, asked.belief, asked.weight, asked.lattice)
+    step = best_step(Knowledge(observation, asked.belief), asked.weight, asked.lattice)
     multiples = step.pose / np.array([0.1, 0.05, 0.05])
     np.testing.assert_allclose(multiples, np.round(multiples), atol=1e-9)
     assert set(step.approach) <= {-1.0, 1.0}

@@ -17,6 +17,7 @@ from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
@@ -121,7 +122,7 @@ def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
         pose, approach = random_poses(asked, rng, 1)
         state = state.taken(Point(setup, pose[0], approach[0]))[0]
     belief = type(asked.belief)(np.zeros(len(state.factor)), state.factor @ state.factor.T)
-    step = best_step(state.observation, belief, asked.weight, asked.lattice)
+    step = best_step(Knowledge(state.observation, belief), asked.weight, asked.lattice)
     scorer = Scorer.of(state.observation, belief, asked.weight)
     for setup in (0, 1):
         poses, approaches = random_poses(asked, rng, 20000)

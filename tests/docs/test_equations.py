@@ -18,6 +18,7 @@ from axiscal.belief import Belief
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model import prior
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
@@ -379,7 +380,7 @@ def test_the_best_configuration_of_all_joints() -> None:
     observation = Observation(model, (height((0.6, 0.0, 0.8)),))
     covariance = 1e-10 * random_covariance(model.size, seed=4)
     belief, root = Belief(np.zeros(model.size), covariance), criterion.joint_root(model)
-    chosen = best_step(observation, belief, root, spread(machine(), observation.setups, 500))
+    chosen = best_step(Knowledge(observation, belief), root, spread(machine(), observation.setups, 500))
     low, high = np.array([axis.travel for axis in machine().axes]).T
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
     rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])

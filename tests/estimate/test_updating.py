@@ -15,6 +15,7 @@ from axiscal.belief import Belief, Innovations
 from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
 from axiscal.estimate.history import path
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.estimate.updating import absorbed
 from axiscal.exceptions import ShapeError
 from axiscal.inference.numbers import seen_together, visited_together
@@ -62,25 +63,26 @@ def test_a_map_is_widened_by_all_readings_as_by_each() -> None:
 
 @pytest.mark.parametrize("together", [7, 400])
 def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("axiscal.estimate.updating._TOGETHER", together)
+    monkeypatch.setattr("axiscal.estimate.updating.AT_ONCE", together)
     problem = mixed()
     readings = _turning(problem, 60)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
     weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(60)]
     twin, seen_by_twin = _one_by_one(problem, readings, weights)
     known, surprises = list[Accuracy](), list[Innovations]()
-    for part in absorbed(problem, problem.observation, problem.prior, readings, weights):
-        known += part.accuracies()
+    for case, part in absorbed(problem, Knowledge(problem.observation, problem.prior), readings, weights):
+        known += part.accuracies(case.yardstick)
         surprises += part.innovations
-    assert part.observation.cells == twin.observation.cells
+    after = part.after
+    assert after.observation.cells == twin.observation.cells
     spread = np.sqrt(np.diag(twin.belief.covariance))
-    np.testing.assert_array_less(np.abs(part.belief.mean - twin.belief.mean), 1e-8 * spread)
-    apart = (part.belief.covariance - twin.belief.covariance) / np.outer(spread, spread)
+    np.testing.assert_array_less(np.abs(after.belief.mean - twin.belief.mean), 1e-8 * spread)
+    apart = (after.belief.covariance - twin.belief.covariance) / np.outer(spread, spread)
     assert np.max(np.abs(apart)) < 1e-9
     for mine, theirs in zip(surprises, twin.innovations, strict=True):
         np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)
         np.testing.assert_array_less(np.abs(mine.value - theirs.value), 1e-7 * theirs.std + 1e-9 * abs(theirs.value))
-    assert part.problem.both == twin.problem.both == {"probe", "nest"}
+    assert case.both == twin.problem.both == {"probe", "nest"}
     np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
 
 
@@ -119,7 +121,7 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
     values, noise = rng.standard_normal(count), rng.uniform(0.5, 2.0, count)
     reading = np.sort(rng.integers(0, count, count))
     used = np.where(rng.random(count) < 0.3, np.inf, noise * rng.uniform(1.0, 5.0, count))
-    told, losses = belief.told(rows, values, noise, used, reading)
+    told, losses = belief.update_many(rows, values, noise, used, reading)
     twin = belief
     for each in np.unique(reading):
         mine = reading == each
@@ -141,7 +143,7 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
 
 def test_none_that_counts_leaves_the_belief_as_it_was() -> None:
     belief = Belief([1.0, 2.0], np.diag([4.0, 0.0]))
-    told, losses = belief.told(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
+    told, losses = belief.update_many(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
     np.testing.assert_array_equal(told.mean, belief.mean)
     np.testing.assert_array_equal(told.covariance, belief.covariance)
     np.testing.assert_array_equal(losses, 0.0)
@@ -151,7 +153,7 @@ def test_none_that_counts_leaves_the_belief_as_it_was() -> None:
 def test_readings_that_cannot_be_are_refused() -> None:
     belief = Belief([0.0], [[1.0]])
     with pytest.raises(ShapeError):
-        belief.told(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
+        belief.update_many(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
 
 
 def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:

@@ -18,6 +18,7 @@ from axiscal.design.step.best_step import best_step
 from axiscal.error_model.model import ErrorFunction, ErrorModel
 from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
@@ -160,7 +161,7 @@ def test_no_place_of_a_dense_lattice_gains_more(base: float) -> None:
     model = _slide(rest=1e-6 if base else 0.0)
     asked = problem(model.machine, (stepped(model.machine, 0, base),), 40)
     observation, belief = _read(asked.observation, np.array([0.2, 0.43, 0.5, 0.81]))
-    step = best_step(observation, belief, asked.weight, asked.lattice)
+    step = best_step(Knowledge(observation, belief), asked.weight, asked.lattice)
     low, high = base / 2, 1 - base / 2
     assert low <= step.pose[0] <= high
     dense = np.linspace(low, high, 40001)[:, None]
@@ -175,7 +176,7 @@ def test_a_raster_stays_where_both_feet_stand_within_the_travel() -> None:
     asked = problem(model.machine, (setup,), 40)
     assert asked.lattice.poses.min() == pytest.approx(0.08)
     assert asked.lattice.poses.max() == pytest.approx(0.92)
-    step = best_step(asked.observation, asked.belief, asked.weight, asked.lattice)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.weight, asked.lattice)
     assert step.pose[0] / 0.04 == pytest.approx(round(step.pose[0] / 0.04))
 
 

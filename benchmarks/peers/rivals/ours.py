@@ -12,6 +12,7 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.measurement.place import Places
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import CANDIDATES, Array, Posed
@@ -31,7 +32,7 @@ def picker(posed: Posed) -> Callable[[Array], Array]:
         if len(taken) > known:
             seen = observation.rows(0, taken[known:], np.ones_like(taken[known:]))
             belief, known = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances), len(taken)
-        return best_step(observation, belief, problem.weight, problem.lattice).pose
+        return best_step(Knowledge(observation, belief), problem.weight, problem.lattice).pose
 
     return pick
 

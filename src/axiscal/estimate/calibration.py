@@ -11,8 +11,9 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
 from axiscal.estimate.case import Case
+from axiscal.estimate.knowledge import Block, Knowledge
 from axiscal.estimate.machine_estimate import Estimate
-from axiscal.estimate.updating import Block, absorbed, widened
+from axiscal.estimate.updating import absorbed, widened
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.implausible import Plausibility, nearest_first, objection
 from axiscal.inference.numbers import seen_together
@@ -127,9 +128,9 @@ class Calibration:
     def known_after_each(self) -> list[Accuracy]:
         """Return what is known after each reading that this replay has absorbed since; none disturbs its scales."""
         known = list[Accuracy]()
-        for part in self._parts(len(self._readings)):
-            known += part.accuracies()
-            self._keep(part)
+        for case, part in self._parts(len(self._readings)):
+            known += part.accuracies(case.yardstick)
+            self._keep(case, part)
         return known
 
     def _with(self, readings: Sequence[Reading]) -> Calibration:
@@ -170,18 +171,18 @@ class Calibration:
     def _take_up_to(self, stop: int) -> None:
         """Take readings up to one of them, many of them together."""
         if stop - len(self._innovations) >= _MANY:
-            for part in self._parts(stop):
-                self._keep(part)
+            for case, part in self._parts(stop):
+                self._keep(case, part)
         while (index := len(self._innovations)) < stop:
             self._take(index)
 
-    def _parts(self, stop: int) -> Iterator[Block]:
+    def _parts(self, stop: int) -> Iterator[tuple[Case, Block]]:
         start = len(self._innovations)
         weights = [self._weight(index) for index in range(start, stop)]
-        return absorbed(self._problem, self._observation, self._belief, self._readings[start:stop], weights)
+        return absorbed(self._problem, Knowledge(self._observation, self._belief), self._readings[start:stop], weights)
 
-    def _keep(self, part: Block) -> None:
-        self._problem, self._observation, self._belief = part.problem, part.observation, part.belief
+    def _keep(self, case: Case, part: Block) -> None:
+        self._problem, self._observation, self._belief = case, part.after.observation, part.after.belief
         self._innovations += part.innovations
         self._accuracy = None
 

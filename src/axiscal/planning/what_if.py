@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimate.case import Case
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.estimate.updating import absorbed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -90,8 +91,8 @@ def traditional(case: Case, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
     known, seconds = [case.yardstick.measure(case.prior)], [0.0]
-    for part in absorbed(case, case.observation, case.prior, readings, [1.0] * len(readings)):
-        known += part.accuracies()
+    for seen_by, part in absorbed(case, Knowledge(case.observation, case.prior), readings, [1.0] * len(readings)):
+        known += part.accuracies(seen_by.yardstick)
     for before, reading in zip([None, *readings], readings, strict=False):
         seconds.append(seconds[-1] + case.seconds_of(before, reading))
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)

@@ -17,6 +17,7 @@ from axiscal.design.step.best_step import best_step
 from axiscal.error_model.gauge import unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -188,7 +189,7 @@ def greedy(stack: Stack, weight: Array, count: int) -> GreedyPlan:
     """Return so many readings, each chosen to make tr(VᵀV C) least (B&H eq. 27, 37).  weight : V (w, size)."""
     steps, beliefs = [], [stack.prior]
     for _ in range(count):
-        step = best_step(stack.observation, beliefs[-1], weight, stack.candidates)
+        step = best_step(Knowledge(stack.observation, beliefs[-1]), weight, stack.candidates)
         steps.append(step)
         beliefs.append(beliefs[-1].update(step.row, 0.0, step.variance))
     return GreedyPlan(stack, np.array([s.pose for s in steps]), np.array([s.row for s in steps]), tuple(beliefs))

@@ -13,13 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.belief import Belief
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up, starts
 from axiscal.design.step.starts_with_levers import dense_starts
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.exact_step import gain_forms
 
@@ -58,13 +59,20 @@ class Step:
     variance: float | Array
     row: Array
 
+    def reading(self, observation: Observation, *values: float) -> Reading:
+        """Return the reading that is taken there; how well it makes the machine known does not depend on its values."""
+        setup = observation.setups[self.setup]
+        first, *others = values or (0.0,) * len(directions_of(setup))
+        pose, approach = tuple(map(float, self.pose)), tuple(map(int, self.approach))
+        return Reading(setup.name, pose, approach, first, others=tuple(others))
 
-def best_step(observation: Observation, belief: Belief, weight: Array, lattice: Places) -> Step:
+
+def best_step(knowledge: Knowledge, weight: Array, lattice: Places) -> Step:
     """Return the reading with the largest fall of J = tr(VᵀV C) (B&H eq. 37).
 
     weight : V (w, n) over the leading unknowns; lattice : candidates to start from, at least one per set-up
     """
-    return best_of(Scorer.of(observation, belief, weight), lattice)
+    return best_of(Scorer.of(knowledge.observation, knowledge.belief, weight), lattice)
 
 
 def best_of(scorer: Scorer, lattice: Places) -> Step:

@@ -1,0 +1,86 @@
+"""What is known while a machine is read: the map to readings and the belief over its unknowns, in one object.
+
+    knowledge = Knowledge.before(observation)
+    knowledge = knowledge.read(readings)
+
+A reading opens the rest of each cell that it meets as an unknown of its own, so that reading there again does not
+average the rest away; map and belief grow together, and neither can be forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.belief import Belief, Innovations
+from axiscal.inference.numbers import seen_together, visited_together
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+AT_ONCE = 400
+"""Products of matrices cost the least for some hundreds of readings at a time."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Knowledge:
+    """observation : with columns for the rests of visited cells and for drifts; belief : over all its columns"""
+
+    observation: Observation
+    belief: Belief
+
+    @classmethod
+    def before(cls, observation: Observation) -> Knowledge:
+        """Return what is known before the first reading: the prior."""
+        covariance = observation.prior_covariance()
+        return cls(observation, Belief(np.zeros(len(covariance)), covariance))
+
+    def opened(self, readings: Sequence[Reading]) -> Knowledge:
+        """Return the same with the unknowns of cells and drifts that readings will meet."""
+        wider = visited_together(self.observation, readings)
+        return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
+
+    def read(self, readings: Sequence[Reading]) -> Knowledge:
+        """Return what is known after readings."""
+        known = self
+        for start in range(0, len(readings), AT_ONCE):
+            part = readings[start : start + AT_ONCE]
+            known = block(known, part, np.ones(len(part))).after
+        return known
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Block:
+    """Readings that were taken together.
+
+    before : what was known before them, their unknowns opened; innovations : of each reading
+    losses : (m, size) what each of their numbers took off the covariance, d dᵀ
+    """
+
+    before: Knowledge
+    after: Knowledge
+    innovations: tuple[Innovations, ...]
+    losses: Array
+
+    def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
+        """Return how well the machine was known after each reading."""
+        ends = np.cumsum([each.degrees for each in self.innovations])
+        return yardstick.along(self.before.belief, self.losses, ends)
+
+
+def block(knowledge: Knowledge, readings: Sequence[Reading], weights: Array) -> Block:
+    """Return what readings make of knowledge, all at once.  weights : (m,) how much each counts; 0 is not used"""
+    before = knowledge.opened(readings)
+    seen = seen_together(before.observation, readings)
+    counts = [len(each.values) for each in seen]
+    rows, noise, values = (np.concatenate([each[which] for each in seen]) for which in range(3))
+    with np.errstate(divide="ignore"):
+        used = noise / np.repeat(weights, counts)
+    done = before.belief.update_many(rows, values, noise, used, np.repeat(np.arange(len(seen)), counts))
+    cuts = np.cumsum(counts)[:-1]
+    surprises = (np.split(part, cuts) for part in (done.belief.innovations.value, done.belief.innovations.std))
+    innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
+    return Block(before, Knowledge(before.observation, done.belief), innovations, done.losses)

@@ -1,0 +1,52 @@
+"""Map and belief in one: what repeating a reading can tell, and what it cannot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import axiscal as ac
+from axiscal.accuracy.criterion import volume_root
+from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.measurement.candidates import spread
+from tests.generators.campaigns import drawn, mixed
+
+NOISE, REST = 0.3e-6, 0.3e-6
+"""Of one reading, and of EXX of the built-in machine of one axis: what no spline follows."""
+
+
+def laser() -> ac.Observation:
+    """Return a laser on one axis that is always come to from below."""
+    setup = ac.Setup("laser", "interferometer", (1.0, 0.0, 0.0), (0,), (0.5,), NOISE, (), 600.0, 1.0, 3.0, (0.0,), "+")
+    return ac.Observation(ac.ErrorModel(ac.load_machine("one-axis")), (setup,))
+
+
+@pytest.mark.parametrize("one_by_one", [True, False])
+def test_reading_one_place_400_times_leaves_the_rest(one_by_one: bool) -> None:
+    """The spline there is known as by one reading whose noise is the rest, and a twentieth of the instrument's."""
+    observation = laser()
+    knowledge, errors = ac.Knowledge.before(observation), observation.errors
+    root = volume_root(volume_moments(errors, whole_travel(errors)))
+    step = ac.best_step(knowledge, root, spread(errors.machine, observation.setups, 200))
+    row = errors.rows(step.pose[None], step.approach[None])[0, 0]
+    prior = float(row @ errors.prior_covariance() @ row)
+    if one_by_one:
+        for _ in range(400):
+            knowledge = knowledge.read([step.reading(observation)])
+    else:
+        knowledge = knowledge.read([step.reading(observation)] * 400)
+    std = float(np.linalg.norm(row @ knowledge.belief.factor[: errors.size]))
+    assert std == pytest.approx((1 / prior + 1 / (REST**2 + NOISE**2 / 400)) ** -0.5, rel=1e-6)
+    assert f"{std * 1e6:.3f}" == "0.300"
+
+
+def test_readings_in_two_parts_are_readings_at_once() -> None:
+    """Cells, drifts and three values at once; what was known before stays as it was."""
+    case = mixed()
+    readings, before = drawn(case, 12), ac.Knowledge.before(case.observation)
+    at_once, in_parts = before.read(readings), before.read(readings[:5]).read(readings[5:])
+    assert at_once.observation.cells == in_parts.observation.cells
+    spread = np.sqrt(np.diag(at_once.belief.covariance))
+    np.testing.assert_array_less(np.abs(at_once.belief.mean - in_parts.belief.mean), 1e-8 * spread)
+    assert before.observation is case.observation
+    assert before.read([]).belief.size == case.observation.size
