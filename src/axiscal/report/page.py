@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from jinja2 import Environment
 
-from axiscal.report import figures, gallery, whiskers, wording
+from axiscal.report import figures, gallery, sentences, whiskers
 from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.report.summary import Summary
 
 _FILTERS = {
-    "figure": wording.figure,
-    "short": wording.short,
-    "quantity": wording.quantity,
-    "unit": wording.unit_text,
-    "duration": wording.duration,
-    "count": wording.count,
-    "iso_name": wording.iso_name,
-    "position": wording.position_text,
-    "standardised": wording.standardised,
-    "curve_note": wording.curve_note,
+    "figure": sentences.figure,
+    "short": sentences.short,
+    "quantity": sentences.quantity,
+    "unit": sentences.unit_text,
+    "duration": sentences.duration,
+    "count": sentences.count,
+    "iso_name": sentences.iso_name,
+    "position": sentences.position_text,
+    "standardised": sentences.standardised,
+    "curve_note": sentences.curve_note,
 }
 _GLYPHS = "●■◆▲✚✖▼⬟★⬢"
 
@@ -37,10 +37,10 @@ def render(summary: Summary) -> str:
         "places": figures.places(summary),
         "space": figures.space(summary),
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
-        "unseen": wording.unseen_size(summary),
-        "occasion": wording.occasion(summary),
-        "rms_target": wording.target_text(summary.rms_um, summary.target_rms_um),
-        "worst_target": wording.target_text(summary.worst_um, summary.target_worst_um),
+        "unseen": sentences.unseen_size(summary),
+        "occasion": sentences.occasion(summary),
+        "rms_target": sentences.target_text(summary.rms_um, summary.target_rms_um),
+        "worst_target": sentences.target_text(summary.worst_um, summary.target_worst_um),
         "glyphs": _GLYPHS,
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
         **inlined(),
