@@ -26,7 +26,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import load_machine, machine_from_text
+from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
@@ -84,10 +84,18 @@ LEAVES = {  # the largest share of the error that may be left on this machine
 }  # fmt: skip
 
 
+def counting(name: str, *ways: str) -> Machine:
+    """A built-in machine, its B and C counting in stated ways."""
+    text = load_machine(name).text
+    for axis, way in zip("BC", ways, strict=bool(ways)):
+        text = text.replace(f"[axes.{axis}]", f'[axes.{axis}]\ndirection = "{way}"')
+    return machine_from_text(text)
+
+
 @cache
 def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    model = ErrorModel(machine_from_text(TOOTHED) if name == "small" else load_machine(name))
+    model = ErrorModel(machine_from_text(TOOTHED) if name == "small" else counting(*name.split()))
     draw = np.random.default_rng(seed).standard_normal(model.size)
     mean = np.linalg.cholesky(model.prior_covariance()) @ draw  # unique, where eigenvectors of equal values are not
     curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
@@ -176,8 +184,36 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     assert offered.unknown > 0
 
 
-def test_a_table_s_shape_is_known_without_its_zero() -> None:
-    """A constant that nothing shows makes every value uncertain, and the shape not at all."""
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_machine_zero_stays_where_it_is(controller: str) -> None:
+    """Every axis at 0, or at the end of its travel nearest to it: the mean of both directions moves nothing."""
+    estimate, made = draft(controller)
+    zero = np.clip(0.0, *np.array([axis.travel for axis in estimate.machine.axes]).T)[None]
+    moved = (made.control(zero, np.ones_like(zero)) + made.control(zero, -np.ones_like(zero))) / 2
+    far = made.control(zero + np.array([0.3, 0.3, -0.2]), np.ones_like(zero))
+    assert np.max(np.abs(moved)) < (0.6e-6 if controller == "fanuc" else 2e-8)
+    assert np.max(np.abs(far)) > 2e-6
+
+
+def test_the_note_says_first_what_moves_where() -> None:
+    """A machine that is 24, 23 and 1.5 um off everywhere and 10 more on the way to the middle of X."""
+    estimate, _ = known("small")
+    names, mean = estimate.model.names, np.zeros(estimate.model.size)
+    for name, constant in (("EXX", 24e-6), ("EYY", 23e-6), ("EZZ", 1.5e-6)):
+        mean[names[name].columns] = constant
+    knots = names["EXX"].basis.knots
+    mean[names["EXX"].columns] += 1e-5 * knots / 0.2
+    known_mean = Estimate(estimate.model, Belief(mean, 1e-20 * np.eye(len(mean))), estimate.box)
+    for controller in ("linuxcnc", "csv", "sinumerik", "isg"):
+        first = export(known_mean, controller, ExportOptions()).readme.splitlines()[1]
+        assert first.startswith("ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading.")
+        assert "X 0 mm Y 0 mm Z 0 mm by x +0.0, y +0.0, z +0.0 um" in first
+        # X carries the workpiece and its errors are those of the carriage: the tool is off by minus that, and goes back
+        assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.0, z +0.0 um" in first
+
+
+def test_a_constant_that_nothing_shows_is_not_in_a_table() -> None:
+    """It makes no value of a table uncertain that counts from machine zero, and the shape not at all."""
     model = known("small")[0].model
     prior, ones = model.prior_covariance(), np.zeros(model.size)
     ones[model.names["EXX"].columns] = 1.0
@@ -185,8 +221,8 @@ def test_a_table_s_shape_is_known_without_its_zero() -> None:
         Estimate(model, Belief(np.ones(model.size), c), whole_travel(model))
         for c in (prior, prior + 1e-6 * np.outer(ones, ones))
     ]
-    before, after = (axis_tables(e, anchored=False)[0] for e in estimates)
-    assert np.min(after.std) > 0.9e-3
+    before, after = (axis_tables(e)[0] for e in estimates)
+    assert after.std == pytest.approx(before.std, rel=1e-6, abs=1e-12)
     assert after.shape_std == pytest.approx(before.shape_std, rel=1e-6)
     assert 0 < before.shape_std <= np.max(before.std)
 
@@ -385,15 +421,16 @@ def test_hal_refuses_what_it_does_not_know() -> None:
         Hal.load("loadrt sum2 names=a\naddf nothing servo-thread\n")
 
 
-def test_pivots_take_away_where_rotors_lie() -> None:
+@pytest.mark.parametrize(("way", "sign"), [("iso", -1), ("reversed", 1)])
+def test_pivots_take_away_where_rotors_lie(way: str, sign: int) -> None:
     """Our model of the kinematics is the nominal chain, and its settings hold four location errors whole."""
-    estimate = known("dmu60")[0]
+    estimate = known(f"dmu60 {way} {way}")[0]
     machine, model = estimate.machine, estimate.model
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(3).uniform(size=(60, 5))
     nominal = pivots.pivots(machine, {})
     tip = poses[:, [machine.index(name) for name in "XYZ"]] - np.array([0, 0, machine.tool])
-    angles = -poses[:, machine.index("B")], -poses[:, machine.index("C")]
+    angles = sign * poses[:, machine.index("B")], sign * poses[:, machine.index("C")]
     assert pivots.place_at(nominal, tip, *angles) == pytest.approx(frames(machine, poses).tcp, abs=1e-12)
     only = np.zeros(model.size)
     errors = {name: 1e-5 * (1 + i) for i, name in enumerate(pivots.names(machine))}
@@ -405,12 +442,35 @@ def test_pivots_take_away_where_rotors_lie() -> None:
 
 
 def test_pivots_make_five_axes_better_than_tables_alone() -> None:
-    estimate, truth = known("dmu60")
+    estimate, truth = known("dmu60 reversed reversed")
     plain, turned = (_maker("linuxcnc")(estimate, ExportOptions(pivots=choice)) for choice in (False, True))
     assert set(turned.files) == {*plain.files, "axiscal-pivots.hal"}
     assert on_the_truth(estimate, truth, turned).after < 0.95 * on_the_truth(estimate, truth, plain).after
     with pytest.raises(TableError, match="has no table C on a swivel"):
         _maker("linuxcnc")(known("small")[0], ExportOptions(pivots=True))
+
+
+def test_pivots_are_refused_where_nobody_says_which_way_axes_count() -> None:
+    for ways, message in (("", "does not say which way C and B count"), (" iso reversed", "count in different ways")):
+        with pytest.raises(TableError, match=message):
+            _maker("linuxcnc")(known(f"dmu60{ways}")[0], ExportOptions(pivots=True))
+    text = counting("dmu60", "iso", "iso").text.replace("[axes.X]", '[axes.X]\ndirection = "reversed"')
+    linear = machine_from_text(text)
+    with pytest.raises(TableError, match="X counts against ISO 841"):
+        pivots.pivots(linear, {})
+
+
+def test_a_control_that_can_count_as_iso_841_is_told_to() -> None:
+    for way, told in (("iso", True), ("reversed", False)):
+        text = pivots.write(pivots.pivots(counting("dmu60", way, way), {}), "mm")
+        assert ("setp xyzbc-trt-kins.conventional-directions 1\n" in text) is told
+        assert pivots.read(text, "mm").conventional is told
+
+
+def test_the_note_asks_which_way_rotary_axes_count_until_it_is_said() -> None:
+    for ways, asked in (("", True), (" iso reversed", False)):
+        lines = export(known(f"dmu60{ways}")[0], "csv", ExportOptions()).readme.splitlines()
+        assert lines[2].startswith("WHICH WAY DO C and B COUNT?") is asked
 
 
 def test_a_kinematics_without_all_its_settings_is_refused() -> None:

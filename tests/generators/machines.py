@@ -16,7 +16,7 @@ from scipy.linalg import expm
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import Axis, Counting
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.names import COMPONENTS
 from axiscal.numerics import Array
@@ -30,19 +30,25 @@ def random_machine(seed: int, count: int | None = None, smooth: bool = False) ->
     rng = np.random.default_rng(seed)
     names = [str(letter) for letter in rng.permutation(list(LETTERS))[: count or rng.integers(1, 6)]]
     bed = int(rng.integers(0, len(names) + 1))
-    axes = tuple(_axis(name, place < bed, rng) for place, name in enumerate(names))
+    axes = tuple(_axis(name, place < bed, _counting(name, seed), rng) for place, name in enumerate(names))
     entries = tuple(entry for axis in axes for entry in every_error(axis, rng, smooth))
     words = ["w", *(f"{n}'" for n in names[:bed]), "b", *names[bed:], "t"]
     return Machine(f"random {seed}", axes, float(rng.uniform(0, 0.3)), entries, "-".join(words), "")
 
 
-def _axis(name: str, workpiece_side: bool, rng: np.random.Generator) -> Axis:
+def _counting(name: str, seed: int) -> Counting | None:
+    """One axis in three counts against ISO 841."""
+    return "reversed" if (LETTERS.index(name) + seed) % 3 == 0 else None
+
+
+def _axis(name: str, workpiece_side: bool, counting: Counting | None, rng: np.random.Generator) -> Axis:
     if name not in "ABC":
         start = rng.uniform(-0.5, 0.1)
-        return Axis.named(name, workpiece_side, (start, start + rng.uniform(0.2, 0.8)))
+        return Axis.named(name, workpiece_side, (start, start + rng.uniform(0.2, 0.8)), counting=counting)
     start, length = rng.uniform(-np.pi, 0), rng.choice([0.7, 2.5, 2 * np.pi])
     origin = tuple(map(float, rng.uniform(-0.3, 0.3, 3)))
-    return Axis.named(name, workpiece_side, (start, start + float(length)), origin=(origin[0], origin[1], origin[2]))
+    place = (origin[0], origin[1], origin[2])
+    return Axis.named(name, workpiece_side, (start, start + float(length)), origin=place, counting=counting)
 
 
 def every_error(axis: Axis, rng: np.random.Generator, smooth: bool = False) -> list[ErrorEntry]:
@@ -84,7 +90,8 @@ def twin_tool(machine: Machine, pose: Array, errors: Matrix) -> Matrix:
 def _carriage(axis: Axis, motion: float, error: Matrix) -> Matrix:
     """Where a carriage is that has moved by so much: its own frame, then what is mounted on it."""
     strayed = _shift(error[:3]) @ _turn(error[3:6])
-    along, origin = np.array(axis.direction), np.array(axis.origin)
+    way = -1.0 if axis.counting == "reversed" else 1.0
+    along, origin = way * np.eye(3)[LETTERS.index(axis.name[0]) % 3], np.array(axis.origin)
     if axis.rotary:
         turned: Matrix = _shift(origin) @ strayed @ _turn(along * motion) @ _shift(-origin)
         return turned

@@ -56,6 +56,21 @@ def test_axes_are_in_the_order_of_the_chain_in_si_units() -> None:
     assert machine.axis("C") is c
 
 
+def test_an_axis_that_counts_against_iso_841_moves_the_tool_the_other_way() -> None:
+    plain = machine_from_text(TEXT)
+    stated = machine_from_text(TEXT.replace("[axes.C]", '[axes.C]\ndirection = "reversed"'))
+    iso = machine_from_text(TEXT.replace("[axes.C]", '[axes.C]\ndirection = "iso"'))
+    assert [m.axis("C").counting for m in (plain, stated, iso)] == [None, "reversed", "iso"]
+    assert [m.axis("C").direction for m in (plain, stated, iso)] == [(0, 0, 1), (0, 0, -1), (0, 0, 1)]
+    assert stated.axis("C").travel == plain.axis("C").travel
+    assert stated.axis("X") == plain.axis("X")
+
+
+def test_machine_zero_is_within_the_travel() -> None:
+    machine = machine_from_text(TEXT.replace('["0 deg", "360 deg"]', '["10 deg", "370 deg"]'))
+    assert machine.zero == pytest.approx((0.0, 0.0, math.radians(10)))
+
+
 def test_priors_are_read_in_si_units() -> None:
     errors = {entry.name: entry for entry in machine_from_text(TEXT).errors}
     assert list(errors) == [

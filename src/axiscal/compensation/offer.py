@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.compensation.effect import Control, Effect, effect_of_control, tour
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.foreword import foreword
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -82,7 +83,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
     unknown = unknown_rms(estimate, poses, approaches)
-    readme = _readme(controller, draft, effect, unknown)
+    readme = _readme(controller, draft, effect, unknown, foreword(estimate, draft.control))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
 
 
@@ -132,9 +133,10 @@ def _poses(estimate: Estimate) -> Array:
     return spread
 
 
-def _readme(controller: str, draft: Draft, effect: Effect, unknown: float) -> str:
+def _readme(controller: str, draft: Draft, effect: Effect, unknown: float, first: Sequence[str]) -> str:
     lines = [
         f"Compensation for {controller}, made by axiscal.",
+        *first,
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
         f"They {effect_sentence(effect, unknown)}",
@@ -145,7 +147,7 @@ def _readme(controller: str, draft: Draft, effect: Effect, unknown: float) -> st
         "",
         *(_said(table) for table in draft.tables),
     ]
-    return "\n".join(line for i, line in enumerate(lines) if line or i > 4) + "\n"
+    return "\n".join(line for i, line in enumerate(lines) if line or i > 4 + len(first)) + "\n"
 
 
 def _table_notes(table: CompensationTable) -> list[str]:

@@ -39,19 +39,16 @@ def axis_tables(
     spacing: float | None = None,
     most: int = _MOST_POINTS,
     multiples: Multiples = (None, None),
-    *,
-    anchored: bool = True,
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis along which the belief knows a deviation of its own position.
 
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
-    anchored : zero where the axis is at zero, as controls ask for that count from a reference point
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
     model = estimate.model
     axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if _has_errors(model, k)]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
-    tables = (own_table(estimate, k, positions, anchored=anchored) for k, positions in grids)
+    tables = (own_table(estimate, k, positions) for k, positions in grids)
     return tuple(table for table in tables if _says_something(table))
 
 
@@ -71,14 +68,14 @@ def cross_tables(
     return tuple(table for table in tables if _says_something(table))
 
 
-def own_table(estimate: Estimate, axis: int, positions: Array, *, anchored: bool = True) -> CompensationTable:
+def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTable:
     """Return the table of an axis over its own position.  positions : (n,) m or rad, increasing."""
     hats = _hats(estimate, axis, positions)
     if estimate.machine.axes[axis].rotary:
         rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
     else:
         rows = _along(estimate, [axis], axis, hats)[0]
-    return _fitted(estimate, axis, axis, hats, rows, anchored)
+    return _fitted(estimate, axis, axis, hats, rows)
 
 
 def points(
@@ -128,7 +125,7 @@ def _has_errors(model: ErrorModel, axis: int) -> bool:
 def _tables(estimate: Estimate, moved: Sequence[int], over: int, positions: Array) -> list[CompensationTable]:
     hats = _hats(estimate, over, positions)
     rows = _along(estimate, moved, over, hats)
-    return [_fitted(estimate, axis, over, hats, own, True) for axis, own in zip(moved, rows, strict=True)]
+    return [_fitted(estimate, axis, over, hats, own) for axis, own in zip(moved, rows, strict=True)]
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> Array:
@@ -143,10 +140,10 @@ def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
     return Hats.on(positions, np.concatenate(knots) if knots else positions, estimate.box[over], closed)
 
 
-def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, anchored: bool) -> CompensationTable:
+def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table nearest to curves given as rows (2, nodes, size), forward and reverse."""
     free = hats.best() @ curves
-    anchor = _anchor(estimate, axis, over, hats, curves, free) if anchored else np.zeros(free.shape[-1])
+    anchor = _anchor(estimate, axis, over, hats, curves, free)
     rows, curves = free - anchor, curves - anchor
     forward, reverse = (_closed(hats, side @ estimate.mean) for side in rows)
     departure = max(
@@ -181,8 +178,9 @@ def _closed(hats: Hats, values: Array) -> Array:
 def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, rows: Array) -> Array:
     """Return the row (size,) of the constant that is taken off.
 
-    Without rotary axes a constant is a matter of the workpiece's zero, and the table is zero where the axis is. With
-    them the place of the rotor matters: the constant stays in the table of the axis itself, once.
+    Without rotary axes a constant is a matter of the workpiece's zero, and every table is zero where the axis is: all
+    of them together then add nothing at machine zero. With rotary axes the place of the rotor matters: the constant
+    stays in the table of the axis itself, once, and the others have mean zero.
     """
     if not any(a.rotary for a in estimate.machine.axes):
         zero = np.clip(0.0, *hats.points[[0, -1]])

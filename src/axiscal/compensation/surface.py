@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def plane_axes(machine: Machine) -> tuple[int, int, int]:
 def mesh_of(estimate: Estimate, count: int) -> Mesh:
     """Return the mesh of count x count points that is nearest to minus the mean deviation along z, over the volume.
 
-    Heights are zero in the mean: where the bed is, is a matter of homing.
+    The height is zero at the machine's zero, x and y at 0 or at the end of travel nearest to it.
     """
     x, y, z = plane_axes(estimate.machine)
     sides = [_hats(estimate, axis, count) for axis in (x, y)]
@@ -59,7 +59,8 @@ def mesh_of(estimate: Estimate, count: int) -> Mesh:
     for height, weight in zip(*_heights(estimate.box[z]), strict=True):
         deviation += weight * _deviation(estimate, (x, y, z), sides, height)
     found = sides[1].best() @ deviation @ sides[0].best().T
-    return Mesh(sides[0].points, sides[1].points, -(found - found.mean()))
+    free = Mesh(sides[0].points, sides[1].points, -found)
+    return replace(free, added=free.added - free.at(np.zeros(1), np.zeros(1)))
 
 
 def mesh_control(machine: Machine, mesh: Mesh) -> Control:

@@ -42,6 +42,24 @@ def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, SampledE
     return found
 
 
+def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, SampledError]:
+    """Return the errors with constants taken off so that the tool stays where it is at machine zero.
+
+    With rotary axes the place of the rotor matters and nothing is taken off. A constant goes into a displacement along
+    its direction, the positioning of an axis first; where the machine has none it stays.
+    """
+    result = dict(found)
+    if any(axis.rotary for axis in model.machine.axes):
+        return result
+    at_zero = _deviation(model, found, np.array([model.machine.zero]))[0]
+    for direction, constant in enumerate(at_zero):
+        own = [f for f in model.functions if f.kind == "motion" and f.component == direction and f.name in found]
+        for function in sorted(own, key=lambda f: f.name != model.machine.axes[f.axis].positioning_error)[:1]:
+            sign, curve = model.machine.axes[function.axis].sign, found[function.name]
+            result[function.name] = SampledError(curve.positions, curve.values - sign * constant)
+    return result
+
+
 def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control:
     """Return the control that takes the TCP deviation of these errors away with its linear axes.
 
@@ -50,12 +68,9 @@ def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control
     linear = [k for k, axis in enumerate(model.machine.axes) if not axis.rotary]
     if len(linear) != 3:
         raise TableError(f"the machine has {len(linear)} linear axes", "volumetric compensation needs three")
-    chosen = [i for i, function in enumerate(model.functions) if function.name in found]
 
     def control(poses: Array, approaches: Array) -> Array:
-        levers = model.levers(poses)[chosen]
-        values = np.stack([_value(model, i, found, poses) for i in chosen])
-        deviation = np.einsum("fmc,fm->mc", levers, values)
+        deviation = _deviation(model, found, poses)
         rotations = frames(model.machine, poses).rotations
         moves = np.stack([rotations[k] @ np.array(model.machine.axes[k].direction) for k in linear], axis=2)
         added = np.zeros_like(poses)
@@ -63,6 +78,14 @@ def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control
         return added
 
     return control
+
+
+def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Array) -> Array:
+    """Return what the errors do to the TCP, (m, 3), m."""
+    chosen = [i for i, function in enumerate(model.functions) if function.name in found]
+    values = np.stack([_value(model, i, found, poses) for i in chosen])
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(poses)[chosen], values)
+    return deviation
 
 
 def _value(model: ErrorModel, index: int, found: Mapping[str, SampledError], poses: Array) -> Array:

@@ -12,8 +12,6 @@ from axiscal.units import format_quantity
 
 LINEAR_LETTERS = "XYZUVWPQR"
 ROTARY_LETTERS = "ABC"
-_UNIT_VECTORS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 LINEAR_SPEED = 10.0 / 60.0
 """Traverse of a linear axis where the description names none: 10 m/min, in m/s."""
 LINEAR_ACCELERATION = 1.0
@@ -28,10 +26,20 @@ OVERRUN_SHARE = 0.01
 """Where the description names no overrun: 1 mm or 1 deg, but no more than a hundredth of the travel."""
 
 
+Counting = Literal["iso", "reversed"]
+"""Which way an axis counts: a positive coordinate moves the tool positively relative to the workpiece, or not."""
+COUNTINGS: tuple[Counting, ...] = ("iso", "reversed")
+
+
 def letter_direction(letter: str) -> int:
     """Return 0, 1 or 2: the machine direction x, y, z that an axis letter moves along or turns about (ISO 841)."""
     letters = ROTARY_LETTERS if letter in ROTARY_LETTERS else LINEAR_LETTERS
     return letters.index(letter) % 3
+
+
+def _unit_vector(letter: str, way: float) -> tuple[float, float, float]:
+    x, y, z = (way if place == letter_direction(letter) else 0.0 for place in range(3))
+    return (x, y, z)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +47,13 @@ class Axis:
     """An axis as the maker built it.
 
     name : "X", "U2", "C"; letter : its kind, the name without the digit
-    direction : unit vector in the machine frame, along the travel or the axis line
+    direction : unit vector in the machine frame, along the travel or the axis line, where the coordinate increases
     workpiece_side : primed in the chain, it carries the workpiece
     travel : (lowest, highest) coordinate, m or rad; speed m/s or rad/s; acceleration m/s² or rad/s²
     origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
     stated_overrun : m or rad, None for the usual one
     stated_turns : whole turns below and above its travel of one turn that the control allows, None where nobody said
+    counting : as stated, None for ISO 841 without a word about it
     """
 
     name: str
@@ -58,6 +67,7 @@ class Axis:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stated_overrun: float | None = None
     stated_turns: tuple[int, int] | None = None
+    counting: Counting | None = None
 
     @classmethod
     def named(
@@ -70,6 +80,7 @@ class Axis:
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
         overrun: float | None = None,
         turns: tuple[int, int] | None = None,
+        counting: Counting | None = None,
     ) -> Axis:
         """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
 
@@ -83,13 +94,19 @@ class Axis:
         rotary = letter in ROTARY_LETTERS
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
-        direction = _UNIT_VECTORS[letter_direction(letter)]
-        return cls(name, letter, rotary, direction, workpiece_side, travel, speed, acceleration, origin, overrun, turns)
+        direction = _unit_vector(letter, -1.0 if counting == "reversed" else 1.0)
+        kind = (name, letter, rotary, direction, workpiece_side)
+        return cls(*kind, travel, speed, acceleration, origin, overrun, turns, counting)
 
     @property
     def sign(self) -> int:
         """+1 on the tool side, −1 on the workpiece side: s_k of the error model (conventions, Errors)."""
         return -1 if self.workpiece_side else 1
+
+    @property
+    def reversed(self) -> bool:
+        """Whether it counts against ISO 841."""
+        return self.counting == "reversed"
 
     @property
     def positioning_error(self) -> str:

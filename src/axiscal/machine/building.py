@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from axiscal.document import Document, nearest, read_model, shown
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import COUNTINGS, Axis, Counting
 from axiscal.machine.chain import Link, parse_chain
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.errors_table import error_entries
@@ -93,7 +93,19 @@ def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
         most = LARGEST_OVERRUN * (travel[1] - travel[0])
         overrun = within(document, (*keys, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
     turns = _turns(document, axis, table, travel)
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns)
+    counting = _counting(document, keys, table.direction)
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns, counting)
+
+
+def _counting(document: Document, keys: Keys, text: str | None) -> Counting | None:
+    """Return which way an axis counts, None where it is not said."""
+    for counting in COUNTINGS:
+        if text == counting:
+            return counting
+    if text is None:
+        return None
+    remedy = 'Write "iso" (ISO 841: counting up moves the tool positively relative to the workpiece) or "reversed"'
+    raise document.fault(DescriptionError(f"{shown(text)} is not a direction", remedy), *keys, "direction")
 
 
 def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:

@@ -40,6 +40,11 @@ class Machine:
             raise DescriptionError(f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}", hint)
         return names.index(axis_name)
 
+    @property
+    def zero(self) -> tuple[float, ...]:
+        """The pose called machine zero: every axis at 0, or at the end of its travel nearest to it, m or rad."""
+        return tuple(min(max(0.0, axis.travel[0]), axis.travel[1]) for axis in self.axes)
+
     def axis(self, name: str) -> Axis:
         """Return the axis of that name; raises DescriptionError when there is none."""
         return self.axes[self.index(name)]

@@ -28,6 +28,7 @@ class AxisTable(_Table):
         None, examples=['["0 mm", "0 mm", "-150 mm"]']
     )
     limits: tuple[QuantityText, QuantityText] | None = Field(None, examples=['["-720 deg", "1080 deg"]'])
+    direction: StrictStr | None = Field(None, examples=['"reversed"', '"iso"'])
 
 
 class ErrorTable(_Table):

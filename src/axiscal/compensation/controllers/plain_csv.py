@@ -74,15 +74,15 @@ def offer(table: CompensationTable) -> TableFile:
         raise TableError(what, "set the points further apart, or check the units of the readings")
     notes = (
         "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it.",
-        f"The column std_{table.fine_unit} is the standard deviation of the value as it stands: over the axis' own "
-        "position with what is not known of its zero. The shape of the curve is known better, as said below.",
+        f"The column std_{table.fine_unit} is the standard deviation of the value as it stands, counted from where the "
+        "table is zero. The shape of the curve is known better, as said below.",
     )
     return TableFile(f"{_stem(table)}.csv", text, notes, resolution, residual)
 
 
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return one file for each axis, and for each axis over another; raises TableError."""
-    own = axis_tables(estimate, options.spacing, _MOST, anchored=False)
+    own = axis_tables(estimate, options.spacing, _MOST)
     tables = (*own, *cross_tables(estimate, options.spacing, _MOST))
     offers = [offer(table) for table in tables]
     held = table_control(estimate.machine, [parse(file.text, file.name) for file in offers])

@@ -27,7 +27,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables, points
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
-from axiscal.compensation.volumetric import SampledError, curves, tip_control
+from axiscal.compensation.volumetric import SampledError, anchored, curves, tip_control
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
@@ -66,7 +66,7 @@ def _draft(
     _refuse_names(found)
     if not found:
         raise TableError("there is no deviation that these files could hold", "take readings first")
-    found |= nominal(machine)
+    found = anchored(estimate.model, found) | nominal(machine)
     text, halves = write(found, machine), apart(estimate, options)
     lists = leadscrew_files(machine, halves, options)
     back = [one for text in lists.values() for one in leadscrew.read(text, machine)]

@@ -46,7 +46,7 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     joints = options.numbered(machine, first=0)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
-    own = tuple(over_turns(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS, anchored=False))
+    own = tuple(over_turns(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
     over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
