@@ -134,7 +134,7 @@ def test_a_zero_that_was_not_probed_is_no_reading(tmp_path: Path) -> None:
     found = read_any(_file(tmp_path, MAP))
     assert [(r.position["X"], r.position["Y"], r.value) for r in found] == [
         pytest.approx(node)
-        for node in ((0.04, 0.02, -41e-6), (0.07, 0.02, 0.0), (0.01, 0.05, 2e-5), (0.04, 0.05, 3e-5))
+        for node in ((0.04, 0.02, 41e-6), (0.07, 0.02, 0.0), (0.01, 0.05, -2e-5), (0.04, 0.05, -3e-5))
     ]
 
 
@@ -147,7 +147,7 @@ def test_a_klipper_mesh_has_all_its_nodes(tmp_path: Path) -> None:
     found = read_any(_file(tmp_path, MESH))
     assert len(found) == 6
     assert (found[4].position["X"], found[4].position["Y"]) == pytest.approx((0.04, 0.05))
-    assert found[4].value == pytest.approx(112.5e-6)
+    assert found[4].value == pytest.approx(-112.5e-6)  # where the bed is high the tool is too low over it
 
 
 @pytest.mark.parametrize(
@@ -180,7 +180,7 @@ def test_maps_and_exchange_files_find_their_set_up(tmp_path: Path) -> None:
     campaign = _campaign('direction = "-z"', 'direction = "x"')
     nodes = placed_readings(read_any(_file(tmp_path, MAP)), campaign, "map")
     assert {reading.setup for reading in nodes} == {"0"}
-    assert nodes[0].value == pytest.approx(41e-6)
+    assert nodes[0].value == pytest.approx(-41e-6)  # the bed is low, the tool too high over it
     one_axis = _campaign('direction = "z"', 'direction = "x"\nmoves = ["X"]')
     up, down = placed_readings(read_any(_file(tmp_path, OWN)), one_axis, "own")
     assert (up.setup, up.approach) == ("1", (1, 0))

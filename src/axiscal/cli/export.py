@@ -33,7 +33,9 @@ def export(
     ] = None,
     unit: Annotated[str, typer.Option(metavar="mm|in", help="Unit of the machine.")] = "mm",
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
-    mesh: Annotated[int, typer.Option(metavar="N", help="Points of a height map along each side.")] = 5,
+    mesh: Annotated[
+        int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
+    ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
@@ -83,7 +85,7 @@ def _options(
     unit: str,
     template: Path | None,
     name: str,
-    mesh: int,
+    mesh: int | None,
     flip: bool,
     pivots: bool,
     points: int | None,

@@ -24,7 +24,8 @@ class ExportOptions:
     spacing : distance of the points of linear axes, m; unit : of the machine, mm or in
     numbers : of the joint or machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
-    name : of a mesh or profile; mesh : points of a height map along each side
+    name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
+    curves have where nobody says
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     points : the most of a table, where the control's memory is set by its owner; encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, as a check at one point has shown
@@ -37,7 +38,7 @@ class ExportOptions:
     template: str | None = None
     template_name: str = "the template"
     name: str = "axiscal"
-    mesh: int = 5
+    mesh: int | None = None
     flip: bool = False
     pivots: bool = False
     points: int | None = None
@@ -55,7 +56,7 @@ class ExportOptions:
             )
         if self.unit not in ("mm", "in"):
             raise TableError(f"{shown(self.unit)} is not the unit of a machine", "It can be mm or in")
-        if not 2 <= self.mesh <= _LARGEST_MESH:
+        if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
             raise TableError(f"a mesh of {self.mesh} points a side", f"Take 2 to {_LARGEST_MESH}")
         if self.encoder not in (1, 2):
             raise TableError(f"measuring system {self.encoder}", "An axis has measuring systems 1 and 2")

@@ -29,7 +29,7 @@ class Draft:
     wanted : what they are meant to do; resolution : per axis by which both may differ, m or rad
     tables : what the files hold, for the figures; holds : what this controller can hold, in a sentence
     left_out : what it cannot; notes : how to load the files; tried : whether a real control of this kind has been seen
-    to take them
+    to take them; about : the estimate they were made of, where it is not the one that was given
     """
 
     files: Mapping[str, str]
@@ -41,6 +41,7 @@ class Draft:
     left_out: str
     notes: tuple[str, ...]
     tried: bool
+    about: Estimate | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -71,7 +72,8 @@ Maker = Callable[[Estimate, ExportOptions], Draft]
 def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     """Return the files with what they do; raises TableError when they would not do it."""
     if not draft.files:
-        raise TableError("there is no deviation that these files could hold", "take readings first")
+        raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
+    estimate = draft.about or estimate
     poses, approaches = tour(_poses(estimate), estimate.box)
     _refuse_differences(estimate, draft, poses, approaches)
     effect, meant = (
@@ -85,6 +87,17 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     unknown = unknown_rms(estimate, poses, approaches)
     readme = _readme(controller, draft, effect, unknown, foreword(estimate, draft.control))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
+
+
+def _nothing_held(estimate: Estimate) -> str:
+    """Return what to do when a controller can hold nothing of what is known."""
+    poses, approaches = tour(_poses(estimate), estimate.box)
+    if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
+        return "take readings first"
+    return (
+        "what the readings show is along no axis that such files move: a height map goes to klipper, marlin or "
+        "reprapfirmware"
+    )
 
 
 def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:

@@ -57,7 +57,7 @@ def cross_tables(
 ) -> tuple[CompensationTable, ...]:
     """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
 
-    Arguments as for `points`, and its failures.
+    Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
     """
     axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
     tables: list[CompensationTable] = []
@@ -125,7 +125,8 @@ def _has_errors(model: ErrorModel, axis: int) -> bool:
 def _tables(estimate: Estimate, moved: Sequence[int], over: int, positions: Array) -> list[CompensationTable]:
     hats = _hats(estimate, over, positions)
     rows = _along(estimate, moved, over, hats)
-    return [_fitted(estimate, axis, over, hats, own) for axis, own in zip(moved, rows, strict=True)]
+    seen = [(axis, own) for axis, own in zip(moved, rows, strict=True) if estimate.sees(own.mean(axis=0))]
+    return [_fitted(estimate, axis, over, hats, own) for axis, own in seen]
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> Array:

@@ -16,21 +16,30 @@ from axiscal.numerics import Array
 
 @dataclass(frozen=True, slots=True)
 class Skew:
-    """Tangents by which Y leans towards X, Z towards X, and Z towards Y."""
+    """Tangents by which Y leans towards X, Z towards X, and Z towards Y; None where no reading has seen the plane."""
 
-    xy: float
-    xz: float
-    yz: float
+    xy: float | None = None
+    xz: float | None = None
+    yz: float | None = None
+
+    @property
+    def seen(self) -> dict[str, float]:
+        """The tangents by plane, "XY", "XZ", "YZ", of the planes that were seen."""
+        planes = {"XY": self.xy, "XZ": self.xz, "YZ": self.yz}
+        return {plane: tangent for plane, tangent in planes.items() if tangent is not None}
 
 
 def skew_of(estimate: Estimate) -> Skew:
-    """Return the slopes that are nearest to the mean deviation along x over y and z, and along y over z."""
+    """Return the slopes that are nearest to the mean deviation along x over y and z, and along y over z.
+
+    A plane that no reading has seen has none: a zero would take away what the control holds already.
+    """
     tables = {(table.axis, table.over): table for table in cross_tables(estimate)}
 
-    def slope(axis: str, over: str) -> float:
+    def slope(axis: str, over: str) -> float | None:
         table = tables.get((axis, over))
         if table is None:
-            return 0.0
+            return None
         low, high = estimate.box[estimate.machine.index(over)]
         at = np.linspace(low, high, 1001)
         values = (table.deviation(at, 1) + table.deviation(at, -1)) / 2
@@ -42,11 +51,12 @@ def skew_of(estimate: Estimate) -> Skew:
 def skew_control(machine: Machine, skew: Skew) -> Control:
     """Return the control that takes the skew away."""
     x, y, z = plane_axes(machine)
+    xy, xz, yz = (tangent or 0.0 for tangent in (skew.xy, skew.xz, skew.yz))
 
     def control(poses: Array, approaches: Array) -> Array:
         added = np.zeros_like(poses)
-        added[:, x] = -poses[:, y] * skew.xy - poses[:, z] * (skew.xz - skew.xy * skew.yz)
-        added[:, y] = -poses[:, z] * skew.yz
+        added[:, x] = -poses[:, y] * xy - poses[:, z] * (xz - xy * yz)
+        added[:, y] = -poses[:, z] * yz
         return added
 
     return control

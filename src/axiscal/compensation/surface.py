@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from axiscal.compensation.effect import Control
 from axiscal.compensation.hats import Hats
+from axiscal.error_model.model import ErrorModel
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.quadrature import gauss
 
 _GAUSS = 6
+_FEWEST, _FINEST = 5, 50
+_SAMPLE = 5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,13 +53,37 @@ def plane_axes(machine: Machine) -> tuple[int, int, int]:
     return x, y, z
 
 
-def mesh_of(estimate: Estimate, count: int) -> Mesh:
-    """Return the mesh of count x count points that is nearest to minus the mean deviation along z, over the volume.
+def with_height(estimate: Estimate) -> Estimate:
+    """Return the estimate of a machine that has Z as well, without errors, where it has X and Y only.
 
+    A plane whose height was read needs no Z in its description, and a mesh moves one.
+    """
+    machine = estimate.machine
+    if sorted(axis.name for axis in machine.axes) != ["X", "Y"]:
+        return estimate
+    upright = Axis.named("Z", False, (0.0, 1e-3))
+    taller = replace(machine, axes=(*machine.axes, upright), chain=f"{machine.chain.removesuffix('-t')}-Z-t")
+    return Estimate(ErrorModel(taller), estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
+
+
+def height_seen(estimate: Estimate) -> bool:
+    """Return whether the readings say anything of the height over the plane."""
+    x, y, _ = plane_axes(estimate.machine)
+    places = [np.linspace(*estimate.box[axis], _SAMPLE) for axis in (x, y)]
+    poses = np.tile(np.mean(estimate.box, axis=1), (_SAMPLE**2, 1))
+    poses[:, x], poses[:, y] = (grid.ravel() for grid in np.meshgrid(*places))
+    rows = estimate.model.along(estimate.model.levers(poses)[:, :, 2], poses, np.zeros_like(poses))
+    return estimate.sees(rows)
+
+
+def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
+    """Return the mesh that is nearest to minus the mean deviation along z, over the volume.
+
+    count : of points along each side, over the travel; None takes the map that was read, or as many as the curves have
     The height is zero at the machine's zero, x and y at 0 or at the end of travel nearest to it.
     """
     x, y, z = plane_axes(estimate.machine)
-    sides = [_hats(estimate, axis, count) for axis in (x, y)]
+    sides = [_hats(estimate, axis, at) for axis, at in zip((x, y), _places(estimate, (x, y), count), strict=True)]
     deviation = np.zeros((len(sides[1].nodes), len(sides[0].nodes)))
     for height, weight in zip(*_heights(estimate.box[z]), strict=True):
         deviation += weight * _deviation(estimate, (x, y, z), sides, height)
@@ -75,15 +104,32 @@ def mesh_control(machine: Machine, mesh: Mesh) -> Control:
     return control
 
 
+def held_words(height: bool, skew: Mapping[str, float]) -> str:
+    """Return what files for a printer hold, in words.  skew : tangents by plane."""
+    words = ["height over the plane as a bed mesh"] if height else []
+    return " and ".join([*words, *([f"the skew of {', '.join(skew)}"] if skew else [])])
+
+
 def sum_of(*controls: Control) -> Control:
     """Return the control that does what all of them do."""
     return lambda poses, approaches: np.sum([control(poses, approaches) for control in controls], axis=0)
 
 
-def _hats(estimate: Estimate, axis: int, count: int) -> Hats:
-    start, stop = estimate.machine.axes[axis].travel
+def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tuple[Array, Array]:
+    """Return where the points lie along both sides, m."""
+    if count is None and estimate.grid is not None:
+        return estimate.grid
+    x, y = (np.linspace(*estimate.machine.axes[axis].travel, count or _fineness(estimate, axis)) for axis in axes)
+    return x, y
+
+
+def _fineness(estimate: Estimate, axis: int) -> int:
+    knots = max((len(f.basis.knots) for f in estimate.model.functions if f.axis == axis), default=0)
+    return min(max(knots, _FEWEST), _FINEST)
+
+
+def _hats(estimate: Estimate, axis: int, at: Array) -> Hats:
     knots = [f.basis.knots for f in estimate.model.functions if f.axis == axis]
-    at = np.linspace(start, stop, count)
     return Hats.on(at, np.concatenate(knots) if knots else at, estimate.box[axis])
 
 

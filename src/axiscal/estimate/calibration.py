@@ -13,6 +13,7 @@ from axiscal.belief import Belief, Innovations
 from axiscal.estimate.case import Case
 from axiscal.estimate.knowledge import Block, Knowledge
 from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimate.map_grid import map_grid
 from axiscal.estimate.updating import absorbed, widened
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.implausible import Plausibility, nearest_first, objection
@@ -322,7 +323,8 @@ class Calibration:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""
         settled = self._settled()
         problem = settled._problem
-        return Estimate(problem.errors, settled._belief, problem.description.target.volume)
+        grid = map_grid(problem.errors.machine, problem.description.setups, self._readings)
+        return Estimate(problem.errors, settled._belief, problem.description.target.volume, grid)
 
     @property
     def learnt_from(self) -> int:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+
+_SILENT = 0.95
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -17,11 +21,13 @@ class Estimate:
 
     belief : over the machine's coefficients first, other unknowns after them
     box : the volume over which tables shall be good, bounds per axis in chain order, m or rad
+    grid : positions of X and of Y, m, on which the height was read as a map; None where it was not
     """
 
     model: ErrorModel
     belief: Belief
     box: Box
+    grid: tuple[Array, Array] | None = None
 
     @property
     def machine(self) -> Machine:
@@ -37,6 +43,15 @@ class Estimate:
     def factor(self) -> Array:
         """F (size, n) with F Fᵀ the posterior covariance of the machine's coefficients."""
         return self.belief.factor[: self.model.size]
+
+    def sees(self, rows: Array) -> bool:
+        """Return whether the readings say anything of the shape of a deviation, its mean taken off.  rows : (m, size)
+
+        They do where its RMS standard deviation is less than beforehand by more than a twentieth.
+        """
+        shape = rows - rows.mean(axis=0)
+        before, after = (np.linalg.norm(shape @ factor) for factor in (self.model.prior_root(), self.factor))
+        return bool(after < _SILENT * before)
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation that is expected, (m, 3), m, workpiece frame.  poses, approaches : (m, q)."""

@@ -10,54 +10,100 @@ import numpy as np
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.skew import Skew, skew_control, skew_of
-from axiscal.compensation.surface import Mesh, mesh_control, mesh_of, sum_of
+from axiscal.compensation.surface import (
+    Mesh,
+    height_seen,
+    held_words,
+    mesh_control,
+    mesh_of,
+    sum_of,
+    with_height,
+)
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import from_unit, to_unit
 
 _SAVED = "#*# "
+_HEADER = """
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.
+#*#
+"""
+"""Klipper looks for these lines, the line break before them too (configfile.py, AUTOSAVE_HEADER)."""
 _SIDE = 1000.0
 _MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
-_HOLDS = "height over the plane as a bed mesh, and the skew of the three axes."
 _LEFT = "positioning errors, straightness in the plane, reversal, and what the height does over z."
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
 
 
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
-    machine = estimate.machine
-    mesh, skew = mesh_of(estimate, options.mesh), skew_of(estimate)
-    files = {_MESH: write_mesh(mesh, options.name), _SKEW: write_skew(skew, options.name)}
-    held = sum_of(
-        mesh_control(machine, read_mesh(files[_MESH], options.name)), skew_control(machine, read_skew(files[_SKEW]))
-    )
-    wanted = sum_of(mesh_control(machine, mesh), skew_control(machine, skew))
+    estimate = with_height(estimate)
+    machine, name = estimate.machine, options.name
+    skew = skew_of(estimate)
+    files, held = dict[str, str](), [skew_control(machine, Skew())]
+    wanted, notes = [skew_control(machine, skew)], tuple[str, ...]()
+    if height_seen(estimate):
+        mesh = mesh_of(estimate, options.mesh)
+        files[_MESH] = write_mesh(mesh, name)
+        held.append(mesh_control(machine, read_mesh(files[_MESH], name)))
+        wanted.append(mesh_control(machine, mesh))
+        notes += _mesh_notes(mesh, name)
+    if skew.seen:
+        files[_SKEW] = write_skew(skew, name)
+        held.append(skew_control(machine, read_skew(files[_SKEW])))
+        notes += _skew_notes(skew, name)
     resolution = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-    notes = (
-        f"Paste {_MESH} at the end of printer.cfg, in its saved block, restart; BED_MESH_PROFILE LOAD={options.name}.",
-        "No fade: the mesh acts at all heights, as long as fade_start and fade_end are not set in [bed_mesh].",
-        f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by "
-        f"SKEW_PROFILE LOAD={options.name}.",
-        "Clear mesh and skew before measuring again: BED_MESH_CLEAR, SET_SKEW CLEAR=1.",
+    holds = f"{held_words(_MESH in files, skew.seen)}."
+    return Draft(
+        files, sum_of(*held), sum_of(*wanted), resolution, (), holds, _LEFT, notes, tried=False, about=estimate
     )
-    return Draft(files, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
+
+
+def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:
+    low_x, high_x, low_y, high_y = (
+        f"{to_unit(float(end), 'mm'):g}" for end in (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1])
+    )
+    return (
+        f"Paste {_MESH} at the end of a printer.cfg that has no SAVE_CONFIG block yet; where there is one, paste the "
+        f"lines from [bed_mesh {name}] on at its end. Restart, then BED_MESH_PROFILE LOAD={name}.",
+        "Above the block printer.cfg needs a section [bed_mesh]; in a fresh one write [bed_mesh], mesh_min: "
+        f"{low_x}, {low_y} and mesh_max: {high_x}, {high_y}, each on a line of its own.",
+        f"The mesh has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side. Its values "
+        "are added to Z: positive where the bed is high.",
+        "No fade: the mesh acts at all heights, as long as fade_start and fade_end are not set in [bed_mesh].",
+        "Clear the mesh before measuring again: BED_MESH_CLEAR.",
+    )
+
+
+def _skew_notes(skew: Skew, name: str) -> tuple[str, ...]:
+    return (
+        f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by SKEW_PROFILE "
+        f"LOAD={name}. It sets {', '.join(skew.seen)}: no reading has seen another plane.",
+        "Clear the skew before measuring again: SET_SKEW CLEAR=1.",
+    )
 
 
 def write_mesh(mesh: Mesh, name: str) -> str:
-    """Return the saved block of the profile; heights in mm, rows by y."""
+    """Return the saved block of the profile with the lines that Klipper knows it by; heights in mm, rows by y."""
     x, y, z = (to_unit(values, "mm") for values in (mesh.x, mesh.y, mesh.added))
     rows = ["\t  " + ", ".join(f"{value:.6f}" for value in row) for row in np.round(z, 6) + 0.0]
     keys = {"x_count": len(x), "y_count": len(y), "mesh_x_pps": 0, "mesh_y_pps": 0, "algo": "direct", "tension": 0.2}
     ends = {"min_x": x[0], "max_x": x[-1], "min_y": y[0], "max_y": y[-1]}
     lines = [f"[bed_mesh {name}]", "version = 1", "points =", *rows, *(f"{k} = {v}" for k, v in keys.items())]
-    lines += [f"{key} = {value:.6g}" for key, value in ends.items()]
-    return "".join(f"{_SAVED}{line}\n" for line in lines)
+    lines += [f"{key} = {round(float(value), 6)}" for key, value in ends.items()]
+    return _HEADER + "".join(f"{_SAVED}{line}\n" for line in lines)
 
 
 def read_mesh(text: str, name: str) -> Mesh:
     """Return the mesh of a saved block as bed_mesh.py reads it; raises TableError."""
-    lines = [line.removeprefix(_SAVED) for line in text.splitlines()]
-    if lines[:1] != [f"[bed_mesh {name}]"] or not all(line.startswith(_SAVED) for line in text.splitlines()):
+    _, header, block = text.partition(_HEADER)
+    lines = [line.removeprefix(_SAVED) for line in block.splitlines()]
+    if (
+        not header
+        or lines[:1] != [f"[bed_mesh {name}]"]
+        or not all(line.startswith(_SAVED) for line in block.splitlines())
+    ):
         raise TableError("Klipper would not find the profile", "this is a defect of axiscal")
     keys: dict[str, str] = {}
     last = ""
@@ -77,8 +123,7 @@ def read_mesh(text: str, name: str) -> Mesh:
 
 def write_skew(skew: Skew, name: str) -> str:
     """Return the G-code: diagonals AC, BD and side AD of a square that leans by the skew."""
-    planes = ((plane, getattr(skew, plane.lower())) for plane in ("XY", "XZ", "YZ"))
-    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in planes)
+    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in skew.seen.items())
     return f"SET_SKEW {words}\nSKEW_PROFILE SAVE={name}\n"
 
 

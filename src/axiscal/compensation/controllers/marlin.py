@@ -12,7 +12,7 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew, skew_control, skew_of
-from axiscal.compensation.surface import Mesh, mesh_control, mesh_of, sum_of
+from axiscal.compensation.surface import Mesh, height_seen, held_words, mesh_control, mesh_of, sum_of, with_height
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -20,7 +20,7 @@ from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
 _WORD = re.compile(r"([A-Z])(-?[\d.]+)")
-_HOLDS = "the skew of the three axes, one backlash for each, and height over the plane as a bed mesh."
+_SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _LEFT = (
     "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what the "
     "height does over z."
@@ -29,25 +29,45 @@ _LEFT = (
 
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the file; raises TableError."""
-    machine, box = estimate.machine, estimate.box
-    mesh, skew, play = mesh_of(estimate, options.mesh), skew_of(estimate), backlash(estimate)
+    estimate = with_height(estimate)
+    machine = estimate.machine
+    mesh = mesh_of(estimate, options.mesh) if height_seen(estimate) else None
+    skew, play = skew_of(estimate), backlash(estimate)
     text = write(mesh, skew, play)
-    spans = {name: machine.axis(name).travel for name in "XY"}
-    held_mesh, held_skew, held_play = read(text, spans, options.mesh)
-    held = sum_of(
-        mesh_control(machine, held_mesh), skew_control(machine, held_skew), backlash_control(machine, held_play)
+    held_mesh, held_skew, held_play = read(text, mesh)
+    held, wanted = (
+        sum_of(skew_control(machine, s), backlash_control(machine, p), *([mesh_control(machine, m)] if m else []))
+        for m, s, p in ((held_mesh, held_skew, held_play), (mesh, skew, play))
     )
-    wanted = sum_of(mesh_control(machine, mesh), skew_control(machine, skew), backlash_control(machine, play))
-    reach = max(abs(bound) for bounds in box for bound in bounds)
+    reach = max(abs(bound) for bounds in estimate.box for bound in bounds)
     step = float(from_unit(1e-4, "mm"))
     resolution = {"X": step + 2e-7 * reach, "Y": step + 2e-7 * reach, "Z": 2 * step}
-    notes = (
-        f"The firmware needs SKEW_CORRECTION, BACKLASH_COMPENSATION and a mesh of {options.mesh} points a side "
-        f"(GRID_MAX_POINTS_X, _Y) from X{_mm(spans['X'])} and Y{_mm(spans['Y'])}; export with --mesh for another size.",
-        f"Send {_FILE} once; it ends with M500. M420 S1 Z0 switches the mesh on, without fading.",
-        "M425 F0, M852 I0 J0 K0 and M420 S0 take all of it off before measuring again.",
+    files = {_FILE: text} if mesh or skew.seen or play else {}
+    holds = held_words(mesh is not None, skew.seen)
+    parts = [part for part in (holds, f"one backlash for {', '.join(play)}" if play else "") if part]
+    notes = _notes(mesh, skew, play)
+    said = f"{'; '.join(parts)}."
+    return Draft(files, held, wanted, resolution, (), said, _LEFT, notes, tried=False, about=estimate)
+
+
+def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
+    needs = [name for name, used in (("SKEW_CORRECTION", skew.seen), ("BACKLASH_COMPENSATION", play)) if used]
+    needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.seen.keys() else []
+    back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew.seen), ("M420 S0", mesh)) if used]
+    notes = [f"The firmware needs {', '.join(needs)}."] if needs else []
+    if mesh is not None:
+        notes.append(
+            f"The firmware needs a mesh of {len(mesh.x)} x {len(mesh.y)} points (GRID_MAX_POINTS_X, _Y) from "
+            f"X{_mm(mesh.x)} and Y{_mm(mesh.y)}; export with --mesh for another size. M420 S1 Z0 switches it on, "
+            "without fading. Its values are added to Z: positive where the bed is high."
+        )
+    if skew.seen:
+        notes.append(f"M852 sets {', '.join(skew.seen)}: no reading has seen another plane.")
+    return (
+        *notes,
+        f"Send {_FILE} once; it ends with M500.",
+        f"Before measuring again take it off: {', '.join(back)}.",
     )
-    return Draft({_FILE: text}, held, wanted, resolution, (), _HOLDS, _LEFT, notes, tried=False)
 
 
 def backlash(estimate: Estimate) -> dict[str, float]:
@@ -73,35 +93,37 @@ def backlash_control(machine: Machine, play: Mapping[str, float]) -> Control:
     return control
 
 
-def write(mesh: Mesh, skew: Skew, play: Mapping[str, float]) -> str:
+def write(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> str:
     """Return the G-code, mm."""
-    lines = [f"M852 I{skew.xy:.7f} J{skew.xz:.7f} K{skew.yz:.7f}"]
+    tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in skew.seen.items())
+    lines = [f"M852 {tangents}"] if tangents else []
     if play:
         words = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items())
         lines.append(f"M425 {words} F1 S0")
-    heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
-    lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
+    if mesh is not None:
+        heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
+        lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
     return "\n".join([*lines, "M500"]) + "\n"
 
 
-def read(text: str, spans: Mapping[str, tuple[float, float]], count: int) -> tuple[Mesh, Skew, dict[str, float]]:
-    """Return what Marlin makes of the commands; spans : of the mesh that the firmware was built with."""
-    heights = np.zeros((count, count))
-    skew, play = Skew(0.0, 0.0, 0.0), dict[str, float]()
+def read(text: str, built: Mesh | None) -> tuple[Mesh | None, Skew, dict[str, float]]:
+    """Return what Marlin makes of the commands; built : has the points that the firmware was built with."""
+    heights = None if built is None else np.zeros(built.added.shape)
+    skew, play = Skew(), dict[str, float]()
     for line in text.splitlines():
         command, *words = line.split()
         values = {m[1]: float(m[2]) for word in words if (m := _WORD.fullmatch(word))}
         if command == "M852":
-            skew = Skew(values["I"], values["J"], values["K"])
+            skew = Skew(*(values.get(letter) for letter in _SKEW.values()))
         elif command == "M425":
             share = values.pop("F")
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
-        elif command == "M421":
+        elif command == "M421" and heights is not None:
             heights[int(values["J"]), int(values["I"])] = values["Z"]
-    x, y = (np.linspace(*spans[axis], count) for axis in "XY")
-    return Mesh(x, y, from_unit(heights, "mm")), skew, play
+    mesh = None if built is None or heights is None else Mesh(built.x, built.y, from_unit(heights, "mm"))
+    return mesh, skew, play
 
 
-def _mm(span: tuple[float, float]) -> str:
-    low, high = (to_unit(bound, "mm") for bound in span)
+def _mm(places: Array) -> str:
+    low, high = (to_unit(float(places[end]), "mm") for end in (0, -1))
     return f" {low:g} to {high:g}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Draft
-from axiscal.compensation.surface import Mesh, mesh_control, mesh_of
+from axiscal.compensation.surface import Mesh, height_seen, mesh_control, mesh_of, with_height
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import from_unit, to_unit
@@ -16,21 +16,28 @@ from axiscal.units import from_unit, to_unit
 _FILE = "heightmap.csv"
 _FIRST = "RepRapFirmware height map file v2"
 _KEYS = "xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum"
+_HOLDS = "height over the plane."
 _LEFT = "everything in the plane: positioning, straightness, squareness, reversal; and what the height does over z."
 _NOTES = (
     f"Put {_FILE} into 0:/sys and load it after homing with G29 S1.",
+    "Its values are added to Z: positive where the bed is high.",
     "M376 H0 keeps the correction at all heights; G29 S2 takes it off before measuring again.",
 )
 
 
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the file; raises TableError."""
+    estimate = with_height(estimate)
+    if not height_seen(estimate):
+        what = "there is no deviation that a height map could hold: no reading has seen the height over the plane"
+        raise TableError(what, "read it along z while X and Y move")
     mesh = mesh_of(estimate, options.mesh)
     text = write(mesh)
     held = mesh_control(estimate.machine, read(text))
     wanted = mesh_control(estimate.machine, mesh)
-    holds = "height over the plane."
-    return Draft({_FILE: text}, held, wanted, {"Z": 2e-9}, (), holds, _LEFT, _NOTES, tried=False)
+    size = (f"The map has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side.",)
+    notes = _NOTES + size
+    return Draft({_FILE: text}, held, wanted, {"Z": 2e-9}, (), _HOLDS, _LEFT, notes, tried=False, about=estimate)
 
 
 def write(mesh: Mesh) -> str:

@@ -1,7 +1,7 @@
 """Bed maps of printers, as RepRapFirmware (`heightmap.csv`) and Klipper (saved blocks of `printer.cfg`) keep them.
 
-Each node is one reading along z at X and Y. RepRapFirmware writes 0 without decimals where it did not probe: that is no
-reading.
+A height is where the bed lies, positive where it is high; a printer adds it to Z. Each node is one reading along z at X
+and Y, of minus the height. RepRapFirmware writes 0 without decimals where it did not probe: that is no reading.
 """
 
 from __future__ import annotations

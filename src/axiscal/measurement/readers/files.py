@@ -60,4 +60,5 @@ def _own(reading: own_csv.OwnReading) -> RawReading:
 
 
 def _node(node: bed_map.Node) -> RawReading:
-    return RawReading("", {"X": node.x, "Y": node.y}, {}, node.height, None, "length", node.line, error="z")
+    """Return the reading of a node: where the bed is high the tool is too low over it, by as much."""
+    return RawReading("", {"X": node.x, "Y": node.y}, {}, -node.height, None, "length", node.line, error="z")
