@@ -24,7 +24,7 @@ demo: .venv/run.stamp
 	$(BIN)/axiscal demo --out demo-out
 
 demo-linuxcnc: .venv/run.stamp
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out  # small matrices: threads only wait
+	$(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out
 
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .

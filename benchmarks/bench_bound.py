@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
@@ -25,6 +23,7 @@ from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 from benchmarks.cases import five_axis
 
 STARTS = 6
@@ -132,6 +131,7 @@ def changed(problem: Task, observation: Observation) -> Task:
 
 
 if __name__ == "__main__":
-    exact()
-    sizes()
-    causes()
+    with one_thread():
+        exact()
+        sizes()
+        causes()

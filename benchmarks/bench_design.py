@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import resource
 import statistics
 import sys
@@ -10,7 +9,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
@@ -22,6 +20,7 @@ from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
 from axiscal.estimate.knowledge import Knowledge
+from axiscal.numerics.threads import one_thread
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import CASES
 
@@ -92,6 +91,7 @@ def five_axes() -> None:
 
 
 if __name__ == "__main__":
-    picks()
-    five_axes()
-    fixed_candidates()
+    with one_thread():
+        picks()
+        five_axes()
+        fixed_candidates()

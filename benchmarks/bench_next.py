@@ -7,12 +7,8 @@ Prints the median over the readings of a campaign, of wall and of processor time
 
 from __future__ import annotations
 
-import os
 import statistics
 import time
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 
 from axiscal.accuracy import criterion
 from axiscal.design.step.best_step import best_step
@@ -23,6 +19,7 @@ from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Approach, Setup
+from axiscal.numerics.threads import one_thread
 
 ONE_SPLINE = """
 chain = "w-b-X-t"
@@ -77,4 +74,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_thread():
+        main()

@@ -8,14 +8,11 @@ plan stands, and while it does not because the reading is not believed; and what
 
 from __future__ import annotations
 
-import os
 import statistics
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
@@ -24,6 +21,7 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.five_axis import SEED, description, hidden_machine
 from axiscal.estimate.case import Case
 from axiscal.machine.motion import travel_seconds
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.planner import Planner
 from axiscal.record.events import Asked
 
@@ -67,4 +65,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_thread():
+        main()

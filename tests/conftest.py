@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores; more threads wait for each other
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
 
+from axiscal.numerics.threads import one_thread
+
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread() -> Iterator[None]:
+    """Hold the linear algebra of all tests to one thread: the workers of a distributed run fill the cores."""
+    with one_thread():
+        yield
 
 
 def _skipped(config: pytest.Config) -> list[str]:

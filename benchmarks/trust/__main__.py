@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from axiscal.numerics.threads import one_thread
 from benchmarks.trust.curves import CASES, DATA, iso_test
 from benchmarks.trust.measured import Outcome, iso_outcome, outcomes
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
@@ -117,6 +118,7 @@ def _written(lines: Iterable[str], path: Path) -> None:
     path.write_text("\n".join(kept) + "\n", encoding="utf-8")
 
 
+@one_thread()
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.trust", description=__doc__)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array, gaussian
+from axiscal.numerics.from_scipy import chi_square_tail
 
 
 class Prediction(NamedTuple):
@@ -49,9 +50,7 @@ class Innovations:
     @property
     def p_value(self) -> float:
         """Probability of a chi-square at least this large, were belief and noise right."""
-        from scipy.special import chdtrc
-
-        return float(chdtrc(self.degrees, self.chi_square))
+        return chi_square_tail(self.degrees, self.chi_square)
 
 
 _NONE = Innovations(np.zeros(0), np.zeros(0))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.numerics.threads import one_thread
 from tests.certify import belief, coverage, gcode, machines, one_joint_cases
 
 LIMIT = 1e-9
@@ -81,6 +82,7 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
 }
 
 
+@one_thread()
 def main() -> int:
     """Run the parts; status 1 if any finding is beyond its limit."""
     parser = argparse.ArgumentParser(prog="python -m tests.certify", description=main.__doc__)

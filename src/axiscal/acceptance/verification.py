@@ -29,6 +29,8 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.numerics.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
@@ -103,6 +105,7 @@ class Judgement:
         return self.agrees >= _UNLIKELY
 
 
+@one_thread()
 def expected(
     estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
 ) -> tuple[Array, Array]:
@@ -122,6 +125,7 @@ def expected(
     return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
 
 
+@one_thread()
 def plan_check(
     estimate: Estimate,
     setups: Sequence[Setup],
@@ -181,6 +185,7 @@ def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
     return candidates.within(np.array(kept, dtype=np.intp))
 
 
+@one_thread()
 def judge(
     estimate: Estimate,
     setups: Sequence[Setup],
@@ -282,12 +287,10 @@ def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings:
 
 def _likelihood(values: Array, covariance: Array) -> float:
     """Return the probability of values at least this large from a singular normal."""
-    from scipy.special import chdtrc
-
     scale, vectors = np.linalg.eigh(covariance)
     kept = scale > 1e-9 * scale[-1]
     parts = vectors[:, kept].T @ values
-    return float(chdtrc(int(kept.sum()), float(np.sum(parts**2 / scale[kept]))))
+    return chi_square_tail(int(kept.sum()), float(np.sum(parts**2 / scale[kept])))
 
 
 def _refuse_others(used: Sequence[Setup]) -> None:

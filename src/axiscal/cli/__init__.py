@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 
@@ -13,7 +12,6 @@ def main() -> int:
 
         sys.stdout.write(f"axiscal {__version__}\n")
         return 0
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices of some hundreds: threads would wait for each other
     from axiscal.cli.app import run
 
     return run(sys.argv[1:])

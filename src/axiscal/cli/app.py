@@ -9,25 +9,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli import (
-    demo,
-    estimate,
-    export,
-    finish,
-    iso230,
-    machine,
-    next_reading,
-    plan,
-    predict,
-    record,
-    report,
-    reproduce,
-    run_loop,
-    start,
-    status,
-    undo,
-    verify,
-)
+from axiscal.cli.commands import LazyGroup
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError
 
@@ -36,29 +18,13 @@ INTERRUPTED = 130
 
 app = typer.Typer(
     name="axiscal",
+    cls=LazyGroup,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     add_completion=False,
     no_args_is_help=True,
     context_settings={"max_content_width": 100},
 )
-app.command("demo")(demo.demo)
-app.add_typer(machine.app, name="machine")
-app.command("plan")(plan.plan)
-app.command("start")(start.start)
-app.command("next")(next_reading.next_reading)
-app.command("record")(record.record)
-app.command("undo")(undo.undo)
-app.command("status")(status.status)
-app.command("finish")(finish.finish)
-app.command("run")(run_loop.run)
-app.command("estimate")(estimate.estimate)
-app.command("predict")(predict.predict)
-app.command("export")(export.export)
-app.command("verify")(verify.verify)
-app.command("report")(report.report)
-app.command("iso230")(iso230.iso230)
-app.command("reproduce")(reproduce.reproduce)
 
 
 @app.callback()

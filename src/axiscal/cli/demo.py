@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from axiscal.estimate.case import Case
-    from axiscal.measurement.place import Place
-    from axiscal.report.summary import Summary
+from axiscal.cli.printing import say
+from axiscal.cli.progress import shown_progress
+from axiscal.cli.texts import micrometres
+from axiscal.demo.five_axis import description, run_demo
+from axiscal.estimate.case import Case
+from axiscal.measurement.place import Place
+from axiscal.report.summary import Summary
 
 
 def demo(
@@ -27,10 +30,6 @@ def demo(
     Example:
       axiscal demo --out demo-out
     """
-    from axiscal.cli.printing import say
-    from axiscal.cli.progress import shown_progress
-    from axiscal.demo.five_axis import description, run_demo
-    from axiscal.estimate.case import Case
 
     problem = Case(description())
     folder = _fresh(out)
@@ -51,7 +50,6 @@ def _fresh(out: Path) -> Path:
 
 
 def _beginning(problem: Case) -> str:
-    from axiscal.cli.texts import micrometres
 
     machine = problem.description.machine
     setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in problem.description.setups)

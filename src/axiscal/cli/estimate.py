@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, Out
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign import CampaignDescription
-    from axiscal.report.summarising import Extras
+from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.placed_readings import placed_readings
+from axiscal.estimate.wrong_unit import refuse_implausible
+from axiscal.evaluation import evaluate, read_iso230
+from axiscal.exceptions import RecordError
+from axiscal.measurement.readers.files import read_any
+from axiscal.report.findings import untimed
+from axiscal.report.standard import iso230_block
+from axiscal.report.summarising import Extras
 
 
 def estimate(
@@ -34,15 +41,6 @@ def estimate(
     Example:
       axiscal estimate campaign.toml readings.csv --out results
     """
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.outputs import RECORD, write_outputs
-    from axiscal.description.campaign import read_campaign
-    from axiscal.description.placed_readings import placed_readings
-    from axiscal.estimate.wrong_unit import refuse_implausible
-    from axiscal.exceptions import RecordError
-    from axiscal.measurement.readers.files import read_any
-    from axiscal.report.findings import untimed
-    from axiscal.report.summarising import Extras
 
     description = read_campaign(campaign, target_needed=False)
     raw = read_any(readings)
@@ -61,9 +59,6 @@ def estimate(
 
 def _standard_test(readings: Path, description: CampaignDescription) -> Extras:
     """Return the ISO 230-2 figures of a finished test, for the report."""
-    from axiscal.evaluation import evaluate, read_iso230
-    from axiscal.report.standard import iso230_block
-    from axiscal.report.summarising import Extras
 
     (axis,) = description.setups[0].moves
     return Extras(iso230=[iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))])

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-
-if TYPE_CHECKING:
-    from axiscal.compensation.export_options import ExportOptions
-    from axiscal.compensation.offer import Export
+from axiscal.cli.printing import say, say_document
+from axiscal.compensation import registry
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.offer import Export
+from axiscal.exceptions import TableError
+from axiscal.report.delivery import warned, write_files
+from axiscal.report.findings import findings
+from axiscal.units import parse_quantity, to_unit
 
 MOST_BYTES = 4_000_000
 
@@ -57,12 +63,6 @@ def export(
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
     """
-    from axiscal.campaign.building import calibration_of
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.printing import say, say_document
-    from axiscal.compensation import registry
-    from axiscal.report.delivery import warned, write_files
-    from axiscal.report.findings import findings
 
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
@@ -91,9 +91,6 @@ def _options(
     points: int | None,
     encoder: int,
 ) -> ExportOptions:
-    from axiscal.compensation.export_options import ExportOptions
-    from axiscal.exceptions import TableError
-    from axiscal.units import parse_quantity
 
     distance = None if spacing is None else parse_quantity(spacing, "length")
     if distance is not None and not 0 < distance < 1e3:
@@ -105,7 +102,6 @@ def _options(
 
 
 def _numbered(text: str) -> tuple[str, int]:
-    from axiscal.exceptions import TableError
 
     axis, equals, number = text.partition("=")
     if not (equals and axis.isalnum() and number.isascii() and number.isdigit() and len(number) < 4):
@@ -114,7 +110,6 @@ def _numbered(text: str) -> tuple[str, int]:
 
 
 def _text(path: Path) -> str:
-    from axiscal.exceptions import TableError
 
     data = path.read_bytes()
     if len(data) > MOST_BYTES:
@@ -127,7 +122,6 @@ def _text(path: Path) -> str:
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:
-    from axiscal.units import to_unit
 
     before, after = (to_unit(value, "um") for value in offered.effect)
     return {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Out, RecordFile
+from axiscal.cli.outputs import RECORD, write_outputs
 
 
 def finish(record: RecordFile, out: Out, json: Json = False) -> None:
@@ -15,8 +17,6 @@ def finish(record: RecordFile, out: Out, json: Json = False) -> None:
     Example:
       axiscal finish mill.axiscal --out results
     """
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.outputs import RECORD, write_outputs
 
     with Campaign.open(record) as campaign:
         out.mkdir(parents=True, exist_ok=True)

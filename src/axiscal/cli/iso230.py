@@ -9,6 +9,8 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
+from axiscal.evaluation import evaluate, read_iso230
+from axiscal.units import to_unit
 
 _WORDS = {
     "A": "accuracy of positioning, bidirectional",
@@ -40,8 +42,6 @@ def iso230(
     Example:
       axiscal iso230 readings.csv
     """
-    from axiscal.evaluation import evaluate, read_iso230
-    from axiscal.units import to_unit
 
     found = evaluate(read_iso230(readings))
     document = found.as_json()

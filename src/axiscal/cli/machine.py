@@ -9,10 +9,16 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
+from axiscal.error_model.gauge import machine_check
+from axiscal.error_model.undescribed import undescribed
+from axiscal.machine import builtin_names, load_machine
 
-app = typer.Typer(
-    help="The built-in machines, and a description of your own checked.", no_args_is_help=True, rich_markup_mode=None
-)
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+
+
+@app.callback()
+def machine() -> None:
+    """The built-in machines, and a description of your own checked."""
 
 
 @app.command("list")
@@ -23,7 +29,6 @@ def list_machines(json: Json = False) -> None:
     Example:
       axiscal machine list
     """
-    from axiscal.machine import builtin_names, load_machine
 
     machines = {name: load_machine(name) for name in builtin_names()}
     if json:
@@ -42,7 +47,6 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in ma
     Example:
       axiscal machine show three-axis-mill > machine.toml
     """
-    from axiscal.machine import load_machine
 
     say(load_machine(name).text.rstrip("\n"))
 
@@ -58,9 +62,6 @@ def check(
     Example:
       axiscal machine check machine.toml
     """
-    from axiscal.error_model.gauge import machine_check
-    from axiscal.error_model.undescribed import undescribed
-    from axiscal.machine import load_machine
 
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)

@@ -6,8 +6,10 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign, Ended
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.texts import question_document, question_text
 
 
 def next_reading(
@@ -23,8 +25,6 @@ def next_reading(
     Example:
       axiscal next mill.axiscal
     """
-    from axiscal.campaign.campaign import Campaign, Ended
-    from axiscal.cli.texts import question_document, question_text
 
     with Campaign.open(record) as campaign:
         asked = campaign.next(beyond=beyond)

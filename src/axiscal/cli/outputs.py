@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
-
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.report.summarising import Extras
+from axiscal.cli.texts import count_text
+from axiscal.report.delivery import deliver
+from axiscal.report.summarising import Extras
+from axiscal.report.summary import result_json
 
 RECORD = "campaign.axiscal"
 
 
 def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
     """Write tables, result and report of a finished campaign to a folder and print them; raises OSError, TableError."""
-    from axiscal.campaign.building import calibration_of
-    from axiscal.cli.texts import count_text
-    from axiscal.report.delivery import deliver
-    from axiscal.report.summarising import Extras
-    from axiscal.report.summary import result_json
 
     summary = deliver(campaign, calibration_of(campaign.engine), out, extras or Extras(compared=True))
     if as_json:

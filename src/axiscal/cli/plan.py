@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-
-if TYPE_CHECKING:
-    from axiscal.design.plan.plan import Plan
-    from axiscal.design.plan.task import Limits
-    from axiscal.estimate.case import Case
-    from axiscal.planning.proposal import Proposal, Thoroughness
+from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.texts import count_text, micrometres
+from axiscal.description.campaign import read_campaign
+from axiscal.design.plan.plan import Plan
+from axiscal.design.plan.task import Limits
+from axiscal.estimate.case import Case
+from axiscal.estimate.inheritance import problem_of
+from axiscal.exceptions import PlanError, TargetError
+from axiscal.gcode import write_programs
+from axiscal.gcode.controls import dialect
+from axiscal.measurement.place_texts import approach_text, place_text
+from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
+from axiscal.planning.next_readings import placed
+from axiscal.planning.plan_document import bound_sentence, plan_document
+from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
+from axiscal.planning.what_if import alternatives
+from axiscal.report.delivery import write_whole
+from axiscal.report.what_if_page import render, table_row
+from axiscal.units import parse_quantity, to_unit
 
 _GAP = 0.5
 
@@ -66,14 +79,6 @@ def plan(
       axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 12 --prove
     """
-    from axiscal.cli.printing import say, say_document, tell
-    from axiscal.description.campaign import read_campaign
-    from axiscal.estimate.inheritance import problem_of
-    from axiscal.exceptions import PlanError
-    from axiscal.gcode.controls import dialect
-    from axiscal.planning.feasibility import refuse_out_of_reach
-    from axiscal.planning.plan_document import plan_document
-    from axiscal.planning.proposal import Thoroughness, proposed, proven, refuse_unless_provable
 
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
@@ -106,9 +111,6 @@ def _share(case: Case, gap: float | None) -> float:
 
 
 def _limits(case: Case, readings: int | None, target: str | None, budget: str | None) -> Limits:
-    from axiscal.design.plan.task import Limits
-    from axiscal.exceptions import TargetError
-    from axiscal.units import parse_quantity
 
     own = case.description.target
     if own.empty and readings is None and target is None and budget is None:
@@ -127,10 +129,6 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
 
 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
-    from axiscal.cli.printing import say, say_document, tell
-    from axiscal.planning.what_if import alternatives
-    from axiscal.report.delivery import write_whole
-    from axiscal.report.what_if_page import render, table_row
 
     found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
     write_whole(page, render(f"Ways to measure: {case.description.machine.name}", found))
@@ -145,18 +143,12 @@ def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json
 
 
 def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
-    from axiscal.gcode import write_programs
-    from axiscal.planning.next_readings import placed
 
     out.mkdir(parents=True, exist_ok=True)
     return write_programs(case.description.machine, case.description.setups, placed(case, made), controller, out)
 
 
 def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
-    from axiscal.cli.texts import count_text, micrometres
-    from axiscal.planning.feasibility import not_to_the_letter
-    from axiscal.planning.plan_document import bound_sentence
-    from axiscal.units import to_unit
 
     made = proposal.plan
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
@@ -169,10 +161,6 @@ def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
 
 def _lines(case: Case, made: Plan) -> list[str]:
     """Return a line for each reading, and one for each mounting, in columns."""
-    from axiscal.cli.texts import micrometres
-    from axiscal.measurement.place_texts import approach_text, place_text
-    from axiscal.planning.next_readings import placed
-    from axiscal.units import to_unit
 
     axes, lines, mounted = case.description.machine.axes, list[str](), ""
     places = placed(case, made)

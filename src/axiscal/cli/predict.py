@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-
-if TYPE_CHECKING:
-    from axiscal.estimate.prediction import PosePrediction
+from axiscal.cli.printing import say, say_document
+from axiscal.estimate.prediction import PosePrediction, predict_poses
+from axiscal.measurement.readers.poses import read_poses
 
 
 def predict(
@@ -26,11 +28,6 @@ def predict(
     Example:
       axiscal predict mill.axiscal poses.csv --json
     """
-    from axiscal.campaign.building import calibration_of
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.printing import say, say_document
-    from axiscal.estimate.prediction import predict_poses
-    from axiscal.measurement.readers.poses import read_poses
 
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
+from axiscal.description.target import Target
+from axiscal.planning.feasibility import out_of_reach
 from axiscal.units import to_unit
-
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign, Milestone
-    from axiscal.description.target import Target
 
 
 @contextmanager
@@ -42,8 +41,6 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_out_of_reach(campaign: Campaign) -> None:
     """Say if the target cannot be reached with the set-ups."""
-    from axiscal.campaign.building import calibration_of
-    from axiscal.planning.feasibility import out_of_reach
 
     said = out_of_reach(calibration_of(campaign.engine).problem)
     if said is not None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
-
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.measurement.reading import Reading
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
+from axiscal.measurement.reading import Reading
+from axiscal.units import format_quantity, parse_quantity, to_unit
 
 
 def record(
@@ -40,7 +43,6 @@ def record(
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
       axiscal record mill.axiscal --skip "the beam is blocked here"
     """
-    from axiscal.campaign.campaign import Campaign
 
     text = " ".join(value or [])
     if (skip is None) == (not text):
@@ -69,7 +71,6 @@ _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with 
 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
-    from axiscal.campaign.building import calibration_of
 
     last, calibration = len(campaign.state.readings) - 1, calibration_of(campaign.engine)
     doubt = next((doubt for doubt in calibration.doubts if doubt.reading == last), None)
@@ -89,9 +90,6 @@ def _keep(
     approach: str | None,
     accept: bool,
 ) -> Reading:
-    from axiscal.cli.places import typed_place
-    from axiscal.measurement.instrument import INSTRUMENTS
-    from axiscal.units import parse_quantity
 
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
     instrument = INSTRUMENTS[campaign.description.setup(place.setup).instrument]
@@ -103,8 +101,6 @@ def _keep(
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
-    from axiscal.measurement.place_texts import place_text, reading_unit
-    from axiscal.units import format_quantity
 
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
     place = place_text(axes, reading.pose, setup.moves)
@@ -113,8 +109,6 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
-    from axiscal.measurement.place_texts import reading_unit, shown_pose
-    from axiscal.units import to_unit
 
     unit = reading_unit(campaign.description.setup(reading.setup))
     return {

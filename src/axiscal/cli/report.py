@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import RecordFile
+from axiscal.cli.printing import say
+from axiscal.report.delivery import write_report
+from axiscal.report.summarising import Extras, summarise
 
 
 def report(
@@ -22,11 +27,6 @@ def report(
     Example:
       axiscal report mill.axiscal --out mill.html
     """
-    from axiscal.campaign.building import calibration_of
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.printing import say
-    from axiscal.report.delivery import write_report
-    from axiscal.report.summarising import Extras, summarise
 
     target = record.with_suffix(".html") if out is None else out
     with Campaign.open(record, write=False) as campaign:

@@ -10,6 +10,8 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell
+from axiscal.reproduction.experiment import document, run, table
+from axiscal.reproduction.paper_page import render
 
 Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
 
@@ -21,13 +23,10 @@ def reproduce(out: Folder = None, json: Json = False) -> None:
     Example:
       axiscal reproduce --out paper
     """
-    from axiscal.reproduction.experiment import document, run, table
 
     experiment = run()
     numbers = document(experiment)
     if out is not None:
-        from axiscal.reproduction.paper_page import render
-
         out.mkdir(parents=True, exist_ok=True)
         page = out / "reproduce.html"
         page.write_text(render(experiment), "utf-8")

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH, Campaign
+from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
+from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.cli.progress import shown_progress, tell_out_of_reach
+from axiscal.cli.texts import count_text
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
+from axiscal.simulation import Simulator
+from axiscal.units import parse_quantity
 
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.campaign.sources import Source
-    from axiscal.description.campaign import CampaignDescription
 
-
-def run(
+def run_loop(
     campaign: CampaignFile,
     out: Out,
     source: Annotated[
@@ -36,10 +40,6 @@ def run(
       axiscal run campaign.toml --source sim:7 --out results
       axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
     """
-    from axiscal.cli.outputs import RECORD, write_outputs
-    from axiscal.cli.progress import tell_out_of_reach
-    from axiscal.description.campaign import read_campaign
-    from axiscal.units import parse_quantity
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
     out.mkdir(parents=True, exist_ok=True)
@@ -54,8 +54,6 @@ def run(
 
 
 def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campaign:
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.exceptions import RecordError
 
     if not path.exists():
         return Campaign.create(path, description)
@@ -73,8 +71,6 @@ def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campa
 
 
 def _open_source(campaign: Campaign, text: str, timeout: float) -> Source:
-    from axiscal.campaign.sources import open_source
-    from axiscal.simulation import Simulator
 
     description = campaign.description
     simulator = Simulator(description.machine, description.setups)
@@ -82,8 +78,6 @@ def _open_source(campaign: Campaign, text: str, timeout: float) -> Source:
 
 
 def _loop(campaign: Campaign, source: Source, again: str) -> None:
-    from axiscal.cli.progress import shown_progress
-    from axiscal.exceptions import AxiscalError, InputError
 
     try:
         with shown_progress(campaign.description.target) as watch:
@@ -98,8 +92,6 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
 
 
 def _refuse_unreached(campaign: Campaign) -> None:
-    from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH
-    from axiscal.exceptions import TargetError
 
     source, written = campaign.description.source, "the results so far are written"
     if campaign.state.finished == OUT_OF_REACH:
@@ -113,7 +105,6 @@ def _refuse_unreached(campaign: Campaign) -> None:
 
 
 def _kept(campaign: Campaign, again: str) -> str:
-    from axiscal.cli.texts import count_text
 
     count = len(campaign.state.readings)
     return (

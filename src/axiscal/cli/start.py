@@ -7,8 +7,12 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.texts import count_text
+from axiscal.description.campaign import read_campaign
 
 
 def start(
@@ -30,10 +34,6 @@ def start(
     Example:
       axiscal start campaign.toml mill.axiscal
     """
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.progress import tell_out_of_reach
-    from axiscal.cli.texts import count_text
-    from axiscal.description.campaign import read_campaign
 
     if record is not None and out is not None:
         raise typer.BadParameter("give either RECORD or --out, not both")

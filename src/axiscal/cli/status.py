@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
-
-if TYPE_CHECKING:
-    from axiscal.campaign.campaign import Campaign
+from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.measurement.place_texts import place_text
+from axiscal.units import format_quantity, to_unit
 
 
 def status(record: RecordFile, json: Json = False) -> None:
@@ -18,7 +17,6 @@ def status(record: RecordFile, json: Json = False) -> None:
     Example:
       axiscal status mill.axiscal
     """
-    from axiscal.campaign.campaign import Campaign
 
     with Campaign.open(record, write=False) as campaign:
         if json:
@@ -28,9 +26,6 @@ def status(record: RecordFile, json: Json = False) -> None:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    from axiscal.cli.texts import accuracy_text, count_text, question_text
-    from axiscal.measurement.place_texts import place_text
-    from axiscal.units import format_quantity
 
     status, description = campaign.status(), campaign.description
     state, target, axes = status.state, description.target, description.machine.axes
@@ -48,7 +43,6 @@ def _lines(campaign: Campaign) -> list[str]:
 
 
 def _document(campaign: Campaign) -> dict[str, object]:
-    from axiscal.units import to_unit
 
     status = campaign.status()
     state = status.state
@@ -68,7 +62,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
 
 
 def _target(campaign: Campaign) -> dict[str, float | None]:
-    from axiscal.units import to_unit
 
     target = campaign.description.target
     lengths = {"rms_um": target.rms, "worst_um": target.worst}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.texts import count_text
+from axiscal.record.events import Finished, Recorded
 
 
 def undo(record: RecordFile, json: Json = False) -> None:
@@ -15,9 +18,6 @@ def undo(record: RecordFile, json: Json = False) -> None:
     Example:
       axiscal undo mill.axiscal
     """
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.texts import count_text
-    from axiscal.record.events import Finished, Recorded
 
     with Campaign.open(record) as campaign:
         event = campaign.undo().event

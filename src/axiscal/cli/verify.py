@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from axiscal.acceptance.check import Check
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-
-if TYPE_CHECKING:
-    from axiscal.acceptance.check import Check
+from axiscal.cli.printing import say, say_document
+from axiscal.report.check_report import judgement_document, judgement_text, plan_lines, plan_rows
+from axiscal.report.delivery import write_whole
 
 
 def verify(
@@ -45,10 +47,6 @@ def verify(
       axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
       axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
     """
-    from axiscal.acceptance.check import Check
-    from axiscal.campaign.campaign import Campaign
-    from axiscal.cli.printing import say, say_document
-    from axiscal.report.check_report import judgement_document, judgement_text
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
@@ -71,9 +69,6 @@ def verify(
 
 
 def _plan(check: Check, points: int, plan: Path | None, json: bool) -> None:
-    from axiscal.cli.printing import say, say_document
-    from axiscal.report.check_report import plan_lines, plan_rows
-    from axiscal.report.delivery import write_whole
 
     chosen = check.planned(points)
     rows = plan_rows(check, chosen)

@@ -9,6 +9,7 @@ from axiscal.compensation.offer import Export, Maker, tried_out
 from axiscal.document import nearest, shown
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.numerics.threads import one_thread
 
 _ROOM = "axiscal.compensation.controllers"
 CONTROLLERS = {
@@ -26,6 +27,7 @@ CONTROLLERS = {
 """Name -> module and function that writes the files."""
 
 
+@one_thread()
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)

@@ -30,6 +30,7 @@ from axiscal.estimate.case import Case
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.planner import Planner
 from axiscal.report.delivery import write_files
 from axiscal.simulation import Simulator, VirtualMachine
@@ -69,6 +70,7 @@ def description(name: str) -> CampaignDescription:
     return campaign_from_texts(campaign, f"{name}.campaign.toml", machine, f"{name}.machine.toml")
 
 
+@one_thread()
 def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
     problem = Case(description(name))

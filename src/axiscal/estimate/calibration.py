@@ -22,6 +22,7 @@ from axiscal.inference.outliers import FEWEST, NOTHING, Doubt, Verdict, verdict
 from axiscal.measurement.observation import Observation, Seen
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.threads import one_thread
 
 _GROWTH = 1.34
 _ROUNDS = 12
@@ -126,6 +127,7 @@ class Calibration:
         count = len(self._readings)
         return next((n for n in range(most) if self._due(count + n + 1) != self._learnt_from), most)
 
+    @one_thread()
     def known_after_each(self) -> list[Accuracy]:
         """Return what is known after each reading that this replay has absorbed since; none disturbs its scales."""
         known = list[Accuracy]()
@@ -151,6 +153,7 @@ class Calibration:
         slack = _LEARNABLE if stated.description.scales_estimated else 1.0
         return Plausibility(stated.observation, stated.errors.prior_covariance(), mean, slack)
 
+    @one_thread()
     def _settled(self) -> Calibration:
         due = self._due(len(self._readings))
         if due != self._learnt_from:
@@ -308,10 +311,12 @@ class Calibration:
         reading = self._readings[doubt.reading]
         return objection(doubt, reading, self.stated.description.setup(reading.setup))
 
+    @one_thread()
     def rows_of(self, readings: Sequence[Reading]) -> list[Seen]:
         """Return what each of many readings sees, its variances and values."""
         return seen_together(self._settled()._observation, readings)
 
+    @one_thread()
     def accuracy(self) -> Accuracy:
         """Return how well the machine is known now."""
         settled = self._settled()

@@ -12,6 +12,7 @@ from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
 from axiscal.estimate.inheritance import last_calibration
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import chi_square_tail
 
 _CHANCE = 6e-5
 """Probability of four standard deviations."""
@@ -59,8 +60,6 @@ def _alone(calibration: Calibration) -> Calibration:
 
 def _change(before: Calibration, now: Calibration, function: ErrorFunction) -> Change:
     """Compare all control values together: what no reading tells, such as the constant, is wide and does not count."""
-    from scipy.special import chdtrc
-
     axis = now.problem.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
     (old, old_covariance), (new, new_covariance) = (
@@ -70,7 +69,7 @@ def _change(before: Calibration, now: Calibration, function: ErrorFunction) -> C
     chi_square = float(difference @ np.linalg.lstsq(old_covariance + new_covariance, difference)[0])
     beside = difference - difference.mean() if len(difference) > 1 else difference
     worst = int(np.argmax(np.abs(beside)))
-    chance = float(chdtrc(len(difference), chi_square))
+    chance = chi_square_tail(len(difference), chi_square)
     return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
 
 

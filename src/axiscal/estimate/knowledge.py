@@ -20,6 +20,7 @@ from axiscal.inference.numbers import seen_together, visited_together
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 
 AT_ONCE = 400
 """Products of matrices cost the least for some hundreds of readings at a time."""
@@ -43,6 +44,7 @@ class Knowledge:
         wider = visited_together(self.observation, readings)
         return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
 
+    @one_thread()
     def read(self, readings: Sequence[Reading]) -> Knowledge:
         """Return what is known after readings."""
         known = self

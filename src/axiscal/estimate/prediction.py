@@ -13,6 +13,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.poses import RawPose
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 from axiscal.units import to_unit
 
 _SLACK = 1e-9
@@ -26,6 +27,7 @@ class PosePrediction:
     std_um: list[float]
 
 
+@one_thread()
 def predict_poses(calibration: Calibration, wanted: Sequence[RawPose], file: Path) -> list[PosePrediction]:
     """Return the prediction at each pose; axes that a pose leaves out stand at the middle of their travel.
 

@@ -18,6 +18,7 @@ from axiscal.inference.scales import Kind, Scale
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import inverse_of_product
 
 
 class Evidence:
@@ -56,7 +57,7 @@ class Evidence:
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
         lower: Array = np.asarray(np.linalg.cholesky(self._covariance(logs)), dtype=float)
-        inverse = _inverse(lower)
+        inverse = inverse_of_product(lower)
         alpha = inverse @ self.values
         value = -0.5 * float(self.values @ alpha) - float(np.log(np.diag(lower)).sum())
         pull = np.outer(alpha, alpha) - inverse
@@ -131,12 +132,3 @@ class Evidence:
             result[i] = std**2 * float(np.sum(part.correlation(length) * inner))
         if length is not None and (i := self._index.get(("length", entry.name))) is not None:
             result[i] = 0.5 * std**2 * float(np.sum(part.by_length(length) * inner))
-
-
-def _inverse(lower: Array) -> Array:
-    """Return (L Lᵀ)⁻¹."""
-    from scipy.linalg.lapack import dpotri
-
-    half = np.tril(dpotri(lower, lower=1)[0])
-    result: Array = half + np.tril(half, -1).T
-    return result

@@ -12,6 +12,8 @@ from axiscal.inference.scales import Scale, Scales, log_prior_precision
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import lowest
+from axiscal.numerics.threads import one_thread
 
 _FARTHEST = 4.6
 _STEP = 1e-3
@@ -37,6 +39,7 @@ class Fit:
         return 2.0 * (self.found - self.stated)
 
 
+@one_thread()
 def fit(
     observation: Observation,
     readings: Sequence[Reading],
@@ -51,7 +54,10 @@ def fit(
     """
     evidence = Evidence(observation, drawn(readings, _MOST), scales, prior)
     objective = _objective(evidence, scales)
-    best = min((_descended(objective, start, _STEPS) for start in _starts(scales)), key=lambda at: objective(at)[0])
+    best = min(
+        (lowest(objective, start, -_FARTHEST, _FARTHEST, _STEPS) for start in _starts(scales)),
+        key=lambda at: objective(at)[0],
+    )
     variances = _variances(lambda logs: objective(logs)[1], best)
     cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
     found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(cautious)))
@@ -68,7 +74,7 @@ def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
 
 def roughly(evidence: Evidence, scales: tuple[Scale, ...]) -> Array:
     """Return the logarithms of the scales' factors that a few steps find, good enough to judge by, (n,)."""
-    return _descended(_objective(evidence, scales), np.zeros(len(scales)), _FEW_STEPS)
+    return lowest(_objective(evidence, scales), np.zeros(len(scales)), -_FARTHEST, _FARTHEST, _FEW_STEPS)
 
 
 def _objective(evidence: Evidence, scales: tuple[Scale, ...]) -> Callable[[Array], tuple[float, Array]]:
@@ -90,14 +96,6 @@ def _cautious(scale: Scale, log: float, variance: float) -> float:
     """
     spread = float(np.sqrt(variance))
     return log - spread if scale.kind == "length" else log + variance + spread / 4
-
-
-def _descended(objective: Callable[[Array], tuple[float, Array]], start: Array, steps: int) -> Array:
-    from scipy.optimize import Bounds, minimize
-
-    box = Bounds(np.full(len(start), -_FARTHEST), np.full(len(start), _FARTHEST))
-    lowest: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=box, options={"maxiter": steps}).x
-    return lowest
 
 
 def _variances(slope: Callable[[Array], Array], at: Array) -> Array:

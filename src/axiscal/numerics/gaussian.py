@@ -6,8 +6,6 @@ semidefinite whatever the order and number of readings, and directions that no r
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import transposed_solution
 
 _SYMMETRY = 1e-9
 _NEGATIVE = 1e-10
@@ -184,7 +183,7 @@ def condition_together(
     seen = rows @ start
     own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
     upper = _triangle(np.vstack([np.diag(std), own.T]))
-    taken = _triangular()(upper, np.column_stack([own, left]), trans="T")
+    taken = transposed_solution(upper, np.column_stack([own, left]))
     felt = taken[:, :-1] @ seen.T
     felt[np.arange(len(felt))[:, None] >= before] = 0.0
     variance = np.maximum(np.einsum("ij,ij->i", seen, seen) - np.einsum("ij,ij->j", felt, felt), 0.0)
@@ -202,7 +201,7 @@ def _after(start: Array, scaled: Array, left: Array) -> tuple[Array, Array]:
     stacked[:size, :size] = np.eye(size)
     stacked[size:, :size], stacked[size:, size] = scaled, left
     triangle = _triangle(stacked)[:size]
-    after = _triangular()(triangle[:, :size], start.T, trans="T").T
+    after = transposed_solution(triangle[:, :size], start.T).T
     return after, after @ triangle[:, size]
 
 
@@ -219,9 +218,3 @@ def _triangle(stacked: Array) -> Array:
     """Return R, upper triangular, with RᵀR = stackedᵀ stacked."""
     result: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
     return result
-
-
-def _triangular() -> Callable[..., Array]:
-    from scipy.linalg import solve_triangular
-
-    return partial(solve_triangular, check_finite=False)

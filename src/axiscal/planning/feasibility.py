@@ -15,6 +15,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimate.case import Case
 from axiscal.exceptions import TargetError
 from axiscal.measurement.place_texts import reading_unit
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 from axiscal.units import format_quantity, to_unit
 
@@ -25,6 +26,7 @@ MOST = 1000
 """Readings beyond which no plan is made for an accuracy."""
 
 
+@one_thread()
 def out_of_reach(problem: Case) -> str | None:
     """Return why the RMS target cannot be reached with these set-ups and what would help; None if it can."""
     target = problem.description.target.rms
@@ -49,6 +51,7 @@ def reachable_rms(problem: Case) -> float:
     return math.hypot(problem.yardstick.unseen_rms, math.sqrt(problem.yardstick.moments.rest))
 
 
+@one_thread()
 def refuse_out_of_reach(problem: Case, limits: Limits) -> None:
     """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
     if limits.rms is None:

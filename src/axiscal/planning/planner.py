@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
 from axiscal.measurement.place import Place
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.drift_markers import planned_with_markers, without_markers
 from axiscal.planning.next_readings import planned_places
 from axiscal.planning.plan_basis import plan_basis, twice_rejected
@@ -20,6 +21,7 @@ class Planner(Calibration):
         """Return what a plan made now rests on beside where the readings were taken, in words; empty for nothing."""
         return plan_basis(self.problem, self.readings, self.doubts, self.learnt_from)
 
+    @one_thread()
     def plan(self, gaps: Sequence[Gap], places: Sequence[Place], left: Sequence[Place] = ()) -> tuple[Place, ...]:
         """Return the readings to come, none of the gaps, in the order of a short way.
 

@@ -14,6 +14,7 @@ from axiscal.design.gains.candidate_rows import MEMORY
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimate.case import Case
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 
 Progress = Callable[[str], None]
@@ -35,6 +36,7 @@ class Proposal:
     gap: float | None = None
 
 
+@one_thread()
 def proposed(
     case: Case,
     limits: Limits,
@@ -56,6 +58,7 @@ def refuse_unless_provable(case: Case) -> None:
         refuse_unless_polynomial(case.observation, index)
 
 
+@one_thread()
 def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float, progress: Progress) -> Proposal:
     """Return a plan with a bound for as many readings of any of the set-ups, wherever they are taken.
 

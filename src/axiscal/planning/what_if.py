@@ -14,6 +14,7 @@ from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.proposal import Thoroughness, proposed
 
 PLANNED = "planned, all set-ups"
@@ -41,6 +42,7 @@ class Alternative:
         return len(self.rms) - 1
 
 
+@one_thread()
 def alternatives(
     case: Case, limits: Limits, how: Thoroughness, progress: Callable[[str], None]
 ) -> tuple[Alternative, ...]:

@@ -21,6 +21,7 @@ from axiscal.estimate.calibration import Calibration
 from axiscal.exceptions import TableError
 from axiscal.measurement.candidates import even_points
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 from axiscal.report.summarising import Extras, summarise
 from axiscal.report.summary import Summary, TableOffer, result_json
 
@@ -29,6 +30,7 @@ CONTROLLERS = ("linuxcnc", "csv")
 _POSES = 2000
 
 
+@one_thread()
 def deliver(campaign: Campaign, calibration: Calibration, out: Path, extras: Extras) -> Summary:
     """Write tables, result and report of a campaign, and return what they say.  Raises OSError.
 

@@ -19,6 +19,7 @@ from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.units import to_unit
@@ -42,15 +43,13 @@ def observability(problem: Case) -> list[str]:
 
 def residual_check(calibration: Calibration) -> ResidualCheck | None:
     """Return the chi-square of the innovations of all readings that are believed; None before the first."""
-    from scipy.special import chdtrc
-
     refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
     believed = [each for i, each in enumerate(calibration.innovations) if i not in refused]
     if not believed:
         return None
     total = sum(each.chi_square for each in believed)
     count = sum(each.degrees for each in believed)
-    return ResidualCheck(total, count, float(chdtrc(count, total)))
+    return ResidualCheck(total, count, chi_square_tail(count, total))
 
 
 def findings(calibration: Calibration) -> list[Finding]:

@@ -25,6 +25,7 @@ from axiscal.design.step.starts_with_levers import sides
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import steepest
+from axiscal.numerics.threads import one_thread
 from axiscal.numerics.uphill import uphill
 
 GAP = 1e-2
@@ -43,6 +44,7 @@ class Proof:
     gap: float
 
 
+@one_thread()
 def prove(
     state: Covariance,
     lattice: Places,

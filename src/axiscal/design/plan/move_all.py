@@ -13,6 +13,7 @@ import numpy as np
 
 from axiscal.design.gains.covariance import Covariance, Point
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import lowest
 
 _STEP = 1e-6
 _ITERATIONS = 80
@@ -32,8 +33,6 @@ def moved(state: Covariance, points: list[Point]) -> list[Point]:
 
     state : before the first.  Coordinates on a raster stay.
     """
-    from scipy.optimize import minimize
-
     free = _free(state, points)
     if not free:
         return points
@@ -48,9 +47,7 @@ def moved(state: Covariance, points: list[Point]) -> list[Point]:
     def value(shares: Array) -> tuple[float, Array]:
         return _value(state, placed(shares), free)
 
-    bounds = [(0.0, 1.0)] * len(free)
-    found = minimize(value, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": _ITERATIONS})
-    ended = placed(np.clip(found.x, 0.0, 1.0))
+    ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
     return ended if state.with_points(ended).value < state.with_points(points).value else points
 
 

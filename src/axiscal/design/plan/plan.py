@@ -29,6 +29,7 @@ from axiscal.design.plan.task import Clock, Limits, Task, clock, way_seconds
 from axiscal.design.plan.within_limits import fitted
 from axiscal.exceptions import PlanError
 from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
 
 Progress = Callable[[str], None]
 
@@ -88,6 +89,7 @@ class Plan:
         return self.value / self.bound.value if self.bound and self.bound.value > 0 else np.inf
 
 
+@one_thread()
 def make_plan(
     problem: Task,
     limits: Limits,

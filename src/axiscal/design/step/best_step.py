@@ -23,6 +23,7 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.exact_step import gain_forms
+from axiscal.numerics.threads import one_thread
 
 _APART = 0.12
 _STARTS = 16
@@ -67,6 +68,7 @@ class Step:
         return Reading(setup.name, pose, approach, first, others=tuple(others))
 
 
+@one_thread()
 def best_step(knowledge: Knowledge, weight: Array, lattice: Places) -> Step:
     """Return the reading with the largest fall of J = tr(VᵀV C) (B&H eq. 37).
 

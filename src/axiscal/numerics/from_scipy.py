@@ -1,0 +1,54 @@
+"""What is used of scipy. It is loaded at the first call: that costs half a second, which most commands need not wait.
+
+scipy brings a BLAS of its own, which is held to one thread like that of numpy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from axiscal.numerics import Array
+from axiscal.numerics.threads import hold_loaded_libraries
+
+
+def chi_square_tail(degrees: float, value: float) -> float:
+    """Return the probability of a chi-square of so many degrees of freedom at least as large as `value`."""
+    return float(_function("scipy.special", "chdtrc")(degrees, value))
+
+
+def transposed_solution(upper: Array, right: Array) -> Array:
+    """Return U⁻ᵀ B, (n, m).  upper : (n, n), upper triangular; right : (n, m)"""
+    solved: Array = _function("scipy.linalg", "solve_triangular")(upper, right, trans="T", check_finite=False)
+    return solved
+
+
+def inverse_of_product(lower: Array) -> Array:
+    """Return (L Lᵀ)⁻¹, (n, n).  lower : (n, n), lower triangular"""
+    half = np.tril(_function("scipy.linalg.lapack", "dpotri")(lower, lower=1)[0])
+    result: Array = half + np.tril(half, -1).T
+    return result
+
+
+def lowest(
+    objective: Callable[[Array], tuple[float, Array]], start: Array, low: float, high: float, steps: int
+) -> Array:
+    """Return where L-BFGS-B finds the least value in the box from `low` to `high` in every coordinate, (n,).
+
+    objective : gives value and gradient, (n,); start : (n,); steps : iterations at most
+    """
+    bounds, options = [(low, high)] * len(start), {"maxiter": steps}
+    minimize = _function("scipy.optimize", "minimize")
+    place: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options).x
+    return place
+
+
+@cache
+def _function(module: str, name: str) -> Callable[..., Any]:
+    found: Callable[..., Any] = getattr(import_module(module), name)
+    hold_loaded_libraries()
+    return found

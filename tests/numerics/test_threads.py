@@ -1,0 +1,145 @@
+"""BLAS works with one thread where axiscal computes, and with as many as before where it does not."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+TWO_THREADS = """
+import numpy as np
+from threadpoolctl import ThreadpoolController
+from axiscal.numerics.threads import one_thread
+
+def threads():
+    return sorted({library.num_threads for library in ThreadpoolController().select(user_api="blas").lib_controllers})
+
+ThreadpoolController().limit(limits=2)
+"""
+WATCHED = """
+import scipy.linalg
+ThreadpoolController().limit(limits=2)
+libraries, outside = ThreadpoolController().select(user_api="blas").lib_controllers, []
+
+def watched(name, real):
+    def call(*arguments, **named):
+        if any(library.num_threads != 1 for library in libraries):
+            outside.append(name)
+        return real(*arguments, **named)
+    return call
+
+for name in ("qr", "cholesky", "eigh", "svd", "lstsq", "solve"):
+    setattr(np.linalg, name, watched(name, getattr(np.linalg, name)))
+"""
+CAMPAIGN = """machine = "three-axis-mill"
+scales = "estimate"
+[target]
+readings = 8
+[[setups]]
+name = "probe"
+instrument = "probe"
+direction = "x"
+"""
+PREPARED = """
+from axiscal.description.campaign import read_campaign
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits
+from axiscal.design.step.best_step import best_step
+from axiscal.estimate.inheritance import problem_of
+from axiscal.estimate.knowledge import Knowledge
+from axiscal.planning.next_readings import posed
+from axiscal.planning.proposal import Thoroughness, proposed
+
+case = problem_of(read_campaign("campaign.toml"))
+task = posed(case, case.observation, case.prior, candidates=50)
+outside.clear()
+"""
+
+
+def said(script: str, folder: Path) -> str:
+    """Return what a program prints: the limit is one of the process, and this one has its own."""
+    command = [sys.executable, "-c", TWO_THREADS + script]
+    return subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout.strip()
+
+
+def test_a_door_gives_back_what_was_before_even_after_an_error(tmp_path: Path) -> None:
+    script = """
+print(threads())
+try:
+    with one_thread():
+        print(threads())
+        one_thread()(lambda: print(threads()))()
+        print(threads())
+        raise ValueError
+except ValueError:
+    print(threads())
+"""
+    assert said(script, tmp_path).split("\n") == ["[2]", "[1]", "[1]", "[1]", "[2]"]
+
+
+def test_a_library_that_is_loaded_behind_a_door_is_held_as_well(tmp_path: Path) -> None:
+    script = """
+from axiscal.numerics.from_scipy import transposed_solution
+import sys
+with one_thread():
+    assert "scipy.linalg" not in sys.modules
+    transposed_solution(np.eye(3), np.ones((3, 1)))
+    assert "scipy.linalg" in sys.modules
+    print(threads())
+"""
+    assert said(script, tmp_path) == "[1]"
+
+
+def test_the_last_of_several_threads_of_python_opens_the_limit(tmp_path: Path) -> None:
+    script = """
+from threading import Event, Thread
+inside, leave = Event(), Event()
+
+@one_thread()
+def other():
+    inside.set()
+    leave.wait(60)
+
+thread = Thread(target=other)
+with one_thread():
+    thread.start()
+    inside.wait(60)
+print(threads())
+leave.set()
+thread.join()
+print(threads())
+"""
+    assert said(script, tmp_path).split("\n") == ["[1]", "[2]"]
+
+
+def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    script = """
+import axiscal.numerics.cubic
+from axiscal.cli.app import run
+for command in (
+    "machine check three-axis-mill",
+    "start campaign.toml a.axiscal",
+    "plan campaign.toml --candidates 50",
+    "run campaign.toml --source sim:1 --out results",
+):
+    outside.clear()
+    assert run(command.split()) == 0
+    print("computed outside:", outside, threads())
+"""
+    answers = [line for line in said(WATCHED + script, tmp_path).split("\n") if line.startswith("computed")]
+    assert answers == ["computed outside: [] [2]"] * 4
+
+
+def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    script = f"""
+{PREPARED}
+knowledge = Knowledge(case.observation, case.prior)
+step = best_step(knowledge, task.weight, task.lattice)
+knowledge.read([step.reading(case.observation, 1e-6)])
+make_plan(task, Limits(readings=3))
+proposed(case, Limits(readings=3), Thoroughness(candidates=50))
+print(outside, threads())
+"""
+    assert said(WATCHED + script, tmp_path) == "[] [2]"
