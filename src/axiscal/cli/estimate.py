@@ -11,6 +11,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimate.wrong_unit import refuse_implausible
@@ -55,6 +56,7 @@ def estimate(
         opened.adopt(placed)
         opened.finish("all readings evaluated")
         write_outputs(opened, out, as_json=json, extras=extras)
+    tell_unasked(description)
 
 
 def _standard_test(readings: Path, description: CampaignDescription) -> Extras:

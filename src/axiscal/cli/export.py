@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +15,8 @@ from axiscal.cli.printing import say, say_document
 from axiscal.compensation import registry
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
+from axiscal.compensation.old_files import read_old
+from axiscal.compensation.on_top import informed
 from axiscal.exceptions import TableError
 from axiscal.report.delivery import warned, write_files
 from axiscal.report.findings import findings
@@ -52,6 +55,13 @@ def export(
     measuring_system: Annotated[
         int, typer.Option(metavar="1|2", help="sinumerik: the measuring system that encoder compensation is for.")
     ] = 1,
+    on_top_of: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="OLD",
+            help="What was active while measuring: a table, AXIS=FILE, a folder, LinuxCNC's INI file; repeatable.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -62,14 +72,17 @@ def export(
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
+      axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
     """
 
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
         return
     options = _options(spacing, number, unit, template, name, mesh, flip, pivots, points, measuring_system)
+    options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
         calibration = calibration_of(campaign.engine)
+        options = informed(options, calibration.problem.description, to)
         offered = registry.export(calibration.estimate(), to, options)
         offered = warned(offered, [finding.text for finding in findings(calibration)])
     write_files(offered, out)

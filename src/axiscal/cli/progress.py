@@ -10,6 +10,8 @@ from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
+from axiscal.compensation.on_top import unasked
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
 from axiscal.planning.feasibility import out_of_reach
 from axiscal.units import to_unit
@@ -37,6 +39,12 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
     minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
     return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"
+
+
+def tell_unasked(description: CampaignDescription) -> None:
+    """Ask whether a compensation is active while measuring, where campaign.toml does not say."""
+    if question := unasked(description):
+        tell(f"Mind: {question}")
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:

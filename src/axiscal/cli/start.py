@@ -10,7 +10,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
 
@@ -43,6 +43,7 @@ def start(
         out.mkdir(parents=True, exist_ok=True)
     with Campaign.create(path, description) as opened:
         tell_out_of_reach(opened)
+        tell_unasked(description)
         planned = opened.prepared()
     if json:
         say_document({"schema": "axiscal-start/1", "record": str(path)})

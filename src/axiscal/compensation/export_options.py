@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from axiscal.compensation.loaded import Loaded
+from axiscal.compensation.old_files import OldFile
 from axiscal.document import shown
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
@@ -29,6 +31,8 @@ class ExportOptions:
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     points : the most of a table, where the control's memory is set by its owner; encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, as a check at one point has shown
+    old_files : of the compensation that was active while measuring; old : what they say, once they are read
+    active : whether one was, None where nobody said
     Raises TableError for a name that is more than letters, digits, _ and -.
     """
 
@@ -43,6 +47,9 @@ class ExportOptions:
     pivots: bool = False
     points: int | None = None
     encoder: int = 1
+    old_files: tuple[OldFile, ...] = ()
+    old: Loaded = field(default_factory=Loaded)
+    active: bool | None = None
 
     def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
         """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen."""

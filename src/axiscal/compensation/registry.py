@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.offer import Export, Maker, tried_out
+from axiscal.compensation.old_files import OldFile
+from axiscal.compensation.on_top import asked_about, on_top
 from axiscal.document import nearest, shown
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
 
+Importer = Callable[[Sequence[OldFile], Machine, ExportOptions], Loaded]
+"""(files, machine, options) -> what the control made of them."""
 _ROOM = "axiscal.compensation.controllers"
 CONTROLLERS = {
     "csv": ("plain_csv", "make"),
@@ -25,13 +33,36 @@ CONTROLLERS = {
     "sinumerik": ("sinumerik.exporting", "make"),
 }
 """Name -> module and function that writes the files."""
+IMPORTERS = {
+    "csv": "plain_csv",
+    "fanuc": "fanuc.importing",
+    "heidenhain": "heidenhain",
+    "klipper": "klipper",
+    "linuxcnc": "linuxcnc.importing",
+    "reprapfirmware": "reprapfirmware",
+    "sinumerik": "sinumerik.importing",
+}
+"""Name -> module whose `load` reads an old compensation of this control."""
 
 
 @one_thread()
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
-    return tried_out(name, estimate, _maker(name)(estimate, options))
+    make = _maker(name)
+    if not options.old_files:
+        return tried_out(name, estimate, asked_about(name, make(estimate, options), options))
+    old = loaded(name, estimate.machine, options)
+    return tried_out(name, estimate, on_top(estimate, make(estimate, replace(options, old=old)), old, options))
+
+
+def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what the old files of a control did; raises TableError, ReadingError."""
+    if controller not in IMPORTERS:
+        what = f"old compensation of {controller} cannot be read"
+        raise TableError(what, "switch it off on the control and measure again, with compensation_active = false")
+    load: Importer = import_module(f"{_ROOM}.{IMPORTERS[controller]}").load
+    return load(options.old_files, machine, options)
 
 
 def _maker(controller: str) -> Maker:

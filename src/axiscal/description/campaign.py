@@ -12,6 +12,8 @@ from axiscal.machine import Machine, builtin_names, load_machine, machine_from_t
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
+_ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
+
 
 @dataclass(frozen=True, slots=True)
 class CampaignDescription:
@@ -22,6 +24,8 @@ class CampaignDescription:
     scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
     prior_text : the campaign whose result is the prior (see `heritage`), empty for none
     kept : share of each error that is as that campaign found it
+    compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
+        where nobody said
     """
 
     machine: Machine
@@ -33,6 +37,7 @@ class CampaignDescription:
     scales_estimated: bool = False
     prior_text: str = ""
     kept: float = 1.0
+    compensation_active: bool | tuple[str, ...] | None = None
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -106,9 +111,21 @@ def _described(
     _refuse_budget(target, setups, document)
     learnt = table.scales == "estimate"
     source = str(document.path)
+    active = _active(table.compensation_active, document)
     return CampaignDescription(
-        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept
+        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept, active
     )
+
+
+def _active(given: bool | str | list[str] | None, document: Document) -> bool | tuple[str, ...] | None:
+    """Return what campaign.toml says of a compensation that is active; raises DescriptionError for an empty name."""
+    if given is None or isinstance(given, bool):
+        return given
+    names = (given,) if isinstance(given, str) else tuple(given)
+    if not names or not all(name.strip() and name.isprintable() for name in names):
+        fault = DescriptionError(f"compensation_active = {shown(given)} names no file", _ACTIVE)
+        raise document.fault(fault, "compensation_active")
+    return names
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

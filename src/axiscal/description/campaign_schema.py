@@ -59,6 +59,7 @@ class CampaignTable(Table):
     machine: str = Field(examples=['"machine.toml"'])
     scales: Literal["stated", "estimate"] = Field("stated", examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
+    compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -16,9 +16,10 @@ from axiscal.compensation import registry
 from axiscal.compensation.effect import Deviation, rms, tour
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, effect_sentence
+from axiscal.compensation.on_top import informed
 from axiscal.error_model.volume import Box
 from axiscal.estimate.calibration import Calibration
-from axiscal.exceptions import TableError
+from axiscal.exceptions import ReadingError, TableError
 from axiscal.measurement.candidates import even_points
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -57,8 +58,9 @@ def _tables(calibration: Calibration, controller: str, folder: Path, warnings: S
     """Write the files for one control and return what they hold and leave, or why there are none."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        offered = registry.export(calibration.estimate(), controller, ExportOptions())
-    except TableError as refusal:
+        options = informed(ExportOptions(), calibration.problem.description, controller)
+        offered = registry.export(calibration.estimate(), controller, options)
+    except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(warned(offered, warnings), folder / controller)
     left = left_out(offered)

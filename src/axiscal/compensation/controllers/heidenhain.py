@@ -14,8 +14,10 @@ import numpy as np
 
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.lookup import Lookup, lookup_control
 from axiscal.compensation.offer import Draft
+from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimate.machine_estimate import Estimate
@@ -80,7 +82,8 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     layout = read_layout(options.template, options.template_name)
     own = axis_tables(estimate, options.spacing, POINTS)
     over = tuple(table.averaged() for table in cross_tables(estimate, options.spacing, POINTS))
-    tables = [t for t in (*own, *over) if t.axis in layout.heads]
+    whole = options.old.under_tables((*own, *over), machine, 0, even=True)
+    tables = [t for t in whole if t.axis in layout.heads]
     sign = -1.0 if options.flip else 1.0
     files = {f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)}
     held = lookup_control(machine, [one for text in files.values() for one in read(text, machine, sign)])
@@ -88,6 +91,15 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     step = 10.0**-layout.decimals
     resolution = {axis.name: 3 * float(from_unit(step, axis.unit)) for axis in machine.axes}
     return Draft(files, held, wanted, resolution, tuple(tables), _HOLDS, _LEFT, _notes(layout, machine), tried=False)
+
+
+def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what old tables did; raises TableError."""
+    sign, lookups = -1.0 if options.flip else 1.0, list[Lookup]()
+    for file in files:
+        read_layout(file.text, file.name)
+        lookups += read("\n".join(line for line in file.text.splitlines() if line.strip()), machine, sign, file.axis)
+    return Loaded(tuple(lookups))
 
 
 def read_layout(text: str, file: str) -> Layout:
@@ -111,13 +123,13 @@ def read_layout(text: str, file: str) -> Layout:
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 
-def read(text: str, machine: Machine, sign: float) -> list[Lookup]:
-    """Return what the control makes of one file: the axis that its name begins with is looked up.
+def read(text: str, machine: Machine, sign: float, axis_name: str = "") -> list[Lookup]:
+    """Return what the control makes of one file: the axis that its name begins with is looked up, or the one named.
 
     sign : +1 where a value is a deviation, which is taken away
     """
     first, header, *rows, _ = text.splitlines()
-    over = machine.axis(first.split()[1].split("_")[0])
+    over = machine.axis(axis_name or re.split(r"[_.]", first.split()[1])[0])
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
     at = _inside(columns["AXISPOS"], over)

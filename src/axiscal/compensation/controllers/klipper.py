@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.offer import Draft
+from axiscal.compensation.old_files import OldFile
+from axiscal.compensation.old_maps import mesh_of_nodes
 from axiscal.compensation.skew import Skew, skew_control, skew_of
 from axiscal.compensation.surface import (
     Mesh,
@@ -21,6 +25,10 @@ from axiscal.compensation.surface import (
 )
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.bed_map import is_mesh
+from axiscal.measurement.readers.bed_map import mesh as saved_mesh
+from axiscal.measurement.readers.text import TextFile
 from axiscal.units import from_unit, to_unit
 
 _SAVED = "#*# "
@@ -33,6 +41,7 @@ _HEADER = """
 _SIDE = 1000.0
 _MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
 _LEFT = "positioning errors, straightness in the plane, reversal, and what the height does over z."
+_SAVED_SKEW = re.compile(r"^(?:#\*# )?(xy|xz|yz)_skew\s*=\s*(\S+)", re.MULTILINE)
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
 
 
@@ -40,11 +49,11 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
     estimate = with_height(estimate)
     machine, name = estimate.machine, options.name
-    skew = skew_of(estimate)
+    skew = options.old.under_skew(skew_of(estimate))
     files, held = dict[str, str](), [skew_control(machine, Skew())]
     wanted, notes = [skew_control(machine, skew)], tuple[str, ...]()
     if height_seen(estimate):
-        mesh = mesh_of(estimate, options.mesh)
+        mesh = options.old.under_mesh(mesh_of(estimate, options.mesh))
         files[_MESH] = write_mesh(mesh, name)
         held.append(mesh_control(machine, read_mesh(files[_MESH], name)))
         wanted.append(mesh_control(machine, mesh))
@@ -58,6 +67,20 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     return Draft(
         files, sum_of(*held), sum_of(*wanted), resolution, (), holds, _LEFT, notes, tried=False, about=estimate
     )
+
+
+def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+    """Return the mesh and the skew that a printer.cfg has saved; raises ReadingError, TableError."""
+    meshes, skew = list[Mesh](), Skew()
+    for file in files:
+        text = TextFile(file.name, tuple(file.text.splitlines()))
+        meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
+        found = {plane.lower(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
+        skew = Skew(**found) if found else skew
+        if not found and not is_mesh(text):
+            remedy = "give the printer.cfg with its saved block"
+            raise TableError("no mesh and no skew is saved here", remedy, file.name)
+    return Loaded(meshes=tuple(meshes), skew=skew)
 
 
 def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:

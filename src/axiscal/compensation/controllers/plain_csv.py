@@ -6,15 +6,21 @@ nominal, not the correction: whoever loads it elsewhere subtracts it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
+from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.offer import Draft
+from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable, TableFile
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
+from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
@@ -80,10 +86,21 @@ def offer(table: CompensationTable) -> TableFile:
     return TableFile(f"{_stem(table)}.csv", text, notes, resolution, residual)
 
 
+def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what somebody did who took the deviations of these tables away; raises ReadingError, TableError."""
+    lookups = []
+    for file in files:
+        table = parse(file.text, file.name)
+        for side, values in ((1, table.forward), (-1, table.reverse)):
+            lookups.append(Lookup(table.axis, table.over, table.positions, -values, side))
+    return Loaded(tuple(lookups))
+
+
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return one file for each axis, and for each axis over another; raises TableError."""
     own = axis_tables(estimate, options.spacing, _MOST)
-    tables = (*own, *cross_tables(estimate, options.spacing, _MOST))
+    new = (*own, *cross_tables(estimate, options.spacing, _MOST))
+    tables = options.old.under_tables(new, estimate.machine, _MOST)
     offers = [offer(table) for table in tables]
     held = table_control(estimate.machine, [parse(file.text, file.name) for file in offers])
     resolution: dict[str, float] = {}

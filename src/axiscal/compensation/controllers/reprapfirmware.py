@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 
 import numpy as np
 
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.offer import Draft
+from axiscal.compensation.old_files import OldFile
+from axiscal.compensation.old_maps import mesh_of_nodes
 from axiscal.compensation.surface import Mesh, height_seen, mesh_control, mesh_of, with_height
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.bed_map import height_map
+from axiscal.measurement.readers.text import TextFile
 from axiscal.units import from_unit, to_unit
 
 _FILE = "heightmap.csv"
@@ -31,13 +38,19 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     if not height_seen(estimate):
         what = "there is no deviation that a height map could hold: no reading has seen the height over the plane"
         raise TableError(what, "read it along z while X and Y move")
-    mesh = mesh_of(estimate, options.mesh)
+    mesh = options.old.under_mesh(mesh_of(estimate, options.mesh))
     text = write(mesh)
     held = mesh_control(estimate.machine, read(text))
     wanted = mesh_control(estimate.machine, mesh)
     size = (f"The map has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side.",)
     notes = _NOTES + size
     return Draft({_FILE: text}, held, wanted, {"Z": 2e-9}, (), _HOLDS, _LEFT, notes, tried=False, about=estimate)
+
+
+def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+    """Return the height maps that were active; raises ReadingError."""
+    texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
+    return Loaded(meshes=tuple(mesh_of_nodes(height_map(text)) for text in texts))
 
 
 def write(mesh: Mesh) -> str:

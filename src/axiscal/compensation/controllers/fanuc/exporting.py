@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from axiscal.compensation.controllers.fanuc.data import FIRST_DATA, fill, increments, read
-from axiscal.compensation.controllers.fanuc.plan import DETECTION, PitchParameters, read_plans
+from axiscal.compensation.controllers.fanuc.plan import DETECTION, PitchParameters, linear_numbers, read_plans
 from axiscal.compensation.controllers.fanuc.records import read_records
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions
@@ -16,7 +16,6 @@ from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
 from axiscal.units import format_quantity
 
 _FILE = "pitch.txt"
@@ -32,7 +31,9 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
         raise TableError("FANUC files are made from one of your control", "give it: --template FILE")
     numbers = linear_numbers(machine, options)
     plans = read_plans(read_records(text, name), name, numbers)
-    tables = {axis: _zeroed(_table(estimate, axis, plan), plan) for axis, plan in plans.items()}
+    new = [_table(estimate, axis, plan) for axis, plan in plans.items()]
+    whole = options.old.under_tables(new, machine, 0, even=True)
+    tables = {table.axis: _zeroed(table, plans[table.axis]) for table in whole if table.axis in plans}
     sign = -1 if options.flip else 1
     found = {axis: increments(table, plans[axis], sign) for axis, table in tables.items()}
     filled = fill(text, plans, found, numbers, name)
@@ -42,11 +43,6 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     holds, left = _said(plans)
     notes = _notes(plans)
     return Draft({_FILE: filled}, held, wanted, resolution, tuple(tables.values()), holds, left, notes, tried=False)
-
-
-def linear_numbers(machine: Machine, options: ExportOptions) -> dict[str, int]:
-    """Return the controlled-axis number of each linear axis."""
-    return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
 
 
 def _table(estimate: Estimate, name: str, plan: PitchParameters) -> CompensationTable:

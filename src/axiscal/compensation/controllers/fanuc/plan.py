@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.controllers.fanuc.records import EXPECTED, Records
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
 DETECTION = 1e-6
@@ -67,6 +69,11 @@ class PitchParameters:
         """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
         below, above = np.floor(low / self.interval + 1e-6), np.ceil(high / self.interval - 1e-6)
         return self.reference + int(below) + 1, self.reference + int(above)
+
+
+def linear_numbers(machine: Machine, options: ExportOptions) -> dict[str, int]:
+    """Return the controlled-axis number of each linear axis."""
+    return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
 
 
 def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:

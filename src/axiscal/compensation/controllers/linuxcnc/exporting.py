@@ -11,7 +11,7 @@ from axiscal.belief import Belief
 from axiscal.compensation.controllers.linuxcnc import cross, pivots
 from axiscal.compensation.controllers.linuxcnc.hal import Hal
 from axiscal.compensation.controllers.linuxcnc.reader import ROWS, LinuxcncTable, correction, parse
-from axiscal.compensation.controllers.linuxcnc.turns import over_turns
+from axiscal.compensation.controllers.linuxcnc.turns import one_turn, over_turns
 from axiscal.compensation.controllers.linuxcnc.writer import offer, resolution
 from axiscal.compensation.effect import Control, table_control
 from axiscal.compensation.export_options import ExportOptions
@@ -46,8 +46,11 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     joints = options.numbered(machine, first=0)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
-    own = tuple(over_turns(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-    over = tuple(t.averaged() for t in cross_tables(estimate, most=cross.POINTS))  # a lincurve has no direction
+    new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
+    own = tuple(over_turns(t, machine) for t in options.old.within().under_tables(new, machine, ROWS))
+    across = cross_tables(estimate, most=cross.POINTS)
+    across = options.old.across().under_tables(across, machine, cross.POINTS, even=True)
+    over = tuple(t.averaged() for t in across)  # a lincurve has no direction
     offers = [
         offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
         for t in own

@@ -14,23 +14,27 @@ from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
 MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
 
 
-def over_turns(estimate: Estimate, table: CompensationTable) -> CompensationTable:
-    """Return a table of one turn repeated over the turns that its axis may make; any other table as it is."""
+def one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
+    """Return the table of a full-turn axis on as few points that all its turns fit; any other table as it is."""
     axis = estimate.machine.axis(table.axis)
-    if not axis.cyclic or table.over != table.axis:
+    fits = (ROWS - 1) // (sum(turns(axis)) + 1)
+    if not axis.cyclic or len(table.positions) - 1 <= fits:
         return table
-    below, above = turns(axis)
-    fits = (ROWS - 1) // (below + 1 + above)
-    if len(table.positions) - 1 > fits:
-        at = np.linspace(*axis.travel, fits + 1)
-        table = own_table(estimate, estimate.machine.index(axis.name), at)
-    return _repeated(table, below, above)
+    return own_table(estimate, estimate.machine.index(axis.name), np.linspace(*axis.travel, fits + 1))
+
+
+def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
+    """Return a table of one turn repeated over the turns that its axis may make; any other table as it is."""
+    axis = machine.axis(table.axis)
+    whole = axis.cyclic and np.allclose(table.positions[[0, -1]], axis.travel)
+    return _repeated(table, *turns(axis)) if whole else table
 
 
 def turns(axis: Axis) -> tuple[int, int]:

@@ -10,7 +10,8 @@ import numpy as np
 
 from axiscal.compensation.controllers.sinumerik.notes import notes
 from axiscal.compensation.controllers.sinumerik.reading import read
-from axiscal.compensation.controllers.sinumerik.writing import blocks_of, write
+from axiscal.compensation.controllers.sinumerik.writing import POINTS as CEC_POINTS
+from axiscal.compensation.controllers.sinumerik.writing import axis_names, blocks_of, write
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
@@ -18,7 +19,6 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
 from axiscal.units import from_unit
 
 POINTS = 200
@@ -40,6 +40,8 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     grid = (_STEP, float(np.radians(1e-3)))
     own = axis_tables(estimate, options.spacing, most, grid)
     over = tuple(t.averaged() for t in cross_tables(estimate, options.spacing, most, _STEP))
+    whole = options.old.under_tables((*own, *over), machine, max(most, CEC_POINTS), even=True)
+    own, over = (tuple(t for t in whole if (t.axis == t.over) is itself) for itself in (True, False))
     blocks, encoder = blocks_of(own, over), options.encoder - 1
     files = write(own, blocks, names, -1.0 if options.flip else 1.0, encoder)
     held = lookup_control(machine, read(files.values(), names, machine, options.flip))
@@ -47,11 +49,3 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     resolution = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
     said = notes(own, blocks, names, encoder)
     return Draft(files, held, wanted, resolution, (*own, *over), _HOLDS, _LEFT, said, tried=False)
-
-
-def axis_names(machine: Machine, options: ExportOptions) -> dict[str, str]:
-    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
-    found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
-    if len(set(found.values())) < len(found):
-        raise TableError("two axes have the same number", f"Give each its own: {found}")
-    return found

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -16,6 +18,14 @@ TABLES = 128
 POINTS = 2000
 """Points that MD18342 allows for a CEC table."""
 ENC, CEC = "AX_EEC.INI", "NC_CEC.INI"
+
+
+def axis_names(machine: Machine, options: ExportOptions) -> dict[str, str]:
+    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
+    found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
+    if len(set(found.values())) < len(found):
+        raise TableError("two axes have the same number", f"Give each its own: {found}")
+    return found
 
 
 @dataclass(frozen=True, eq=False, slots=True)

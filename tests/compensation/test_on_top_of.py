@@ -1,0 +1,283 @@
+"""New tables on top of old ones: what the control then adds is the old correction less what it left.
+
+Every format is written and read by hand here; the machine is known, so that what is left is known too.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.cli.app import run
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.offer import Export
+from axiscal.compensation.old_files import OldFile, read_old
+from axiscal.compensation.registry import export
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.estimate.machine_estimate import Estimate
+from axiscal.exceptions import InputError, TableError
+from axiscal.machine.description import machine_from_text
+from axiscal.numerics import Array
+
+MACHINE = """name = "M"
+chain = "w-b-X-Y-Z-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[axes.Z]
+travel = ["0 mm", "100 mm"]
+[errors]
+EXX = { std = "10 um", knots = 7, length = "150 mm" }
+EXX_reversal = { std = "6 um" }
+EYX = { std = "10 um", knots = 5, length = "150 mm" }
+EZX = { std = "30 um", knots = 5, length = "150 mm" }
+EZY = { std = "30 um", knots = 5, length = "150 mm" }
+"""
+AT = np.linspace(0.0, 300.0, 13)
+OLD_UP = -0.020 * np.sin(AT / 70.0)  # what the old table adds on the way up, mm; nothing at zero
+OLD_DOWN = OLD_UP + 0.011
+PROBES = np.linspace(3.0, 297.0, 40)
+
+
+def known() -> Estimate:
+    model = ErrorModel(machine_from_text(MACHINE))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(6).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+
+
+def exported(controller: str, *files: OldFile, **options: object) -> Export:
+    return export(known(), controller, ExportOptions(old_files=files, **options))  # type: ignore[arg-type]
+
+
+def left(name: str, at: Array, side: int = 0) -> Array:
+    """Return what the old compensation left along the error's direction, counted from the axis' zero, mm."""
+    estimate = known()
+    function = estimate.model.names[name]
+
+    def value(x: Array) -> Array:
+        return np.asarray(function.basis.rows(1e-3 * x) @ estimate.mean[function.columns])
+
+    back = estimate.model.names.get(f"{name}_reversal")
+    half = 0.0 if back is None else side / 2 * float(estimate.mean[back.columns][0])
+    return 1e3 * (value(at) - value(np.zeros(1)) + half)
+
+
+def wanted(side: int) -> Array:
+    old = np.interp(PROBES, AT, OLD_UP if side > 0 else OLD_DOWN)
+    return old - left("EXX", PROBES, side)
+
+
+def comp(kind: int) -> str:
+    columns = [AT, OLD_UP, OLD_DOWN] if kind else [AT, AT - OLD_UP, AT - OLD_DOWN]
+    return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in zip(*columns, strict=True))
+
+
+def comp_added(text: str, side: int) -> Array:
+    rows = np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+    added: Array = np.interp(PROBES, rows[:, 0], rows[:, 0] - rows[:, 1 if side > 0 else 2])
+    return added
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("kind", [0, 1])
+def test_a_comp_file_of_either_type_stays_in_the_sum(kind: int, side: int) -> None:
+    made = exported("linuxcnc", OldFile("old/x.comp", comp(kind)))
+    assert comp_added(made.files["X.comp"], side) == pytest.approx(wanted(side), abs=2e-4)
+    assert "on top of it what was found: load them in its place" in made.readme
+
+
+def test_the_ini_file_names_its_tables_and_their_type_and_a_backlash_becomes_a_table(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text(comp(1))
+    (tmp_path / "mill.ini").write_text(
+        "[EMC]\nMACHINE = mill\n[JOINT_0]\nCOMP_FILE = a.txt\nCOMP_FILE_TYPE = 1\nBACKLASH = 0.5\n"
+        "[JOINT_1]\nBACKLASH = 0.030  # mm\n[JOINT_2]\nHOME = 0\n"
+    )
+    made = exported("linuxcnc", *read_old(["mill.ini"], tmp_path))
+    assert comp_added(made.files["X.comp"], 1) == pytest.approx(wanted(1), abs=2e-4)
+    for side in (1, -1):  # half to each side, as motion adds it
+        assert comp_added(made.files["Y.comp"], side) == pytest.approx(np.full(40, side * 0.015), abs=1e-6)
+
+
+def test_a_table_of_an_axis_that_was_not_measured_is_kept() -> None:
+    made = exported("linuxcnc", OldFile("Z.comp", "0 0.002 0.004\n50 50.010 50.012\n100 100.005 100.005\n"))
+    rows = [[float(word) for word in line.split()] for line in made.files["Z.comp"].splitlines()]
+    assert rows == [[0, 0.002, 0.004], [50, 50.01, 50.012], [100, 100.005, 100.005]]
+
+
+def test_the_curves_of_an_earlier_hal_file_stay_in_the_sum() -> None:
+    first = exported("linuxcnc")
+    again = exported("linuxcnc", OldFile("axiscal-cross.hal", first.files["axiscal-cross.hal"]))
+    curves = [
+        np.array([float(v) for v in re.findall(r"setp \S*y-x\.y-val-\d+ (\S+)", made.files["axiscal-cross.hal"])])
+        for made in (first, again)
+    ]
+    assert np.ptp(curves[0]) > 1e-3
+    assert curves[1] == pytest.approx(2 * curves[0], abs=1e-6)  # once for what was loaded, once for what it left
+
+
+def siemens(table: Array) -> str:
+    rows = "".join(f"$AA_ENC_COMP[0,{i},AX1]={v:.6f}\n" for i, v in enumerate(table))
+    tail = "$AA_ENC_COMP_STEP[0,AX1]=25.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=300.0\n"
+    unused = "$AA_ENC_COMP_STEP[0,AX9]=0.0\n$AA_ENC_COMP[1,0,AX1]=0.5\n"
+    return f"%_N_AX_EEC_INI\nCHANDATA(1)\n{rows}{tail}$AA_ENC_COMP_IS_MODULO[0,AX1]=0\n{unused}M17\n"
+
+
+def test_encoder_compensation_stays_in_the_sum() -> None:
+    """A positive value moves the axis down."""
+    made = exported("sinumerik", OldFile("AX_EEC.INI", siemens(-OLD_UP)))
+    values = {int(i): float(v) for i, v in re.findall(r"ENC_COMP\[0,(\d+),AX1\]=(\S+)", made.files["AX_EEC.INI"])}
+    step = float(re.findall(r"STEP\[0,AX1\]=(\S+)", made.files["AX_EEC.INI"])[0])
+    added = -np.interp(PROBES, step * np.arange(len(values)), [values[i] for i in sorted(values)])
+    assert added == pytest.approx(np.interp(PROBES, AT, OLD_UP) - left("EXX", PROBES), abs=4e-4)
+
+
+def test_pitch_data_stay_in_the_sum() -> None:
+    parameters = ["N3620A1P20A2P0A3P0;", "N3621A1P21A2P0A3P0;", "N3622A1P32A2P0A3P0;", "N3623A1P2A2P1A3P1;"]
+    steps = np.diff(np.round(OLD_UP * 1e3 / 2)).astype(int)
+    data = [f"N{10021 + i}P{v};" for i, v in enumerate(steps)]
+    text = "\n".join(["%", *parameters, "N3624A1P25.0A2P0A3P0;", *data, "%"])
+    made = exported("fanuc", OldFile("pitch.txt", text), template=text)
+    new = [int(v) for v in re.findall(r"N100(?:2[1-9]|3[0-2])P(-?\d+);", made.files["pitch.txt"])]
+    added = np.interp(PROBES, AT, np.r_[0, 2e-3 * np.cumsum(new)])
+    assert added == pytest.approx(np.interp(PROBES, AT, OLD_UP) - left("EXX", PROBES), abs=3e-3)
+    assert new != steps.tolist()
+
+
+def test_a_heidenhain_table_stays_in_the_sum() -> None:
+    """Values are deviations, taken away; BACKLASH comes on top when moving downwards."""
+    head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y            Z\n"
+    rows = "".join(
+        f"{i:<4}{p:>11.4f}{u - d:>13.4f}{-u:>13.4f}{0:>13.4f}{0:>13.4f}\n"
+        for i, (p, u, d) in enumerate(zip(AT, OLD_UP, OLD_DOWN, strict=True))
+    )
+    made = exported("heidenhain", OldFile("X_AXIS.COM", f"{head}{rows}[END]\n"), template=f"{head}{rows}[END]\n")
+    lines = made.files["X_AXIS.COM"].splitlines()
+    names = lines[1].split()
+    table = np.array([[float(word) for word in line.split()] for line in lines[2:-1]])
+    at, back, own = (table[:, names.index(name)] for name in ("AXISPOS", "BACKLASH", "X"))
+    assert -np.interp(PROBES, at, own) == pytest.approx(wanted(1), abs=6e-4)
+    assert -np.interp(PROBES, at, own + back) == pytest.approx(wanted(-1), abs=6e-4)
+
+
+GRID = np.linspace(0, 300, 7), np.linspace(0, 200, 5)
+
+
+@pytest.mark.parametrize("controller", ["klipper", "reprapfirmware"])
+def test_a_height_map_stays_in_the_sum(controller: str) -> None:
+    x, y = GRID
+    old = 0.05 * np.sin(x / 90)[None] + 0.03 * (y / 200)[:, None] ** 2
+    rows = [", ".join(f"{v:.6f}" for v in row) for row in old]
+    if controller == "klipper":
+        ends = "x_count = 7\ny_count = 5\nmin_x = 0\nmax_x = 300\nmin_y = 0\nmax_y = 200"
+        block = "[bed_mesh default]\nversion = 1\npoints =\n" + "\n".join(f"\t{row}" for row in rows) + f"\n{ends}"
+        file = OldFile("printer.cfg", "".join(f"#*# {line}\n" for line in block.split("\n")))
+        text = exported(controller, file, mesh=5).files["bed_mesh.cfg"]
+        found = re.findall(r"^#\*# \t  (.*)$", text, re.MULTILINE)
+    else:
+        head = "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n"
+        file = OldFile("heightmap.csv", head + "0,300,0,200,-1,50,50,7,5\n" + "\n".join(rows) + "\n")
+        found = exported(controller, file, mesh=5).files["heightmap.csv"].splitlines()[3:]
+    new = np.array([[float(v) for v in row.split(",")] for row in found])
+    mesh_x, mesh_y = np.linspace(0, 300, 5), np.linspace(0, 200, 5)
+    was = np.array([np.interp(mesh_x, x, row) for row in old])
+    rest = left("EZX", mesh_x)[None] + left("EZY", mesh_y)[:, None]
+    apart = new - (was - rest)
+    assert np.std(apart) < 0.006 < 0.015 < np.std(was)
+
+
+def test_the_effect_counts_from_the_machine_as_it_was_measured() -> None:
+    plain, above = exported("linuxcnc"), exported("linuxcnc", OldFile("X.comp", comp(0)))
+    assert above.effect.before == pytest.approx(plain.effect.before)
+    assert above.effect.after == pytest.approx(plain.effect.after, abs=0.2e-6)
+
+
+def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
+    for file, message in [
+        (OldFile("table.txt", comp(0)), r"which axis this table is for.*--on-top-of X=table\.txt"),
+        (OldFile("X.comp", "hello"), "reads no row"),
+    ]:
+        with pytest.raises(TableError, match=message):
+            exported("linuxcnc", file)
+    with pytest.raises(TableError, match="old compensation of marlin cannot be read"):
+        exported("marlin", OldFile("x", "M421 I0 J0 Z0"))
+    with pytest.raises(InputError, match="as the control saved them"):
+        exported("sinumerik", OldFile("AX_EEC.INI", "nonsense"))
+    (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
+    with pytest.raises(TableError, match="no joint of this INI file"):
+        read_old(["no.ini"], tmp_path)
+
+
+CAMPAIGN = (
+    'machine = "machine.toml"\n{active}[target]\nreadings = 9\n[[setups]]\nname = "x"\ninstrument = "interferometer"\n'
+    'direction = "x"\nmoves = ["X"]\napproach = "both"\n'
+)
+
+
+def recorded(folder: Path, active: str = "") -> Path:
+    (folder / "machine.toml").write_text(MACHINE)
+    (folder / "campaign.toml").write_text(CAMPAIGN.format(active=active))
+    rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
+    (folder / "readings.csv").write_text(f"setup,X_mm,approach,value_um\n{rows}")
+    out = folder / "out"
+    assert run(["estimate", str(folder / "campaign.toml"), str(folder / "readings.csv"), "--out", str(out)]) == 0
+    return out / "campaign.axiscal"
+
+
+def test_without_a_word_the_beginning_asks_and_so_does_the_note(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = recorded(tmp_path)
+    assert "Is a compensation active" in capsys.readouterr().err
+    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal")]) == 0
+    assert "Is a compensation active" in capsys.readouterr().err
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
+    assert "WAS A COMPENSATION ACTIVE WHILE MEASURING" in (tmp_path / "t" / "README.txt").read_text()
+
+
+def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = recorded(tmp_path, "compensation_active = false\n")
+    assert "compensation" not in capsys.readouterr().err
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 0
+    assert "WAS A COMPENSATION" not in (tmp_path / "t" / "README.txt").read_text()
+    (tmp_path / "X.comp").write_text(comp(0))
+    old = ["--on-top-of", str(tmp_path / "X.comp")]
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "u"), *old]) == 1
+    assert "that no compensation was active" in " ".join(capsys.readouterr().err.split())
+
+
+def test_one_was_active_and_its_files_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = recorded(tmp_path, "compensation_active = true\n")
+    assert not (tmp_path / "out" / "tables" / "linuxcnc").exists()
+    capsys.readouterr()
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t")]) == 1
+    assert "--on-top-of OLD" in capsys.readouterr().err
+    (tmp_path / "X.comp").write_text(comp(0))
+    old = ["--on-top-of", str(tmp_path / "X.comp")]
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "t"), *old]) == 0
+    added = comp_added((tmp_path / "t" / "X.comp").read_text(), 1)
+    assert np.corrcoef(added, np.interp(PROBES, AT, OLD_UP))[0, 1] > 0.99
+
+
+def test_the_files_that_were_active_can_stand_in_the_campaign(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "X.comp").write_text(comp(0))
+    recorded(tmp_path, 'compensation_active = "X.comp"\n')
+    added = comp_added((tmp_path / "out" / "tables" / "linuxcnc" / "X.comp").read_text(), 1)
+    assert np.corrcoef(added, np.interp(PROBES, AT, OLD_UP))[0, 1] > 0.99
+    deviations = tmp_path / "out" / "tables" / "csv"
+    assert (deviations / "X.csv").exists()
+    assert "left by the compensation that was active" in (deviations / "README.txt").read_text()
+
+
+def test_an_empty_name_is_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(active='compensation_active = ""\n'))
+    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal")]) == 1
+    assert "names no file" in capsys.readouterr().err
