@@ -264,7 +264,7 @@ def test_a_name_that_could_do_harm_is_refused(name: str) -> None:
             ExportOptions(spacing=0.001),
             r"makes 601 points of X, this control holds 200. 200 fit: take 3.015 mm or more",
         ),
-        (ExportOptions(numbers={"X": 2}), "same number"),
+        (ExportOptions(numbers={"X": (2,)}), "same number"),
         (ExportOptions(unit="in"), "written in mm and deg"),
     ],
 )

@@ -293,7 +293,8 @@ def said(word: str, **known: Any) -> str:
 
 
 def test_notes_say_what_to_write_and_what_to_mind() -> None:
-    assert "[JOINT_2]: COMP_FILE = X.comp and COMP_FILE_TYPE = 0" in said("COMP_FILE", joint=2)
+    assert "[JOINT_1] and [JOINT_2]: COMP_FILE = X.comp" in said("COMP_FILE", joints=(1, 2))
+    assert "[JOINT_2]: COMP_FILE = X.comp and COMP_FILE_TYPE = 0" in said("COMP_FILE", joints=(2,))
     assert "[JOINT_n]" in said("COMP_FILE")
     assert "ignored" in said("BACKLASH")
     assert "-100 to 300 mm" in said("Outside")

@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Session, available
-from axiscal.lab.linuxcnc.configuration import Cross
+from axiscal.lab.linuxcnc import Joint, Machine, Session, available
 from axiscal.numerics import Array
 from tests.linuxcnc import tilting_table
 
@@ -130,9 +129,8 @@ def off(swivel: str, files: Mapping[str, str]) -> Array:
     kins = f"xyz{swivel.lower()}c-trt-kins"
     hal = files.get("axiscal-pivots.hal") or nominal_pivots(swivel)
     hal += files.get("axiscal-cross.hal", "") + f"net tool-length motion.tooloffset.z => {kins}.tool-offset\n"
-    moved = tuple(n for n in names if f"axiscal-{n.lower()}-motor" in hal)
     wanted, sides, codes = _places(swivel, names)
-    with Session(joints, cross=Cross(moved, hal), kinematics=kins) as session:
+    with Session(joints, Machine(hal, kins)) as session:
         session.move([f"G43.1 Z{tilting_table.TOOL}"])
         steps = session.move(codes)[1::2]
         assert session.errors == ()

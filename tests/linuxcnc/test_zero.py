@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Session, available
-from axiscal.lab.linuxcnc.configuration import Cross
+from axiscal.lab.linuxcnc import Joint, Machine, Session, available
 from axiscal.numerics import Array
 
 pytestmark = [
@@ -87,14 +86,13 @@ def test_the_tool_stays_at_machine_zero_and_moves_elsewhere_as_the_note_says(tmp
 def moved(files: dict[str, str]) -> tuple[Array, Array]:
     """Return how far LinuxCNC sends the tool beyond the command at zero and in the middle, mean of both sides, um."""
     joints = [Joint(name, -500, 500, table=files[f"{name}.comp"]) for name in "XYZ"]
-    moved = tuple(n for n in "XYZ" if f"axiscal-{n.lower()}-motor" in files["axiscal-cross.hal"])
     codes = [
         f"G0 X{at[0] - step} Y{at[1] - step} Z{at[2] - step}"
         for at in ((0, 0, 0), (200, 150, -125))
         for side in (3, -3)
         for step in (side, 0)
     ]
-    with Session(joints, cross=Cross(moved, files["axiscal-cross.hal"])) as session:
+    with Session(joints, Machine(files["axiscal-cross.hal"])) as session:
         steps = session.move(codes)[1::2]
         assert session.errors == ()
     beyond = 1e3 * np.array([np.subtract(step.motor, step.command) for step in steps])

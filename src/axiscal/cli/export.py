@@ -38,7 +38,8 @@ def export(
         str | None, typer.Option(metavar="LENGTH", help='Distance of the points of linear axes, such as "10 mm".')
     ] = None,
     number: Annotated[
-        list[str] | None, typer.Option(metavar="AXIS=N", help="Number of an axis or joint in the control; repeatable.")
+        list[str] | None,
+        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
     ] = None,
     unit: Annotated[str, typer.Option(metavar="mm|in", help="Unit of the machine.")] = "mm",
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
@@ -71,6 +72,7 @@ def export(
     \b
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
+      axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
     """
@@ -110,7 +112,9 @@ def _options(
         raise TableError(f'a spacing of "{spacing}"', "Give a length above zero")
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
-    chosen = dict(map(_numbered, numbers or []))
+    chosen = dict[str, tuple[int, ...]]()
+    for axis, number in map(_numbered, numbers or []):
+        chosen[axis] = (*chosen.get(axis, ()), number)
     return ExportOptions(distance, unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
 
 

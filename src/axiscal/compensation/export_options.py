@@ -24,7 +24,7 @@ class ExportOptions:
     """Choices; what a controller has no use for it does not look at.
 
     spacing : distance of the points of linear axes, m; unit : of the machine, mm or in
-    numbers : of the joint or machine axis of each axis, where the order of the letters is not theirs
+    numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
     curves have where nobody says
@@ -38,7 +38,7 @@ class ExportOptions:
 
     spacing: float | None = None
     unit: str = "mm"
-    numbers: Mapping[str, int] = field(default_factory=dict)
+    numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     template: str | None = None
     template_name: str = "the template"
     name: str = "axiscal"
@@ -52,9 +52,31 @@ class ExportOptions:
     active: bool | None = None
 
     def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
-        """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen."""
-        ordered = sorted((axis.name for axis in machine.axes), key=lambda name: (_USUAL.index(name[0]), name))
-        return {name: self.numbers.get(name, number) for number, name in enumerate(ordered, first)}
+        """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen.
+
+        Raises TableError as `joints`, and for an axis that was given several numbers.
+        """
+        found = self.joints(machine, first)
+        for name, numbers in found.items():
+            if len(numbers) > 1:
+                several = " and ".join(map(str, numbers))
+                raise TableError(f"{name} is given the numbers {several}", "This control takes one for each axis")
+        return {name: numbers[0] for name, numbers in found.items()}
+
+    def joints(self, machine: Machine, first: int = 0) -> dict[str, tuple[int, ...]]:
+        """Return the numbers of the joints of each axis, as in `coordinates = XYYZ`.
+
+        An axis that was given no number has the place that is its own after those before it in the order X Y Z A B C …
+        Raises TableError for a number that is there twice, and for an axis that the machine does not have.
+        """
+        for name in self.numbers:
+            machine.index(name)
+        found, place = dict[str, tuple[int, ...]](), first
+        for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
+            found[name] = self.numbers.get(name, (place,))
+            place += len(found[name])
+        _refuse_twice(found)
+        return found
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -69,5 +91,20 @@ class ExportOptions:
             raise TableError(f"measuring system {self.encoder}", "An axis has measuring systems 1 and 2")
         if self.points is not None and not 2 <= self.points <= _MOST_POINTS:
             raise TableError(f"a table of {self.points} points", f"Take 2 to {_MOST_POINTS}")
-        if any(number < 0 for number in self.numbers.values()):
+        if any(number < 0 for numbers in self.numbers.values() for number in numbers):
             raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")
+
+
+def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
+    """Raise TableError when two axes have the same number, or one has it twice."""
+    owner = dict[int, str]()
+    for name, numbers in found.items():
+        for number in numbers:
+            if number in owner:
+                who = f"{owner[number]} and {name} have" if owner[number] != name else f"{name} is given twice"
+                known = ", ".join(f"{axis}={each}" for axis, own in found.items() for each in own)
+                what = f"{who} the same number {number} (numbers are {known})"
+                raise TableError(
+                    what, "Give each axis its own: --number X=0; an axis of two joints --number Y=1 --number Y=2"
+                )
+            owner[number] = name

@@ -6,23 +6,25 @@ are loaded into it act as they would on the shop floor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, Request, Skip, Source
 from axiscal.exceptions import SourceError
+from axiscal.units import to_unit
 
 if TYPE_CHECKING:
-    from axiscal.lab.linuxcnc import Joint, Session
-    from axiscal.lab.linuxcnc.configuration import Cross
+    from axiscal.lab.linuxcnc import Joint, Machine, Session
     from axiscal.machine import Axis
     from axiscal.numerics import Array
     from axiscal.simulation import VirtualMachine
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0
-_ROOM = 10.0
+_GAIN = "axiscal-gain"
+_ROOM, _SWING = 10.0, 400.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +34,19 @@ class Tables:
     files: Mapping[str, str]
 
 
+@dataclass(frozen=True, slots=True)
+class Build:
+    """How a LinuxCNC machine is built.
+
+    unit : of its configuration, mm or in; pairs : axes that two joints drive
+    tcp : it turns with xyzac- or xyzbc-trt-kins, and positions are those of the tool on the workpiece
+    """
+
+    unit: str = "mm"
+    pairs: str = ""
+    tcp: bool = False
+
+
 class LinuxcncMachine:
     """A virtual machine behind a running LinuxCNC; a context manager.
 
@@ -39,15 +54,20 @@ class LinuxcncMachine:
     Raises ControlError.
     """
 
-    def __init__(self, truth: VirtualMachine, tables: Tables | None = None) -> None:
+    def __init__(self, truth: VirtualMachine, tables: Tables | None = None, build: Build | None = None) -> None:
         from axiscal.compensation.commanded import CommandedMachine
         from axiscal.lab.linuxcnc import Session
 
         self._machine = truth.model.machine
         self._axes = sorted(range(len(self._machine.axes)), key=lambda k: _ORDER.index(_letter(self._machine.axes[k])))
+        self._build = build or Build()
         files = {} if tables is None else tables.files
-        joints = [_joint(self._machine.axes[k], files) for k in self._axes]
-        self._session: Session = Session(joints, cross=_cross(joints, files))
+        joints = [joint for k in self._axes for joint in self._joints(self._machine.axes[k], files)]
+        told = self._told(files)
+        self._session: Session = Session(joints, told)
+        self._wait_until_corrected(told.hal)
+        if self._build.tcp:
+            self._session.move([f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"])
         self._last: tuple[Array, Array, Array] | None = None
         self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
 
@@ -65,8 +85,8 @@ class LinuxcncMachine:
         steps = self._session.move(codes)[1::2]
         result = np.empty(poses.shape)
         for row, step in zip(result, steps, strict=True):
-            for k, motor in zip(self._axes, step.motor, strict=True):
-                row[k] = motor / _scale(self._machine.axes[k])
+            for k, motor in zip(self._driven, step.motor, strict=True):
+                row[k] = motor / self._scale(self._machine.axes[k])
         self._last = poses.copy(), approaches.copy(), result
         return result
 
@@ -85,15 +105,61 @@ class LinuxcncMachine:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _wait_until_corrected(self, hal: str) -> None:
+        """Wait until corrections over other axes, which come slowly after homing, are all there."""
+        while _GAIN in hal and self._session.read([_GAIN]) < (1.0,):
+            time.sleep(0.05)
+
+    @property
+    def _driven(self) -> list[int]:
+        """The axis of each joint."""
+        return [k for k in self._axes for _ in range(1 + (self._machine.axes[k].name in self._build.pairs))]
+
     def _codes(self, pose: Array, signs: Array) -> list[str]:
         """Return a move beside the pose and one to it; axes without a direction come upwards."""
-        words: list[list[str]] = [[], []]
-        for k in self._axes:
-            axis = self._machine.axes[k]
-            target = float(pose[k]) * _scale(axis)
-            for line, at in zip(words, (target - (float(signs[k]) or 1.0) * _OVERRUN, target), strict=True):
-                line.append(f"{_letter(axis)}{at:.6f}")
-        return [f"G53 G0 {' '.join(line)}" for line in words]
+        import numpy as np
+
+        overrun = np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
+        before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * overrun
+        return [self._code(at) for at in (before, pose)]
+
+    def _code(self, pose: Array) -> str:
+        """Return the move that brings the joints to a pose."""
+        from axiscal.machine.kinematics import frames
+
+        shown = {_letter(self._machine.axes[k]): float(pose[k]) for k in self._axes}
+        if self._build.tcp:
+            shown |= dict(zip("XYZ", map(float, frames(self._machine, pose[None]).tcp[0]), strict=True))
+        words = [f"{letter}{at * self._scale(self._machine.axis(letter)):.7f}" for letter, at in shown.items()]
+        return " ".join(["G0" if self._build.tcp else "G53 G0", *words])
+
+    def _scale(self, axis: Axis) -> float:
+        return to_unit(1.0, axis.unit if axis.rotary else self._build.unit)
+
+    def _joints(self, axis: Axis, files: Mapping[str, str]) -> list[Joint]:
+        """Return the joints of an axis, in the units of the configuration."""
+        from axiscal.lab.linuxcnc import Joint
+
+        room, scale = (_SWING if self._build.tcp else _ROOM) / to_unit(1.0, axis.unit), self._scale(axis)
+        low, high = min(axis.travel[0], 0.0) - room, max(axis.travel[1], 0.0) + room
+        table = files.get(f"{_letter(axis)}.comp")
+        fast = scale / to_unit(1.0, axis.unit)
+        joint = Joint(axis.name, low * scale, high * scale, 5000 * fast, 5e5 * fast, table)
+        return [joint, joint] if axis.name in self._build.pairs else [joint]
+
+    def _told(self, files: Mapping[str, str]) -> Machine:
+        """Return what LinuxCNC is told beside its joints: HAL files in their order, or the place of axes as built."""
+        from axiscal.compensation.controllers.linuxcnc import pivots
+        from axiscal.lab.linuxcnc import Machine
+
+        texts = [text for name, text in files.items() if name.endswith(".hal")]
+        if not self._build.tcp:
+            return Machine("".join(texts), unit=self._build.unit)
+        nominal = pivots.pivots(self._machine, {})
+        if not any(nominal.kinematics in text for text in texts):
+            texts.append(pivots.write(nominal, self._build.unit))
+        texts.append(f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n")
+        return Machine("".join(texts), nominal.kinematics, self._build.unit)
 
 
 class LinuxcncSource:
@@ -103,15 +169,19 @@ class LinuxcncSource:
     """
 
     def __init__(
-        self, truth: VirtualMachine, simulated: Callable[[VirtualMachine], Source], tables: Tables | None = None
+        self,
+        truth: VirtualMachine,
+        simulated: Callable[[VirtualMachine], Source],
+        tables: Tables | None = None,
+        build: Build | None = None,
     ) -> None:
-        self._truth, self._simulated, self._tables = truth, simulated, tables
+        self._truth, self._simulated, self._tables, self._build = truth, simulated, tables, build
         self._running: tuple[LinuxcncMachine, Source] | None = None
 
     def read(self, request: Request) -> Answer | Skip:
         """Return the reading; raises ControlError."""
         if self._running is None:
-            machine = LinuxcncMachine(self._truth, self._tables)
+            machine = LinuxcncMachine(self._truth, self._tables, self._build)
             self._running = machine, self._simulated(machine.seen)
         return self._running[1].read(request)
 
@@ -125,24 +195,3 @@ def _letter(axis: Axis) -> str:
     if axis.name not in _ORDER:
         raise SourceError(f"LinuxCNC has no axis {axis.name}", f"Its axes are {', '.join(_ORDER)}")
     return axis.name
-
-
-def _scale(axis: Axis) -> float:
-    from axiscal.units import to_unit
-
-    return to_unit(1.0, axis.unit)
-
-
-def _joint(axis: Axis, files: Mapping[str, str]) -> Joint:
-    from axiscal.lab.linuxcnc import Joint
-
-    low, high = (bound * _scale(axis) for bound in axis.travel)
-    return Joint(axis.name, min(low, 0.0) - _ROOM, max(high, 0.0) + _ROOM, table=files.get(f"{axis.name}.comp"))
-
-
-def _cross(joints: Sequence[Joint], files: Mapping[str, str]) -> Cross | None:
-    from axiscal.lab.linuxcnc.configuration import Cross
-
-    text = next((text for name, text in files.items() if name.endswith(".hal")), "")
-    axes = tuple(joint.axis for joint in joints if f"axiscal-{joint.axis.lower()}-motor" in text)
-    return Cross(axes, text) if axes else None

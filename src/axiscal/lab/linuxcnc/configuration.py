@@ -1,4 +1,4 @@
-"""The files of a simulated LinuxCNC machine with one joint for each axis: text only."""
+"""The files of a simulated LinuxCNC machine, of one or several joints for each axis: text only."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from itertools import product
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """One axis in machine units, mm or deg and seconds, with the text of its COMP_FILE."""
+    """A joint of an axis in machine units, mm or inch, deg and seconds, with the text of its COMP_FILE."""
 
     axis: str
     low: float = -500.0
@@ -26,29 +26,34 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Cross:
-    """HAL text that corrects axes over other axes; axes : those whose motors it moves."""
+class Machine:
+    """What a LinuxCNC is told beside its joints.
 
-    axes: tuple[str, ...]
-    text: str
+    hal : text that is run after motion has been loaded, such as corrections over other axes
+    kinematics : name of the module; unit : mm or in; servo_period : s
+    """
+
+    hal: str = ""
+    kinematics: str = "trivkins"
+    unit: str = "mm"
+    servo_period: float = 1e-3
 
 
-def files(
-    joints: Sequence[Joint], servo_period: float, cross: Cross | None = None, kinematics: str = "trivkins"
-) -> Mapping[str, str]:
-    """Return name and text of every file that LinuxCNC reads; kinematics : name of its module."""
+def files(joints: Sequence[Joint], machine: Machine) -> Mapping[str, str]:
+    """Return name and text of every file that LinuxCNC reads."""
     tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
     return {
-        "machine.ini": _ini(joints, servo_period, kinematics),
-        "machine.hal": _hal(joints, cross),
+        "machine.ini": _ini(joints, machine),
+        "machine.hal": _hal(joints, machine.hal),
         "sim.tbl": "T1 P1 D6 Z0\n",
     } | tables
 
 
-def _ini(joints: Sequence[Joint], servo_period: float, kinematics: str) -> str:
+def _ini(joints: Sequence[Joint], machine: Machine) -> str:
     letters = "".join(joint.axis for joint in joints)
+    gantry = " kinstype=BOTH" if len(set(letters)) < len(letters) else ""
     fastest, hardest = max(joint.velocity for joint in joints), max(joint.acceleration for joint in joints)
-    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": "mm", "ANGULAR_UNITS": "degree"}
+    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": _UNITS[machine.unit], "ANGULAR_UNITS": "degree"}
     for limit, kind in product(("MAX", "DEFAULT"), ("LINEAR", "ANGULAR")):
         traj |= {f"{limit}_{kind}_VELOCITY": fastest, f"{limit}_{kind}_ACCELERATION": hardest}
     sections: dict[str, dict[str, object]] = {
@@ -56,10 +61,10 @@ def _ini(joints: Sequence[Joint], servo_period: float, kinematics: str) -> str:
         "DISPLAY": {"DISPLAY": "./driver.py"},
         "TASK": {"TASK": "milltask", "CYCLE_TIME": 0.001},
         "RS274NGC": {"PARAMETER_FILE": "sim.var"},
-        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(servo_period * 1e9)},
+        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(machine.servo_period * 1e9)},
         "EMCIO": {"EMCIO": "io", "CYCLE_TIME": 0.1, "TOOL_TABLE": "sim.tbl"},
         "HAL": {"HALFILE": "machine.hal"},
-        "KINS": {"KINEMATICS": f"{kinematics} coordinates={letters}", "JOINTS": len(joints)},
+        "KINS": {"KINEMATICS": f"{machine.kinematics} coordinates={letters}{gantry}", "JOINTS": len(joints)},
         "TRAJ": traj,
     }
     for number, joint in enumerate(joints):
@@ -68,6 +73,9 @@ def _ini(joints: Sequence[Joint], servo_period: float, kinematics: str) -> str:
         f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in body.items()) for name, body in sections.items()
     )
     return "\n".join(lines)
+
+
+_UNITS = {"mm": "mm", "in": "inch"}
 
 
 def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
@@ -83,16 +91,18 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
     return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home | table}
 
 
-def motors(joints: Sequence[Joint], cross: Cross | None = None) -> list[str]:
+def motors(joints: Sequence[Joint], hal: str) -> list[str]:
     """Return the pin or signal of each joint that holds what its motor is told."""
-    moved = () if cross is None else cross.axes
-    return [
-        f"axiscal-{joint.axis.lower()}-motor" if joint.axis in moved else f"joint.{number}.motor-pos-cmd"
-        for number, joint in enumerate(joints)
-    ]
+    moved = _moved(hal)
+    return [f"{moved[n]}-motor" if n in moved else f"joint.{n}.motor-pos-cmd" for n in range(len(joints))]
 
 
-def _hal(joints: Sequence[Joint], cross: Cross | None) -> str:
+def _moved(hal: str) -> dict[int, str]:
+    """Return by joint how the text calls those whose motors it moves, such as axiscal-x."""
+    return {int(number): name for name, number in re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)}
+
+
+def _hal(joints: Sequence[Joint], hal: str) -> str:
     lines = [
         "loadrt [KINS]KINEMATICS",
         "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS",
@@ -102,12 +112,9 @@ def _hal(joints: Sequence[Joint], cross: Cross | None) -> str:
         "net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
         "net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed",
     ]
-    moved = () if cross is None else cross.axes
-    lines += [
-        f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb"
-        for n, joint in enumerate(joints)
-        if joint.axis not in moved
-    ]
+    moved = _moved(hal)
+    fed_back = (n for n in range(len(joints)) if n not in moved)
+    lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in fed_back]
     # where a motor really turns, its encoder shows what it was told
-    wired = "" if cross is None else re.sub(r"axiscal-([a-z])-encoder", r"axiscal-\1-motor", cross.text)
+    wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", hal)
     return "\n".join(lines) + "\n" + wired

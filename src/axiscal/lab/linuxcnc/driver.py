@@ -51,17 +51,34 @@ class RunningControl:
         self.command.mode(linuxcnc.MODE_MDI)
         self.command.wait_complete(5)
 
+    def home_again(self, joint: int) -> None:
+        """Home one joint where it stands, which sets its position to the home position."""
+        self.command.mode(linuxcnc.MODE_MANUAL)
+        self.command.wait_complete(5)
+        self.command.teleop_enable(0)
+        self.command.wait_complete(5)
+        self.command.unhome(joint)
+        wait(lambda: not self._homed(), 5)
+        self.command.home(joint)
+        if not wait(self._homed, 10):
+            raise RuntimeError(f"joint {joint} was not homed in 10 s")
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
     def move(self, code: str) -> dict[str, Any]:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
         if code.startswith("setp "):
             hal.set_p(*code.split()[1:])
+            code = "G4 P0.001"
+        if code.startswith("home "):
+            self.home_again(int(code.split()[1]))
             code = "G4 P0.001"
         self.command.mdi(code)
         while (ended := self.command.wait_complete(1)) == UNFINISHED:
             pass
         if ended != linuxcnc.RCS_DONE:
             raise RuntimeError(f"{code} was not completed: {self.errors()}")
-        settled = wait(self._settled, 0.5) and wait(self._still, 0.5)
+        settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
         self.stat.poll()
         tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
         return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
@@ -86,20 +103,23 @@ class RunningControl:
         return all(self.stat.homed[joint] for joint in self.joints)
 
     def _still(self) -> bool:
-        before = self.pins("pos-cmd")
+        before = self.pins("pos-cmd"), self.sent()  # a correction over another axis comes at a limited speed
         time.sleep(0.003)  # three servo cycles: "in position" may be told a cycle early
-        return self.pins("pos-cmd") == before
+        return (self.pins("pos-cmd"), self.sent()) == before
 
     def _settled(self) -> bool:
         self.stat.poll()
         return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
 
 
-def answer(machine: RunningControl, codes: list[str]) -> dict[str, Any]:
-    """Make the moves; whatever goes wrong is told, since LinuxCNC hides a DISPLAY program's exit status."""
+def answer(machine: RunningControl, asked: Any) -> dict[str, Any]:
+    """Make the moves, or read pins; whatever goes wrong is told: LinuxCNC hides a DISPLAY program's exit status."""
     result: dict[str, Any] = {"steps": [], "errors": [], "failure": None}
     try:
-        result["steps"] = [machine.move(code) for code in codes]
+        if isinstance(asked, dict):
+            result["values"] = [float(hal.get_value(name)) for name in asked["read"]]
+            return result
+        result["steps"] = [machine.move(code) for code in asked]
         result["errors"] = machine.errors()
     except Exception as error:  # noqa: BLE001
         result["failure"] = f"{type(error).__name__}: {error}"

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc.configuration import Cross
 from axiscal.lab.linuxcnc.session import Ending, Session
 from axiscal.numerics import Array
 
@@ -20,7 +19,7 @@ _FAST, _SLOW = 1500, 60
 _SIDES = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1))
 
 
-def ball(radius: float) -> Cross:
+def ball(radius: float) -> str:
     """Return HAL text with a ball of a radius, mm; `touched` says where it is.  Joints 0 to 2 are X, Y, Z."""
     lines = ["loadrt sum2 names=ball-x,ball-y,ball-z", "loadrt hypot names=ball-far", "loadrt comp names=ball-touch"]
     for joint, axis in enumerate("xyz"):
@@ -29,7 +28,7 @@ def ball(radius: float) -> Cross:
     lines += ["addf ball-far servo-thread", "addf ball-touch servo-thread"]
     lines += ["net ball-distance ball-far.out => ball-touch.in0", f"setp ball-touch.in1 {radius:.6f}"]
     lines += ["net ball-touched ball-touch.out => motion.probe-input"]
-    return Cross((), "\n".join(lines) + "\n")
+    return "\n".join(lines) + "\n"
 
 
 def touched(session: Session, place: Sequence[float], expected: Sequence[float], radius: float) -> Array:

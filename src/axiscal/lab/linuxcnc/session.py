@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc.configuration import Cross, Joint, files, motors
+from axiscal.lab.linuxcnc.configuration import Joint, Machine, files, motors
 
 _DRIVER = Path(__file__).with_name("driver.py")
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
@@ -65,35 +65,32 @@ class Run:
 class Session:
     """A LinuxCNC that is switched on, homed, and takes G-code lines; a context manager.
 
-    joints : in the order of their numbers; cross : HAL text that corrects axes over others
+    joints : in the order of their numbers; machine : what LinuxCNC is told beside them
     start : what the motors were told after homing; errors : what the operator was told so far
     Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses a move.
     """
 
-    def __init__(
-        self,
-        joints: Sequence[Joint],
-        servo_period: float = 1e-3,
-        timeout: float = 60.0,
-        cross: Cross | None = None,
-        kinematics: str = "trivkins",
-    ) -> None:
+    def __init__(self, joints: Sequence[Joint], machine: Machine | None = None, timeout: float = 60.0) -> None:
         if not available():
             raise ControlError("LinuxCNC is not installed here", _INSTALL)
         self.errors: tuple[str, ...] = ()
         self._timeout = timeout
         self._stack = ExitStack()
         try:
-            self._begin(joints, servo_period, cross, kinematics)
+            self._begin(joints, machine or Machine())
         except BaseException:
             self.close()
             raise
 
     def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
-        """Execute G-code lines one after the other and return where each ended."""
+        """Execute G-code lines, `setp PIN VALUE` or `home JOINT` one after the other and return where each ended."""
         result = self._ask(list(codes))
         self.errors += tuple(result["errors"])
         return tuple(_step(each) for each in result["steps"])
+
+    def read(self, pins: Sequence[str]) -> tuple[float, ...]:
+        """Return the values of HAL pins or signals."""
+        return tuple(self._ask({"read": list(pins)})["values"])
 
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""
@@ -105,10 +102,10 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _begin(self, joints: Sequence[Joint], servo_period: float, cross: Cross | None, kinematics: str) -> None:
+    def _begin(self, joints: Sequence[Joint], machine: Machine) -> None:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        _fill(self._work, joints, cross, files(joints, servo_period, cross, kinematics))
+        _fill(self._work, motors(joints, machine.hal), files(joints, machine))
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(self._work / "socket"))
         listener.listen(1)
@@ -156,12 +153,11 @@ _LOOK = "Look at its last words above"
 def run(
     joints: Sequence[Joint],
     moves: Sequence[str],
-    servo_period: float = 1e-3,
+    machine: Machine | None = None,
     timeout: float = 60,
-    cross: Cross | None = None,
 ) -> Run:
     """Start LinuxCNC, make the moves (G-code lines), stop it; raises ControlError."""
-    with Session(joints, servo_period, timeout, cross) as session:
+    with Session(joints, machine, timeout) as session:
         steps = session.move(moves)
         return Run(session.start, steps, session.errors)
 
@@ -171,11 +167,11 @@ def _step(found: dict[str, Any]) -> Ending:
     return Ending(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
 
 
-def _fill(work: Path, joints: Sequence[Joint], cross: Cross | None, texts: Mapping[str, str]) -> None:
+def _fill(work: Path, told: Sequence[str], texts: Mapping[str, str]) -> None:
     work.chmod(0o755)
     for name, text in texts.items():
         (work / name).write_text(text, encoding="utf-8", newline="")
-    (work / "job.json").write_text(json.dumps({"motors": motors(joints, cross)}))
+    (work / "job.json").write_text(json.dumps({"motors": list(told)}))
     shutil.copy(_DRIVER, work / "driver.py")
     (work / "driver.py").chmod(0o755)
     (work / "rt").mkdir()

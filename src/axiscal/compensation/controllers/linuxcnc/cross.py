@@ -1,12 +1,15 @@
 """Straightness, sag and squareness for LinuxCNC: HAL text that moves an axis by the position of another.
 
 `COMP_FILE` knows one axis only. Between motion and drives HAL can add any function of one position: a `lincurve` of 16
-points and a `sum2` for each pair, and the same taken off the feedback, so that LinuxCNC does not see it.
+points for each pair. Their sum for an axis goes through a gain that rises from 0 to 1 once all joints are homed and
+falls when one is not, then through a limit of its speed, since the coordinate of a joint jumps when it is homed. It is
+added to the command of every joint of the axis and taken off its feedback, so that LinuxCNC does not see it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,56 +18,100 @@ from axiscal.exceptions import TableError
 from axiscal.units import to_unit
 
 POINTS = 16
+RAMP = 1.0
+"""Seconds from nothing to the whole correction."""
+LEAST_SPEED = 2e-4
+"""m/s; the correction of an axis may always move as fast."""
+HEADROOM = 4.0
+"""The correction may move as many times faster than the axes that are looked up ask for at their stated speed."""
 _HEAD = """# Made by axiscal: moves {moved} by the positions of other axes (straightness, sag, squareness).
-# Source this file after motion has been loaded and its functions added. Then send the drive of each axis here what
+# Source this file after motion has been loaded and its functions added. Then send the drive of each joint here what
 # axiscal-<axis>-motor holds instead of its motor-pos-cmd, and net its position feedback to axiscal-<axis>-encoder
-# instead of joint.N.motor-pos-fb. If your files load lincurve or sum2 already, join the names into one loadrt.
+# instead of joint.N.motor-pos-fb; an axis of several joints has axiscal-<axis>-joint-<N>-motor and -encoder.
+# If your files load one of these components already, join the names into one loadrt.
+# Best among your addf lines: fb-... after the hardware is read and before motion-command-handler, everything else after
+# motion-controller and before the hardware is written; elsewhere the following error grows by the way of one period.
+# The correction comes within {ramp:g} s after all joints are homed and goes when one is not; slew-<axis>.maxv is the
+# fastest it may move: raise it if your axes are faster than {head:g} times their speed in machine.toml.
 """
 
 
-def write(tables: Sequence[CompensationTable], joints: Mapping[str, int], unit: str = "mm") -> str:
-    """Return the HAL text.
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """What the text must know of the machine.
 
-    tables : over other axes, 16 points at most; joints : number of the joint of each axis; unit : of the machine
-    Raises TableError.
+    joints : numbers of the joints of each axis; speeds : of each axis, m/s; unit : of the configuration, mm or in
     """
+
+    joints: Mapping[str, Sequence[int]]
+    speeds: Mapping[str, float]
+    unit: str = "mm"
+
+    def labels(self, axis: str) -> dict[int, str]:
+        """Return what the signals of each joint of an axis are called: x, or y-joint-1 where there are several."""
+        numbers, low = self.joints[axis], axis.lower()
+        return {n: low if len(numbers) == 1 else f"{low}-joint-{n}" for n in numbers}
+
+
+def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
+    """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
     if not tables:
         return ""
     for table in tables:
-        _refuse_what_it_cannot_hold(table, joints)
-    moved = list(dict.fromkeys(table.axis for table in tables))
-    names = [_name(table) for table in tables]
-    lines = [_HEAD.format(moved=", ".join(moved)).rstrip()]
-    lines.append(f"loadrt lincurve names={','.join(f'cross-{n}' for n in names)} personality={_sizes(tables)}")
-    lines.append(f"loadrt sum2 names={','.join(f'{end}-{n}' for end in ('cmd', 'fb') for n in names)}")
+        _refuse_what_it_cannot_hold(table, wiring)
+    moved = {axis: [t for t in tables if t.axis == axis] for axis in dict.fromkeys(t.axis for t in tables)}
+    head = _HEAD.format(moved=", ".join(moved), ramp=RAMP, head=HEADROOM).rstrip()
+    lines = [head, *_loading(tables, moved, wiring)]
     for table in tables:
-        lines += _curve(table, unit)
+        lines += _curve(table, wiring.unit)
     for over in dict.fromkeys(table.over for table in tables):
         curves = " ".join(f"cross-{_name(t)}.in" for t in tables if t.over == over)
-        lines.append(f"net axiscal-{over.lower()}-position joint.{joints[over]}.pos-cmd => {curves}")
-    for axis in moved:
-        lines += _chain(axis, joints[axis], [_name(t) for t in tables if t.axis == axis])
+        lines.append(f"net axiscal-{over.lower()}-position joint.{wiring.joints[over][0]}.pos-cmd => {curves}")
+    lines += _ramp(moved)
+    for axis, own in moved.items():
+        lines += _correction(axis, own, wiring)
+        for joint, label in wiring.labels(axis).items():
+            lines += _joint(joint, label, f"axiscal-{axis.lower()}-correction")
     return "\n".join(lines) + "\n"
 
 
-def _refuse_what_it_cannot_hold(table: CompensationTable, joints: Mapping[str, int]) -> None:
+def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
     name = f"{table.axis} over {table.over}"
     if len(table.positions) > POINTS:
         raise TableError(f"the table of {name} has {len(table.positions)} points, a lincurve holds {POINTS}", _FITS)
     for axis in (table.axis, table.over):
-        if axis not in joints or len(axis) != 1:
-            raise TableError(f"{axis} has no joint in LinuxCNC", f"Give its number; known are {', '.join(joints)}")
+        if axis not in wiring.joints or len(axis) != 1:
+            raise TableError(
+                f"{axis} has no joint in LinuxCNC", f"Give its number; known are {', '.join(wiring.joints)}"
+            )
 
 
 _FITS = f"{POINTS} points fit: set them further apart"
 
 
-def _sizes(tables: Sequence[CompensationTable]) -> str:
-    return ",".join(str(len(table.positions)) for table in tables)
-
-
 def _name(table: CompensationTable) -> str:
     return f"{table.axis.lower()}-{table.over.lower()}"
+
+
+def _loading(
+    tables: Sequence[CompensationTable], moved: Mapping[str, Sequence[CompensationTable]], wiring: Wiring
+) -> list[str]:
+    """Return the lines that load the components, one for each kind: a module can be loaded once only."""
+    low = [axis.lower() for axis in moved]
+    ends = [f"{end}-{label}" for axis in moved for label in wiring.labels(axis).values() for end in ("cmd", "fb")]
+    sums = [f"sum-{axis.lower()}-{i}" for axis, own in moved.items() for i in range(1, len(own))]
+    sizes = ",".join(str(len(table.positions)) for table in tables)
+    return [
+        f"loadrt lincurve names={_joined(f'cross-{_name(t)}' for t in tables)} personality={sizes}",
+        f"loadrt sum2 names={_joined([*sums, *ends])}",
+        "loadrt mux2 names=axiscal-homed",
+        f"loadrt limit2 names={_joined(['axiscal-ramp', *(f'slew-{axis}' for axis in low)])}",
+        f"loadrt mult2 names={_joined(f'scaled-{axis}' for axis in low)}",
+    ]
+
+
+def _joined(names: Iterable[str]) -> str:
+    return ",".join(names)
 
 
 def _curve(table: CompensationTable, unit: str) -> list[str]:
@@ -78,19 +125,58 @@ def _curve(table: CompensationTable, unit: str) -> list[str]:
     return lines
 
 
-def _chain(axis: str, joint: int, names: list[str]) -> list[str]:
-    """Return the lines that add every curve to the command of a joint, and take it off the feedback."""
+def _ramp(moved: Iterable[str]) -> list[str]:
+    """Return the lines of the gain: 1 when all joints are homed, else 0, and on its way between for a while."""
+    return [
+        "addf axiscal-homed servo-thread",
+        "addf axiscal-ramp servo-thread",
+        "setp axiscal-homed.in1 1",
+        f"setp axiscal-ramp.maxv {1 / RAMP:g}",
+        "net axiscal-all-homed motion.is-all-homed => axiscal-homed.sel",
+        "net axiscal-wanted axiscal-homed.out => axiscal-ramp.in",
+        f"net axiscal-gain axiscal-ramp.out => {' '.join(f'scaled-{axis.lower()}.in1' for axis in moved)}",
+    ]
+
+
+def _correction(axis: str, own: Sequence[CompensationTable], wiring: Wiring) -> list[str]:
+    """Return the lines that sum the curves of an axis, scale the sum and limit its speed."""
     low = axis.lower()
-    lines = []
-    ends = (("cmd", f"joint.{joint}.motor-pos-cmd", f"axiscal-{low}-motor"), ("fb", "", f"axiscal-{low}-seen"))
-    for end, source, last in ends:
-        signal = f"axiscal-{low}-start" if end == "cmd" else f"axiscal-{low}-encoder"
-        lines.append(f"net {signal} {source + ' => ' if source else ''}{end}-{names[0]}.in0")
-        for i, name in enumerate(names):
-            following = f" => {end}-{names[i + 1]}.in0" if i + 1 < len(names) else ""
-            signal = f"axiscal-{low}-{end}-{i}" if following else last
-            lines += [f"addf {end}-{name} servo-thread", f"net {signal} {end}-{name}.out{following}"]
-            lines += [f"setp {end}-{name}.gain1 -1"] if end == "fb" else []
-    lines += [f"net axiscal-{name} cross-{name}.out => cmd-{name}.in1 fb-{name}.in1" for name in names]
-    lines.append(f"net axiscal-{low}-seen => joint.{joint}.motor-pos-fb")
-    return lines
+    last, lines = f"cross-{_name(own[0])}.out", list[str]()
+    for i, table in enumerate(own[1:], 1):
+        stage = f"sum-{low}-{i}"
+        lines += [
+            f"addf {stage} servo-thread",
+            f"net axiscal-{low}-part-{i} {last} => {stage}.in0",
+            f"net axiscal-{_name(table)} cross-{_name(table)}.out => {stage}.in1",
+        ]
+        last = f"{stage}.out"
+    return [
+        *lines,
+        f"addf scaled-{low} servo-thread",
+        f"addf slew-{low} servo-thread",
+        f"setp slew-{low}.maxv {to_unit(fastest(own, wiring.speeds), wiring.unit):.6g}",
+        f"net axiscal-{low}-all {last} => scaled-{low}.in0",
+        f"net axiscal-{low}-scaled scaled-{low}.out => slew-{low}.in",
+    ]
+
+
+def fastest(own: Sequence[CompensationTable], speeds: Mapping[str, float]) -> float:
+    """Return how fast the correction of an axis may move, m/s."""
+    asked = (float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions)))) * speeds[t.over] for t in own)
+    return max(LEAST_SPEED, HEADROOM * sum(asked))
+
+
+def _joint(joint: int, label: str, correction: str) -> list[str]:
+    """Return the lines that add the correction to the command of a joint, and take it off its feedback."""
+    axis = correction.split("-")[1]
+    return [
+        f"addf cmd-{label} servo-thread",
+        f"addf fb-{label} servo-thread",
+        f"setp fb-{label}.gain1 -1",
+        f"net {correction} slew-{axis}.out => cmd-{label}.in1 fb-{label}.in1",
+        f"net axiscal-{label}-start joint.{joint}.motor-pos-cmd => cmd-{label}.in0",
+        f"net axiscal-{label}-motor cmd-{label}.out",
+        f"net axiscal-{label}-encoder fb-{label}.in0",
+        f"net axiscal-{label}-seen fb-{label}.out",
+        f"net axiscal-{label}-seen => joint.{joint}.motor-pos-fb",
+    ]

@@ -20,6 +20,7 @@ from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimate.machine_estimate import Estimate
+from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
@@ -43,7 +44,7 @@ _LEFT = (
 def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the files; raises TableError."""
     machine = estimate.machine
-    joints = options.numbered(machine, first=0)
+    joints = options.joints(machine)
     lies = _pivots(estimate) if options.pivots else None
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
     new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
@@ -52,14 +53,15 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     across = options.old.across().under_tables(across, machine, cross.POINTS, even=True)
     over = tuple(t.averaged() for t in across)  # a lincurve has no direction
     offers = [
-        offer(t, unit=_unit(t, options), joint=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
+        offer(t, unit=_unit(t, options), joints=joints[t.axis], acceleration=machine.axis(t.axis).acceleration)
         for t in own
     ]
     files = {file.name: file.text for file in offers}
-    files |= {_HAL_FILE: cross.write(over, joints, options.unit)} if over else {}
+    wiring = cross.Wiring(joints, {axis.name: axis.speed for axis in machine.axes}, options.unit)
+    files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
     notes = tuple(dict.fromkeys(note for file in offers for note in file.notes)) + _hal_notes(machine, over)
     wanted = table_control(machine, (*own, *over))
-    held = control(machine, files, joints, options.unit)
+    held = control(machine, files, wiring)
     steps = _resolution(own, over, options)
     if lies:
         files[_PIVOT_FILE] = pivots.write(lies, options.unit)
@@ -90,16 +92,16 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance))
 
 
-def control(machine: Machine, files: Mapping[str, str], joints: Mapping[str, int], unit: str) -> Control:
-    """Return what LinuxCNC does with the files."""
+def control(machine: Machine, files: Mapping[str, str], wiring: cross.Wiring) -> Control:
+    """Return what LinuxCNC does with the files once all joints are homed."""
     own = {axis.name: parse(files[f"{axis.name}.comp"]) for axis in machine.axes if f"{axis.name}.comp" in files}
     hal = Hal.load(files.get(_HAL_FILE, ""))
-    units = ["deg" if axis.rotary else unit for axis in machine.axes]
+    units = ["deg" if axis.rotary else wiring.unit for axis in machine.axes]
 
     def added(poses: Array, approaches: Array) -> Array:
         shown = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
         motors = np.stack([_motor(own.get(a.name), shown[:, k], approaches[:, k]) for k, a in enumerate(machine.axes)])
-        told = _through(hal, machine, joints, shown.T, motors)
+        told = _through(hal, machine, wiring, shown.T, motors)
         return np.stack([from_unit(t - s, u) for t, s, u in zip(told, shown.T, units, strict=True)], axis=1)
 
     return added
@@ -112,14 +114,24 @@ def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
     return shown + np.where(approach > 0, *sides)
 
 
-def _through(hal: Hal, machine: Machine, joints: Mapping[str, int], shown: Array, motors: Array) -> Array:
-    """Return what the drives are told, (q, m), after HAL has added its part."""
-    given: dict[str, Array] = {}
+def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, motors: Array) -> Array:
+    """Return what the drives are told, (q, m), after HAL has added its part.
+
+    Raises TableError when the joints of one axis would not go together.
+    """
+    given: dict[str, Array] = {"motion.is-all-homed": np.ones(1)}
     for k, axis in enumerate(machine.axes):
-        joint = joints[axis.name]
-        given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
+        for joint in wiring.joints[axis.name]:
+            given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
     signals = hal.run(given)
-    return np.stack([signals.get(f"axiscal-{a.name.lower()}-motor", motors[k]) for k, a in enumerate(machine.axes)])
+    told = np.empty_like(motors)
+    for k, axis in enumerate(machine.axes):
+        labels = wiring.labels(axis.name).values()
+        each = np.stack([signals.get(f"axiscal-{label}-motor", motors[k]) for label in labels])
+        if not np.all(each == each[0]):
+            raise TableError(f"the joints of {axis.name} would not go together", "this is a defect of axiscal")
+        told[k] = each[0]
+    return told
 
 
 def _unit(table: CompensationTable, options: ExportOptions) -> str:
@@ -146,8 +158,8 @@ def _hal_notes(machine: Machine, over: Sequence[CompensationTable]) -> tuple[str
     notes = []
     if over:
         notes.append(
-            f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. "
-            "Without it the COMP_FILEs work alone."
+            f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the COMP_FILEs "
+            "work alone. It acts once all joints are homed, within a second, and stops acting while one is not."
         )
     if any(axis.rotary for axis in machine.axes):
         notes.append(

@@ -22,7 +22,7 @@ _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)
 
 def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the files did; raises TableError."""
-    joints = options.numbered(machine, first=0)
+    joints = options.joints(machine)
     lookups: list[Lookup] = []
     for file in files:
         if file.name.lower().endswith(".hal"):
@@ -34,7 +34,7 @@ def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> 
     return Loaded(tuple(lookups))
 
 
-def _axis(file: OldFile, machine: Machine, joints: Mapping[str, int]) -> str:
+def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
     """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
     names = {axis.name.casefold(): axis.name for axis in machine.axes}
     if file.axis:
@@ -42,7 +42,7 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, int]) -> str:
     number = file.joint
     if number is None and (told := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
         number = int(told[1])
-    owners = [axis for axis, joint in joints.items() if joint == number]
+    owners = [axis for axis, numbers in joints.items() if number in numbers]
     if owners:
         return owners[0]
     for word in re.split(r"[^A-Za-z0-9]+", file.stem):

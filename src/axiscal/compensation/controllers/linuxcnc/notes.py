@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,14 +12,16 @@ from axiscal.units import to_unit
 
 
 def notes(
-    table: CompensationTable, unit: str, joint: int | None, acceleration: float | None, servo_period: float
+    table: CompensationTable, unit: str, joints: Sequence[int], acceleration: float | None, servo_period: float
 ) -> tuple[str, ...]:
     """Return the sentences for whoever loads the file; arguments as in `offer`."""
-    section = "[JOINT_n], n the joint of this axis" if joint is None else f"[JOINT_{joint}]"
+    sections = " and ".join(f"[JOINT_{joint}]" for joint in joints) or "[JOINT_n], n the joint of this axis"
+    each = f" The {len(joints)} joints of {table.axis} have the same table." if len(joints) > 1 else ""
     first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
     tried = "" if unit != "in" else " Tables in inches were never tried on LinuxCNC."
     return (
-        f"In the INI file, section {section}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC.",
+        f"In the INI file, section {sections}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC."
+        f"{each}",
         "BACKLASH of the joint is ignored from then on; the two columns of the table hold the reversal.",
         _reversal_note(table, acceleration, servo_period),
         f"Outside {first} to {last} {unit} the correction of the nearest end stays.{_turns_note(table)}",

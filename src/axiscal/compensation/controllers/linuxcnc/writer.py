@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -54,19 +55,19 @@ def offer(
     table: CompensationTable,
     *,
     unit: str | None = None,
-    joint: int | None = None,
+    joints: Sequence[int] = (),
     acceleration: float | None = None,
     servo_period: float = 1e-3,
 ) -> TableFile:
     """Return the file with its notes, read back and applied; raises TableError when it would not correct the axis.
 
-    unit : of the machine, mm (default) or in, deg; joint : number of the joint in the INI file, if known
+    unit : of the machine, mm (default) or in, deg; joints : numbers of the axis' joints in the INI file, if known
     acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²; servo_period : s
     """
     text = write(table, unit)
     residual = verify(text, table, unit)
     unit = _machine_unit(table, unit)
-    said = notes(table, unit, joint, acceleration, servo_period)
+    said = notes(table, unit, joints, acceleration, servo_period)
     return TableFile(f"{table.axis}.comp", text, said, resolution(table, unit), residual)
 
 

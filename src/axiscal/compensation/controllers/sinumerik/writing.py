@@ -21,11 +21,8 @@ ENC, CEC = "AX_EEC.INI", "NC_CEC.INI"
 
 
 def axis_names(machine: Machine, options: ExportOptions) -> dict[str, str]:
-    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError for two that are the same."""
-    found = {name: f"AX{number}" for name, number in options.numbered(machine).items()}
-    if len(set(found.values())) < len(found):
-        raise TableError("two axes have the same number", f"Give each its own: {found}")
-    return found
+    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError as `numbered`."""
+    return {name: f"AX{number}" for name, number in options.numbered(machine).items()}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
