@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import tomllib
+from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -22,6 +25,19 @@ REGISTRIES = [
     "--index" + "-url",
 ]
 WORKPLACE = [r"(?<![\w.~-])/wo" + r"rk/", "/opt/" + "wheels", "/opt/py" + "pi", "/root" + "/", r"/home" + r"/\w+"]
+CLASSES_THAT_MAY = {
+    "Simulator": "what a source asks of a virtual machine's maker",
+    "VirtualMachine": "what a source asks of a virtual machine",
+}
+FILES_THAT_MAY = {
+    "building.py": "the engine of a campaign, and a machine from its description",
+    "campaign.py": "a campaign as it is described, and as it runs",
+    "exporting.py": "the files for a control, in a folder for each control",
+    "importing.py": "the tables that were active in a control, in a folder for each control",
+    "heidenhain.py": "one control: its tables, and its programs",
+    "linuxcnc.py": "one control: its programs, the source of readings that it moves, and the demo with it",
+    "notes.py": "what is said to the reader of tables, in a folder for each control",
+}
 FORBIDDEN = re.compile("|".join([re.escape(name) for name in REGISTRIES] + WORKPLACE))
 
 
@@ -30,6 +46,16 @@ def _stations() -> list[str]:
     modules = [path.stem for path in PACKAGE.glob("*.py") if path.stem not in {"__init__", "__main__"}]
     packages = [path.parent.name for path in PACKAGE.glob("*/__init__.py")]
     return sorted(modules + packages)
+
+
+def _sources() -> Iterator[tuple[str, ast.Module]]:
+    """Yield the path in the package and the syntax tree of every file."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        yield path.relative_to(PACKAGE).as_posix(), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _more_than_once(homes: dict[str, list[str]], may: set[str]) -> dict[str, list[str]]:
+    return {name: places for name, places in homes.items() if len(places) > 1 and name not in may}
 
 
 def _committed() -> list[Path]:
@@ -61,6 +87,38 @@ def test_the_drawn_order_is_the_order_that_is_held() -> None:
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
     layers = next(contract["layers"] for contract in contracts if contract["type"] == "layers")
     assert drawn == [re.sub(r"[()]", "", layer) for layer in layers]
+
+
+def test_a_class_has_a_name_of_its_own() -> None:
+    homes = defaultdict(list)
+    for file, tree in _sources():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                homes[node.name].append(file)
+    assert _more_than_once(homes, set(CLASSES_THAT_MAY)) == {}
+
+
+def test_a_file_has_a_name_of_its_own() -> None:
+    homes = defaultdict(list)
+    for file, _ in _sources():
+        name = file.rpartition("/")[2]
+        if not name.startswith("__") and not file.startswith("cli/"):  # a command is called as what it shows
+            homes[name].append(file)
+    assert _more_than_once(homes, set(FILES_THAT_MAY)) == {}
+
+
+def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:
+    """What else is asked with is kept alive by the cache, a model of a machine with all its readings: `remembered`."""
+    asked = [
+        (file, function.name, ast.unparse(argument.annotation or ast.Constant(None)))
+        for file, tree in _sources()
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef)
+        and any(re.search(r"\b(lru_)?cache\b", ast.unparse(each)) for each in function.decorator_list)
+        for argument in function.args.args
+    ]
+    assert asked
+    assert [each for each in asked if each[2] not in {"int", "float", "str"}] == []
 
 
 def test_files_stay_small() -> None:

@@ -20,7 +20,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Joint, Machine, Session, available
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.lab.linuxcnc.probing import ball, touched
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
@@ -103,7 +103,7 @@ def test_the_kinematics_turn_about_our_pivots(swivel: str) -> None:
     shown = zip(place * 1e3, *np.degrees(angles), strict=True)
     codes = [f"G0 X{p[0]:.6f} Y{p[1]:.6f} Z{p[2]:.6f} {swivel}{a:.6f} C{c:.6f}" for p, a, c in shown]
     joints = [Joint(name) for name in ("X", "Y", "Z", swivel, "C")]
-    with Session(joints, Machine(pivots.write(found, "mm"), found.kinematics)) as session:
+    with Session(joints, Settings(pivots.write(found, "mm"), found.kinematics)) as session:
         reached = np.array([step.command for step in session.move(codes)])
         assert session.errors == ()
     expected = pivots.joints_at(found, place, *angles) * 1e3
@@ -119,7 +119,7 @@ def test_a_probe_finds_the_ball_where_the_machine_has_it() -> None:
     places = low + (high - low) * np.random.default_rng(2).uniform(0.2, 0.8, (2, 3))
     order = [estimate.machine.index(name) for name in "XYZ"]
     deviations = truth.deviation(places, np.zeros_like(places)) * 1e3
-    with Session(joints, Machine(ball(radius))) as session:
+    with Session(joints, Settings(ball(radius))) as session:
         for place, deviation in zip(places[:, order] * 1e3, deviations, strict=True):
             found = touched(session, place - deviation, place, radius)
             assert place - found == pytest.approx(deviation, abs=1.1e-3)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Machine, Session, available
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
 from tests.linuxcnc import tilting_table
 
@@ -130,7 +130,7 @@ def off(swivel: str, files: Mapping[str, str]) -> Array:
     hal = files.get("axiscal-pivots.hal") or nominal_pivots(swivel)
     hal += files.get("axiscal-cross.hal", "") + f"net tool-length motion.tooloffset.z => {kins}.tool-offset\n"
     wanted, sides, codes = _places(swivel, names)
-    with Session(joints, Machine(hal, kins)) as session:
+    with Session(joints, Settings(hal, kins)) as session:
         session.move([f"G43.1 Z{tilting_table.TOOL}"])
         steps = session.move(codes)[1::2]
         assert session.errors == ()

@@ -11,7 +11,7 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.compensation.controllers.linuxcnc import cross
 from axiscal.compensation.table import CompensationTable
-from axiscal.lab.linuxcnc import Joint, Machine, Session, available
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -57,7 +57,7 @@ def test_a_correction_comes_and_goes_smoothly_with_homing() -> None:
     text = cross.write([table, bend("X", "Z", 5e-5)], wiring) + watched(["axiscal-x-correction"])
     limit = cross.fastest([table, bend("X", "Z", 5e-5)], SPEEDS) * 1e3
     joints = [Joint(axis, velocity=200.0, acceleration=2000.0) for axis in "XYZ"]
-    with Session(joints, Machine(text)) as session:
+    with Session(joints, Settings(text)) as session:
         ramped = [session.read(["axiscal-x-correction", "axiscal-gain"]) for _ in range(40)]
         assert all(abs(value) < 1e-9 for value, _ in ramped)  # X is right where Y and Z are zero
         session.move(["G4 P1.1", "G0 Y200"])
@@ -87,7 +87,7 @@ def test_before_all_joints_are_homed_nothing_is_added_and_then_it_is_ramped() ->
     table = CompensationTable("X", False, at, np.full(3, 5e-5), np.full(3, 5e-5), np.full(3, 1e-7), "Y")
     wiring = cross.Wiring({"X": (0,), "Y": (1,), "Z": (2,)}, SPEEDS)
     text = cross.write([table], wiring) + watched(["axiscal-x-correction"])
-    with Session([Joint(axis) for axis in "XYZ"], Machine(text)) as session:
+    with Session([Joint(axis) for axis in "XYZ"], Settings(text)) as session:
         early = session.read(["axiscal-x-correction"])[0]
         session.move(["G4 P1.2"])
         assert early > -0.049
@@ -151,7 +151,7 @@ def test_both_joints_of_a_gantry_are_corrected_alike(gantry: Path, tmp_path: Pat
         for side in (1, -1):
             codes += [f"G0 X{x} Y{y - 3 * side}", f"G0 X{x} Y{y}"]
             sides.append(side)
-    with Session(joints, Machine(files["axiscal-cross.hal"])) as session:
+    with Session(joints, Settings(files["axiscal-cross.hal"])) as session:
         session.move(["G4 P1.1"])
         steps = session.move(codes)[1::2]
         assert session.errors == ()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Machine, Session, available
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
 
 pytestmark = [
@@ -92,7 +92,7 @@ def moved(files: dict[str, str]) -> tuple[Array, Array]:
         for side in (3, -3)
         for step in (side, 0)
     ]
-    with Session(joints, Machine(files["axiscal-cross.hal"])) as session:
+    with Session(joints, Settings(files["axiscal-cross.hal"])) as session:
         steps = session.move(codes)[1::2]
         assert session.errors == ()
     beyond = 1e3 * np.array([np.subtract(step.motor, step.command) for step in steps])

@@ -50,7 +50,7 @@ def steepest(fixed: Array, curves: list[BezierCurve], level: float, gap: float, 
 
     fixed : (w,); boxes : to look at before what is still open is taken at its upper bound
     """
-    search = _Search(fixed, curves, level, gap)
+    search = _BoxSearch(fixed, curves, level, gap)
     open_ones = _Ranges(fixed, curves).worth_a_look(search, boxes)
     while open_ones and search.looked < boxes:
         search.look(open_ones)
@@ -74,7 +74,7 @@ class _Boxes(NamedTuple):
         return [self.taken(order[start : start + _BATCH]) for start in range(0, len(order), _BATCH)]
 
 
-class _Search:
+class _BoxSearch:
     """What is found so far.  closed : the largest upper bound of what is not looked at any more."""
 
     def __init__(self, fixed: Array, curves: list[BezierCurve], level: float, gap: float) -> None:
@@ -149,7 +149,7 @@ class _Ranges:
             for k, m in itertools.combinations(range(len(curves)), 2)
         }
 
-    def worth_a_look(self, search: _Search, boxes: int) -> list[_Boxes]:
+    def worth_a_look(self, search: _BoxSearch, boxes: int) -> list[_Boxes]:
         """Return the boxes of single pieces that may hold more than is known."""
         front, found = np.zeros((1, len(self.curves)), dtype=np.intp), list[_Boxes]()
         while len(front):

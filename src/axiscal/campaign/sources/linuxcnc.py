@@ -16,7 +16,7 @@ from axiscal.exceptions import SourceError
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:
-    from axiscal.lab.linuxcnc import Joint, Machine, Session
+    from axiscal.lab.linuxcnc import Joint, Session, Settings
     from axiscal.machine import Axis
     from axiscal.numerics import Array
     from axiscal.simulation import VirtualMachine
@@ -147,19 +147,19 @@ class LinuxcncMachine:
         joint = Joint(axis.name, low * scale, high * scale, 5000 * fast, 5e5 * fast, table)
         return [joint, joint] if axis.name in self._build.pairs else [joint]
 
-    def _told(self, files: Mapping[str, str]) -> Machine:
+    def _told(self, files: Mapping[str, str]) -> Settings:
         """Return what LinuxCNC is told beside its joints: HAL files in their order, or the place of axes as built."""
         from axiscal.compensation.controllers.linuxcnc import pivots
-        from axiscal.lab.linuxcnc import Machine
+        from axiscal.lab.linuxcnc import Settings
 
         texts = [text for name, text in files.items() if name.endswith(".hal")]
         if not self._build.tcp:
-            return Machine("".join(texts), unit=self._build.unit)
+            return Settings("".join(texts), unit=self._build.unit)
         nominal = pivots.pivots(self._machine, {})
         if not any(nominal.kinematics in text for text in texts):
             texts.append(pivots.write(nominal, self._build.unit))
         texts.append(f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n")
-        return Machine("".join(texts), nominal.kinematics, self._build.unit)
+        return Settings("".join(texts), nominal.kinematics, self._build.unit)
 
 
 class LinuxcncSource:

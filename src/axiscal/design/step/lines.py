@@ -7,7 +7,6 @@ levers. So the products with [F, C Vᵀ] are made once per line, and a position 
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from axiscal.design.step.cell_rests import Rests
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
+from axiscal.numerics.remembered import remembered
 
 _SAME = 1e-14
 _FOLLOWS = 1e-9
@@ -152,7 +152,7 @@ def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches:
     return kind(scorer, setup, axis, poses, approaches)
 
 
-@lru_cache(maxsize=64)
+@remembered
 def _straight(observation: Observation, setup: int, axis: int) -> bool:
     """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
     if observation.setups[setup].base is not None:

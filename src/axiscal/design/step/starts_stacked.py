@@ -8,7 +8,6 @@ with many each of a number of starts climbs it axis by axis.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from axiscal.measurement.candidates import even_points, knot_lattice, raster_pos
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.numerics.axis_pairs import Pairs
+from axiscal.numerics.remembered import remembered
 
 _PER_INTERVAL = 8
 _EVERY_POINT = 300_000
@@ -39,7 +39,7 @@ class Starts:
     gains: Array
 
 
-@lru_cache(maxsize=16)
+@remembered
 def adds_up(observation: Observation, setup: int) -> bool:
     """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
     moves = observation.setups[setup].moves
@@ -105,7 +105,7 @@ class _Stack:
         return above, below.plus(self.variance, [g.variances for g in self.grids])
 
 
-@lru_cache(maxsize=16)
+@remembered
 def _stack(observation: Observation, setup: int) -> _Stack:
     mounted = observation.setups[setup]
     park = np.array([mounted.park])

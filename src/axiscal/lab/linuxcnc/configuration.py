@@ -26,7 +26,7 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Machine:
+class Settings:
     """What a LinuxCNC is told beside its joints.
 
     hal : text that is run after motion has been loaded, such as corrections over other axes
@@ -39,21 +39,21 @@ class Machine:
     servo_period: float = 1e-3
 
 
-def files(joints: Sequence[Joint], machine: Machine) -> Mapping[str, str]:
+def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
     """Return name and text of every file that LinuxCNC reads."""
     tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
     return {
-        "machine.ini": _ini(joints, machine),
-        "machine.hal": _hal(joints, machine.hal),
+        "machine.ini": _ini(joints, settings),
+        "machine.hal": _hal(joints, settings.hal),
         "sim.tbl": "T1 P1 D6 Z0\n",
     } | tables
 
 
-def _ini(joints: Sequence[Joint], machine: Machine) -> str:
+def _ini(joints: Sequence[Joint], settings: Settings) -> str:
     letters = "".join(joint.axis for joint in joints)
     gantry = " kinstype=BOTH" if len(set(letters)) < len(letters) else ""
     fastest, hardest = max(joint.velocity for joint in joints), max(joint.acceleration for joint in joints)
-    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": _UNITS[machine.unit], "ANGULAR_UNITS": "degree"}
+    traj: dict[str, object] = {"COORDINATES": letters, "LINEAR_UNITS": _UNITS[settings.unit], "ANGULAR_UNITS": "degree"}
     for limit, kind in product(("MAX", "DEFAULT"), ("LINEAR", "ANGULAR")):
         traj |= {f"{limit}_{kind}_VELOCITY": fastest, f"{limit}_{kind}_ACCELERATION": hardest}
     sections: dict[str, dict[str, object]] = {
@@ -61,10 +61,10 @@ def _ini(joints: Sequence[Joint], machine: Machine) -> str:
         "DISPLAY": {"DISPLAY": "./driver.py"},
         "TASK": {"TASK": "milltask", "CYCLE_TIME": 0.001},
         "RS274NGC": {"PARAMETER_FILE": "sim.var"},
-        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(machine.servo_period * 1e9)},
+        "EMCMOT": {"EMCMOT": "motmod", "COMM_TIMEOUT": 4.0, "SERVO_PERIOD": round(settings.servo_period * 1e9)},
         "EMCIO": {"EMCIO": "io", "CYCLE_TIME": 0.1, "TOOL_TABLE": "sim.tbl"},
         "HAL": {"HALFILE": "machine.hal"},
-        "KINS": {"KINEMATICS": f"{machine.kinematics} coordinates={letters}{gantry}", "JOINTS": len(joints)},
+        "KINS": {"KINEMATICS": f"{settings.kinematics} coordinates={letters}{gantry}", "JOINTS": len(joints)},
         "TRAJ": traj,
     }
     for number, joint in enumerate(joints):

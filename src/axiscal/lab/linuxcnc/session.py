@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc.configuration import Joint, Machine, files, motors
+from axiscal.lab.linuxcnc.configuration import Joint, Settings, files, motors
 
 _DRIVER = Path(__file__).with_name("driver.py")
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
@@ -65,19 +65,19 @@ class Run:
 class Session:
     """A LinuxCNC that is switched on, homed, and takes G-code lines; a context manager.
 
-    joints : in the order of their numbers; machine : what LinuxCNC is told beside them
+    joints : in the order of their numbers; settings : what LinuxCNC is told beside them
     start : what the motors were told after homing; errors : what the operator was told so far
     Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses a move.
     """
 
-    def __init__(self, joints: Sequence[Joint], machine: Machine | None = None, timeout: float = 60.0) -> None:
+    def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
         if not available():
             raise ControlError("LinuxCNC is not installed here", _INSTALL)
         self.errors: tuple[str, ...] = ()
         self._timeout = timeout
         self._stack = ExitStack()
         try:
-            self._begin(joints, machine or Machine())
+            self._begin(joints, settings or Settings())
         except BaseException:
             self.close()
             raise
@@ -102,10 +102,10 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _begin(self, joints: Sequence[Joint], machine: Machine) -> None:
+    def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        _fill(self._work, motors(joints, machine.hal), files(joints, machine))
+        _fill(self._work, motors(joints, settings.hal), files(joints, settings))
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(self._work / "socket"))
         listener.listen(1)
@@ -153,11 +153,11 @@ _LOOK = "Look at its last words above"
 def run(
     joints: Sequence[Joint],
     moves: Sequence[str],
-    machine: Machine | None = None,
+    settings: Settings | None = None,
     timeout: float = 60,
 ) -> Run:
     """Start LinuxCNC, make the moves (G-code lines), stop it; raises ControlError."""
-    with Session(joints, machine, timeout) as session:
+    with Session(joints, settings, timeout) as session:
         steps = session.move(moves)
         return Run(session.start, steps, session.errors)
 

@@ -4,6 +4,6 @@
 """
 
 from axiscal.compensation.controllers.fanuc.data import Increments, fill, increments, read
-from axiscal.compensation.controllers.fanuc.plan import PitchParameters, read_plans
+from axiscal.compensation.controllers.fanuc.pitch import PitchParameters, read_plans
 
 __all__ = ["Increments", "PitchParameters", "fill", "increments", "read", "read_plans"]

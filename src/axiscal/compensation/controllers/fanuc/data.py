@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.compensation.controllers.fanuc.plan import APART, DETECTION, PitchParameters
+from axiscal.compensation.controllers.fanuc.pitch import APART, DETECTION, PitchParameters
 from axiscal.compensation.controllers.fanuc.records import Records, replace_values
 from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.table import CompensationTable

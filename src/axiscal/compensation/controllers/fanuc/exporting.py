@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from axiscal.compensation.controllers.fanuc.data import FIRST_DATA, fill, increments, read
-from axiscal.compensation.controllers.fanuc.plan import DETECTION, PitchParameters, linear_numbers, read_plans
+from axiscal.compensation.controllers.fanuc.pitch import DETECTION, PitchParameters, linear_numbers, read_plans
 from axiscal.compensation.controllers.fanuc.records import read_records
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.compensation.controllers.fanuc.data import read
-from axiscal.compensation.controllers.fanuc.plan import linear_numbers, read_plans
+from axiscal.compensation.controllers.fanuc.pitch import linear_numbers, read_plans
 from axiscal.compensation.controllers.fanuc.records import read_records
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.loaded import Loaded

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.compensation.controllers.sinumerik.notes import notes
-from axiscal.compensation.controllers.sinumerik.reading import read
+from axiscal.compensation.controllers.sinumerik.read_back import read
 from axiscal.compensation.controllers.sinumerik.writing import POINTS as CEC_POINTS
 from axiscal.compensation.controllers.sinumerik.writing import axis_names, blocks_of, write
 from axiscal.compensation.effect import table_control

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.compensation.controllers.sinumerik.reading import read
+from axiscal.compensation.controllers.sinumerik.read_back import read
 from axiscal.compensation.controllers.sinumerik.writing import axis_names
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.loaded import Loaded

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from axiscal.compensation.controllers.sinumerik.writing import CEC, Block
+from axiscal.compensation.controllers.sinumerik.writing import CEC, TableBlock
 from axiscal.compensation.table import CompensationTable
 from axiscal.units import to_unit
 
@@ -15,7 +15,7 @@ _SMALL = (8, 200)
 
 
 def notes(
-    own: Sequence[CompensationTable], blocks: Sequence[Block], names: Mapping[str, str], encoder: int
+    own: Sequence[CompensationTable], blocks: Sequence[TableBlock], names: Mapping[str, str], encoder: int
 ) -> tuple[str, ...]:
     """Return the sentences; arguments as for `write`."""
     sizes = ", ".join(f"[{encoder},{names[table.axis]}] {len(table.positions)}" for table in own)
@@ -30,7 +30,7 @@ def notes(
     return (memory if own else ()) + (_cec(blocks, names) if blocks else ()) + _modulo(own, names)
 
 
-def _cec(blocks: Sequence[Block], names: Mapping[str, str]) -> tuple[str, ...]:
+def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, ...]:
     counts = [len(block.table.positions) for block in blocks]
     points = ", ".join(f"[{number}] {count}" for number, count in enumerate(counts))
     over = len(blocks) > _SMALL[0] or max(counts) > _SMALL[1]
@@ -48,7 +48,7 @@ def _cec(blocks: Sequence[Block], names: Mapping[str, str]) -> tuple[str, ...]:
     )
 
 
-def _by_axis(blocks: Sequence[Block], sizes: Sequence[float]) -> dict[str, float]:
+def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, float]:
     """Return the sum over the tables of each axis that act at once: those of the two directions do not."""
     found: dict[str, float] = {}
     for direction in (1, -1):
@@ -60,13 +60,13 @@ def _by_axis(blocks: Sequence[Block], sizes: Sequence[float]) -> dict[str, float
     return found
 
 
-def _sums(blocks: Sequence[Block], names: Mapping[str, str]) -> str:
+def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
     sums = _by_axis(blocks, [float(np.max(np.abs(block.values))) for block in blocks])
     units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
     return ", ".join(f"{to_unit(size, units[axis]):.4f} {units[axis]} ({names[axis]})" for axis, size in sums.items())
 
 
-def _slopes(blocks: Sequence[Block], names: Mapping[str, str]) -> str:
+def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
     steepest = [float(np.max(np.abs(np.diff(b.values) / np.diff(b.table.positions)))) for b in blocks]
     return ", ".join(f"{100 * slope:.3g} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items())
 

@@ -26,7 +26,7 @@ def axis_names(machine: Machine, options: ExportOptions) -> dict[str, str]:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Block:
+class TableBlock:
     """One CEC table: values (n,) m or rad, taken away after moving in a direction, 0 for both."""
 
     table: CompensationTable
@@ -34,10 +34,10 @@ class Block:
     direction: int
 
 
-def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[Block, ...]:
+def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[TableBlock, ...]:
     """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be."""
     apart = [block for table in own for block in _directions(table)]
-    blocks = (*apart, *(Block(table, table.forward, 0) for table in over))
+    blocks = (*apart, *(TableBlock(table, table.forward, 0) for table in over))
     if len(blocks) > TABLES:
         raise TableError(f"{len(blocks)} CEC tables are needed, {TABLES} fit", "leave axes out of the description")
     for block in blocks:
@@ -49,7 +49,7 @@ def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable
 
 def write(
     own: Sequence[CompensationTable],
-    blocks: Sequence[Block],
+    blocks: Sequence[TableBlock],
     names: Mapping[str, str],
     cec_sign: float = 1.0,
     encoder: int = 0,
@@ -61,9 +61,9 @@ def write(
     return files | ({CEC: f"%_N_NC_CEC_INI\nCHANDATA(1)\n{cec}M17\n"} if cec else {})
 
 
-def _directions(table: CompensationTable) -> list[Block]:
+def _directions(table: CompensationTable) -> list[TableBlock]:
     half = (table.forward - table.reverse) / 2
-    return [] if not np.any(half) else [Block(table, half, 1), Block(table, -half, -1)]
+    return [] if not np.any(half) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
 
 
 def _enc(table: CompensationTable, name: str, encoder: int) -> str:
@@ -73,7 +73,7 @@ def _enc(table: CompensationTable, name: str, encoder: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _cec(number: int, block: Block, sign: float, names: Mapping[str, str]) -> str:
+def _cec(number: int, block: TableBlock, sign: float, names: Mapping[str, str]) -> str:
     table = block.table
     shown = np.asarray(to_unit(sign * block.values, _unit(table)))
     lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(shown + 0.0)]
