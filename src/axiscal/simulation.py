@@ -92,7 +92,7 @@ class VirtualMachine:
         rng: np.random.Generator,
         seconds: float = 0.0,
     ) -> tuple[float, ...]:
-        """Return what the set-up would show: the truth, its own unknowns, nothing linearised, its drift and noise.
+        """Return what the set-up's display would show: the truth, its own unknowns, nothing linearised, drift, noise.
 
         seconds : since the campaign began
         """
@@ -104,7 +104,8 @@ class VirtualMachine:
         own = self.offsets.get(setup.name, {})
         shown = [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
         moved = self.drifts.get(setup.name, _still)(seconds)
-        return tuple(v + d + setup.noise * rng.standard_normal() for v, d in zip(shown, moved, strict=False))
+        each = (v + d + setup.scatter * rng.standard_normal() for v, d in zip(shown, moved, strict=False))
+        return tuple(_displayed(value, setup.resolution) for value in each)
 
     def _chord(self, setup: Setup, poses: Array) -> Actual:
         """Return how the way lies under one foot of a level against the other, per length between them."""
@@ -170,6 +171,11 @@ class Simulator:
         offsets = {s.name: {u.name: u.std * rng.standard_normal() for u in s.unknowns} for s in self.setups}
         rng = np.random.default_rng((seed, 3))
         return offsets, {s.name: _wandering(s.drift, rng) for s in self.setups if s.drift > 0}
+
+
+def _displayed(value: float, resolution: float) -> float:
+    """Return a value as a display shows it that moves in steps, m or rad."""
+    return round(value / resolution) * resolution if resolution else value
 
 
 def _still(_: float) -> tuple[float, float, float]:

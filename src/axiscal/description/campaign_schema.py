@@ -45,6 +45,7 @@ class SetupTable(Table):
     park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
     noise: QuantityText | None = Field(None, examples=['"0.3 um"'])
     unknowns: dict[str, QuantityText] | None = Field(None, examples=['{ zero = "100 um" }'])
+    resolution: QuantityText | None = Field(None, examples=['"1 um"'])
     setup_time: Time | None = Field(None, examples=['"30 min"'])
     settle: Time | None = Field(None, examples=['"1 s"'])
     reading_time: Time | None = Field(None, examples=['"3 s"'])

@@ -13,6 +13,7 @@ from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, InputError, UnitError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
+from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
@@ -65,6 +66,7 @@ class _Reader:
             moves = self._moves()
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
+        resolution = self._resolution(usual)
         growth, spread = self._growth(usual, direction, moves)
         base = self._base(usual)
         setup = Setup(
@@ -73,7 +75,7 @@ class _Reader:
             direction=direction,
             moves=moves,
             park=self._park(moves),
-            noise=noise,
+            noise=math.hypot(noise, resolution / math.sqrt(12.0)),
             unknowns=(*self._unknowns(usual, moves), *spread),
             setup_time=self._time("setup_time", usual.setup_time),
             settle=self._time("settle", usual.settle),
@@ -84,10 +86,15 @@ class _Reader:
             growth=growth,
             base=base,
             drift=self._drift(usual),
+            resolution=resolution,
         )
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check(setup, self._machine)
         return setup
+
+    def _resolution(self, usual: Instrument) -> float:
+        with self._at("resolution"):
+            return 0.0 if self._table.resolution is None else _positive(self._table.resolution, usual.reads)
 
     def _base(self, usual: Instrument) -> float | None:
         text = self._table.base
@@ -217,7 +224,8 @@ class _Reader:
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:
         given = self._table.unknowns
         if given is None:
-            unknowns = usual.unknowns
+            turns = any(self._machine.axes[index].rotary for index in moves)
+            unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
             unknowns = tuple(self._unknown(name, text, usual) for name, text in given.items())
         if "slope" in (unknown.name for unknown in unknowns):

@@ -19,12 +19,13 @@ from axiscal.numerics import Array, rigid
 class Frames(NamedTuple):
     """Axis frames and TCP in the workpiece frame.
 
-    rotations : (q, m, 3, 3) R_k; origins : (q, m, 3) m; tcp : (m, 3) m
+    rotations : (q, m, 3, 3) R_k; origins : (q, m, 3) m; tcp : (m, 3) m; tool : (m, 3, 3) R_t, of the tool
     """
 
     rotations: Array
     origins: Array
     tcp: Array
+    tool: Array
 
 
 class SmallMotions(NamedTuple):
@@ -48,7 +49,7 @@ def frames(machine: Machine, poses: Array) -> Frames:
         rotations.append(motion.rotation)
         origins.append(motion.translation)
         motion = _from_frame(axis, motion, coordinate, None)
-    return Frames(np.stack(rotations), np.stack(origins), motion.apply(_tool(machine)))
+    return Frames(np.stack(rotations), np.stack(origins), motion.apply(_tool(machine)), motion.rotation)
 
 
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:

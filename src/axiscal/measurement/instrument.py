@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, Distance
-from axiscal.measurement.instruments.kind import Model, Reads
+from axiscal.measurement.instruments.kind import TOOL, Model, Reads
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.instruments.stepped import Stepped
@@ -56,6 +56,10 @@ def _station(std: float) -> tuple[Unknown, ...]:
     return tuple(Unknown(name, std) for name in SHIFTS)
 
 
+def _tool(std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(name, std) for name in TOOL)
+
+
 _ZERO = Unknown("zero", 1e-3)
 _SLOPE = Unknown("slope", 1e-3)
 
@@ -69,16 +73,16 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
             Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0),
             Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0),
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0),
-            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4)), 900.0, 0.5, 1.0),
-            Instrument("rtest", Nest(), 0.7e-6, _zeros(1e-3), 900.0, 1.0, 3.0),
-            Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3)), 3600.0, 2.0, 5.0),
-            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3)), 1800.0, 1.0, 3.0),
+            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4), *_tool(1e-4)), 900.0, 0.5, 1.0),
+            Instrument("rtest", Nest(), 0.7e-6, (*_zeros(1e-3), *_tool(1e-4)), 900.0, 1.0, 3.0),
+            Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3), *_tool(1e-4)), 3600.0, 2.0, 5.0),
+            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3), *_tool(1e-4)), 1800.0, 1.0, 3.0),
         )
     }
 )
 """The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
 level is an electronic one; the tracer is a length-only interferometer that follows the tool from a station nobody knows
-well."""
+well. What carries a ball or a mirror in the spindle is known to a tenth of a millimetre (an assumption)."""
 
 _STEPPED = Stepped()
 

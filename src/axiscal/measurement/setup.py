@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,7 +35,7 @@ class Setup:
     direction : unit vector in the workpiece frame, along which a length or about which an angle is read
     moves : indices of the axes that may move, in chain order
     park : (n_axes,) m or rad, where the axes stand that do not move; middle of travel for those that do
-    noise : standard deviation of one reading, m or rad
+    noise : standard deviation of one reading, m or rad, what its display rounds off included
     setup_time, settle, reading_time : s
     raster : (n_axes,) m or rad, positions are multiples of it; 0 is continuous
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
@@ -44,6 +45,7 @@ class Setup:
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
+    resolution : the step q of its display, m or rad; 0 where it shows everything
     """
 
     name: str
@@ -63,6 +65,17 @@ class Setup:
     growth: float = 0.0
     base: float | None = None
     drift: float = 0.0
+    resolution: float = 0.0
+
+    @property
+    def rounding(self) -> float:
+        """Standard deviation of what the display rounds off, q/√12, m or rad (GUM F.2.2.1)."""
+        return self.resolution / math.sqrt(12.0)
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of a reading before the display rounds it, m or rad."""
+        return max(math.sqrt(max(self.noise**2 - self.rounding**2, 0.0)), FINEST)
 
     def span(self, axis: Axis, index: int) -> tuple[float, float]:
         """Return from where to where it can be read along an axis, m or rad: the travel, for feet that stand within."""

@@ -1,7 +1,7 @@
 """Instruments that read a distance to the TCP from a point that is known roughly only: ball bar and length-only tracer.
 
-y = |p + δp − station − shift| − |p − station| + zero: linearised about the best known place of the station, so that a
-station that is millimetres away from where it was said to be does no harm once its place has been found.
+y = |p + δp + R_t tool − station − shift| − |p − station| + zero: linearised about the best known place of the station,
+so that a station that is millimetres away from where it was said to be does no harm once its place has been found.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, need_station
+from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal, Reads, displaced, need_station, tool_part
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 SHIFTS = ("station_x", "station_y", "station_z")
-_UNKNOWNS: dict[str, Reads] = dict.fromkeys(("zero", *SHIFTS), "length")
+_UNKNOWNS: dict[str, Reads] = dict.fromkeys(("zero", *SHIFTS, *TOOL), "length")
 _LEAST = 1e-3
 
 
@@ -36,19 +36,21 @@ class Distance:
         return unit
 
     def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, less the unit vector's part for a shift of the station, (m,)."""
+        """Return 1 for the zero, the unit vector's part of the tool, less that of a shift of the station, (m,)."""
         if unknown == "zero":
             return np.ones(nominal.count)
+        if unknown in TOOL:
+            return tool_part(unknown, self.towards(setup, direction, nominal), nominal)
         part: Array = -self.towards(setup, direction, nominal)[:, SHIFTS.index(unknown)]
         return part
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
     ) -> Array:
-        """Return |p + δp − station − shift| − |p − station| + zero, (m,)."""
+        """Return |p + δp + R tool − station − shift| − |p − station| + zero, (m,)."""
         stated = _stated(setup)
         shift = np.array([own.get(name, 0.0) for name in SHIFTS])
-        seen = np.linalg.norm(nominal.tcp + actual.displacement - stated - shift, axis=1)
+        seen = np.linalg.norm(nominal.tcp + displaced(nominal, actual, own) - stated - shift, axis=1)
         shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + own.get("zero", 0.0)
         return shown
 

@@ -14,9 +14,13 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
+from axiscal.numerics import Array, rigid
 
 Reads = Literal["length", "angle"]
+
+TOOL = ("tool_x", "tool_y", "tool_z")
+"""By how much the tool in the spindle is another than the machine states: eccentricity, and less length along z."""
+TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +40,11 @@ class Nominal:
     def tcp(self) -> Array:
         """The nominal TCP in the workpiece frame, (m, 3), m."""
         return frames(self.machine, self.poses).tcp
+
+    @cached_property
+    def tool(self) -> Array:
+        """The nominal orientation R_t of the tool in the workpiece frame, (m, 3, 3)."""
+        return frames(self.machine, self.poses).tool
 
     @cached_property
     def travelled(self) -> Array:
@@ -113,6 +122,20 @@ class Angle:
 def along(direction: Array, count: int) -> Array:
     """Return the same direction for every reading, (m, 3)."""
     return np.broadcast_to(direction, (count, 3))
+
+
+def tool_part(unknown: str, towards: Array, nominal: Nominal) -> Array:
+    """Return what a unit of one of `TOOL` adds to a reading, (m,): δp += R_t e.  towards : (m, 3)"""
+    part: Array = np.sum(towards * nominal.tool[:, :, TOOL.index(unknown)], axis=1)
+    return part
+
+
+def displaced(nominal: Nominal, actual: Actual, own: Mapping[str, float]) -> Array:
+    """Return where the actual tool's point is from the nominal TCP, nothing linearised, (m, 3), m."""
+    tool = np.array([own.get(name, 0.0) for name in TOOL])
+    held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
+    displaced: Array = actual.displacement + held[:, :, 0]
+    return displaced
 
 
 def need_station(setup: Setup, what: str) -> None:

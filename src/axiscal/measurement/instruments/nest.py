@@ -1,6 +1,7 @@
 """The R-test: a nest of three probes reads where a ball is that is held in the spindle, in all three directions.
 
-y = δp + zero, zero the place of the nest, in the workpiece frame.
+y = δp + R_t tool + zero, zero the place of the nest in the workpiece frame, tool by how much the ball in the spindle is
+elsewhere than stated, which turns with the tool.
 """
 
 from __future__ import annotations
@@ -11,7 +12,16 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along
+from axiscal.measurement.instruments.kind import (
+    TOOL,
+    TOOL_READS,
+    Actual,
+    Nominal,
+    Reads,
+    along,
+    displaced,
+    tool_part,
+)
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -24,22 +34,24 @@ class Nest:
     reads: Reads = "length"
     values = 3
     directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(_ZEROS, "length"))
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys(_ZEROS, "length"), **TOOL_READS})
 
     def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
 
     def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return the part of the zero along d, (m,)."""
+        """Return the part of the zero or of the tool along d, (m,)."""
+        if unknown in TOOL:
+            return tool_part(unknown, along(direction, nominal.count), nominal)
         return np.full(nominal.count, direction[_ZEROS.index(unknown)])
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
     ) -> Array:
-        """Return dᵀ(δp + zero), (m,)."""
+        """Return dᵀ(δp + R tool + zero), (m,)."""
         zero = np.array([own.get(name, 0.0) for name in _ZEROS])
-        shown: Array = (actual.displacement + zero) @ direction
+        shown: Array = (displaced(nominal, actual, own) + zero) @ direction
         return shown
 
     def beyond(self, setup: Setup, nominal: Nominal) -> Array:

@@ -1,7 +1,7 @@
 """The laser tracker: it reads where the TCP is, in all directions, from a station of unknown place and orientation.
 
-What it shows in its own frame, less the nominal nominal: y = R(turn)(p + δp − station) + station + zero − p, to first
-order δp + zero + turn × (p − station).
+What it shows in its own frame, less the nominal place: y = R(turn)(p + δp + R_t tool − station) + station + zero − p,
+to first order δp + R_t tool + zero + turn × (p − station).
 """
 
 from __future__ import annotations
@@ -12,13 +12,23 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along, need_station
+from axiscal.measurement.instruments.kind import (
+    TOOL,
+    TOOL_READS,
+    Actual,
+    Nominal,
+    Reads,
+    along,
+    displaced,
+    need_station,
+    tool_part,
+)
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, rigid
 
 _ZEROS = ("zero_x", "zero_y", "zero_z")
 _TURNS = ("turn_x", "turn_y", "turn_z")
-_UNKNOWNS: dict[str, Reads] = {name: "length" if name in _ZEROS else "angle" for name in _ZEROS + _TURNS}
+_UNKNOWNS: dict[str, Reads] = {**dict.fromkeys(_ZEROS, "length"), **dict.fromkeys(_TURNS, "angle"), **TOOL_READS}
 
 
 class Tracker:
@@ -34,7 +44,9 @@ class Tracker:
         return along(direction, nominal.count)
 
     def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return the part of a zero along d, or of the turn of the frame about the station, (m,)."""
+        """Return the part of a zero or of the tool along d, or of the turn of the frame about the station, (m,)."""
+        if unknown in TOOL:
+            return tool_part(unknown, along(direction, nominal.count), nominal)
         if unknown in _ZEROS:
             return np.full(nominal.count, direction[_ZEROS.index(unknown)])
         about = np.eye(3)[_TURNS.index(unknown)]
@@ -44,10 +56,10 @@ class Tracker:
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
     ) -> Array:
-        """Return dᵀ( R(turn)(p + δp − station) + station + zero − p ), (m,)."""
+        """Return dᵀ( R(turn)(p + δp + R tool − station) + station + zero − p ), (m,)."""
         turn = rigid.rotation(np.array([[own.get(name, 0.0) for name in _TURNS]]))[0]
         zero = np.array([own.get(name, 0.0) for name in _ZEROS])
-        seen = (nominal.tcp + actual.displacement - _station(setup)) @ turn.T + _station(setup) + zero
+        seen = (nominal.tcp + displaced(nominal, actual, own) - _station(setup)) @ turn.T + _station(setup) + zero
         shown: Array = (seen - nominal.tcp) @ direction
         return shown
 

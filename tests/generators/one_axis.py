@@ -1,0 +1,32 @@
+"""An axis with one curve, for tests of what readings say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.error_model.model import ErrorModel
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", length = "200 mm" }
+"""
+
+
+def observed(setup: str, machine: str = MACHINE) -> Observation:
+    """Return what an indicator along X with these further keys sees."""
+    start = (
+        'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
+    )
+    described = campaign_from_texts(f"{start}{setup}\n", "campaign.toml", machine, "m")
+    return Observation(ErrorModel(described.machine), described.setups)
+
+
+def readings_at(places: Iterable[float], value: float) -> list[Reading]:
+    """Return readings of one value at places, m."""
+    return [Reading("it", (place,), (1,), value) for place in places]

@@ -1,0 +1,91 @@
+"""A tool that is longer than stated, or sits aside of the spindle's axis, is no error of the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.case import Case
+from axiscal.estimate.prediction import tcp_prediction
+from axiscal.machine import load_machine
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import SmallMotions, tool_motion
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.simulation import Simulator
+
+_STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
+_LONGER = 50e-6
+_ZEROS_ONLY = 'unknowns = { zero_x = "1 mm", zero_y = "1 mm", zero_z = "1 mm" }'
+
+
+def _described(machine: str, setup: str) -> CampaignDescription:
+    text = f'machine = "{machine}"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\n{setup}\n'
+    return campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine)
+
+
+def _poses(machine: Machine, count: int, seed: int) -> Array:
+    low, high = np.clip(np.array([axis.travel for axis in machine.axes]).T, -np.pi, np.pi)
+    poses: Array = np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+    return poses
+
+
+@pytest.mark.parametrize("instrument", ["rtest", "tracker", "tracer", "ballbar"])
+def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(instrument: str) -> None:
+    """The chain of a machine whose tool is longer by e is the judge: e along −z of the tool."""
+    described = _described("dmu60", f'instrument = "{instrument}"\n{"" if instrument == "rtest" else _STATION}')
+    machine, (setup,) = described.machine, described.setups
+    poses = _poses(machine, 20, 1)
+    still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
+    longer, stated = (tool_motion(m, poses, still) for m in (replace(machine, tool=machine.tool + _LONGER), machine))
+    moved = Actual(longer.translation - stated.translation, np.zeros((len(poses), 3)))
+    unmoved = Actual(np.zeros((len(poses), 3)), np.zeros((len(poses), 3)))
+    for direction in np.eye(3):
+        expected = _shown(setup, machine, direction, poses, moved, {})
+        told = _shown(setup, machine, direction, poses, unmoved, {"tool_z": -_LONGER})
+        assert told == pytest.approx(expected, abs=1e-14)
+        row = model_of(setup).own(setup, "tool_z", direction, Nominal(machine, poses, setup.moves))
+        assert -_LONGER * row == pytest.approx(expected, abs=_LONGER**2 / 0.1)
+
+
+def _shown(
+    setup: Setup, machine: Machine, direction: Array, poses: Array, actual: Actual, own: Mapping[str, float]
+) -> Array:
+    return model_of(setup).shown(setup, direction, Nominal(machine, poses, setup.moves), actual, own)
+
+
+def test_a_tool_fifty_um_too_long_is_not_taken_for_an_error_of_the_machine() -> None:
+    missed, promised = _missed("")
+    assert missed < 1.5 * promised
+    missed, promised = _missed(_ZEROS_ONLY)
+    assert missed > 4 * promised  # what the unknown is for
+
+
+def _missed(unknowns: str) -> tuple[float, float]:
+    """Return RMS of the TCP's deviation less its prediction, and what is promised, by 30 readings of an R-test, m."""
+    described = _described("dmu60", f'instrument = "rtest"\n{unknowns}')
+    machine = Simulator(described.machine, described.setups).drawn(0)
+    machine = replace(machine, offsets={"it": {"zero_x": 2e-4, "tool_z": -_LONGER}})
+    calibration, rng = Calibration(Case(described)), np.random.default_rng(0)
+    ahead = (1,) * len(described.machine.axes)
+    for pose in _poses(described.machine, 30, 2):
+        value, *others = machine.read_all(described.setups[0], tuple(pose), ahead, rng)
+        calibration.absorb(Reading("it", tuple(map(float, pose)), ahead, value, others=tuple(others)))
+    at = _poses(described.machine, 200, 3)
+    mean, _ = tcp_prediction(calibration, at, np.ones_like(at))
+    left = machine.deviation(at, np.ones_like(at)) - mean
+    return float(np.sqrt(np.mean(np.sum((left - left.mean(axis=0)) ** 2, axis=1)))), calibration.accuracy().rms
+
+
+def test_where_nothing_turns_the_tool_is_one_with_the_zero_and_no_unknown() -> None:
+    assert not any("tool" in u.name for u in _described("three-axis-mill", 'instrument = "rtest"').setups[0].unknowns)
+    turning = _described("dmu60", 'instrument = "rtest"').setups[0].unknowns
+    assert {"tool_x", "tool_y", "tool_z"} < {unknown.name for unknown in turning}
