@@ -22,7 +22,7 @@ from tests.acceptance.test_verification import MACHINE
 
 RTEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nnoise = "0.4 um"\n'
 TRACKER = '[[setups]]\nname = "afar"\ninstrument = "tracker"\nnoise = "1 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
-PROBE = '[[setups]]\nname = "along x"\ninstrument = "probe"\ndirection = "x"\nnoise = "0.4 um"\n'
+PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nnoise = "0.4 um"\n'
 SEED = 5
 
 
@@ -55,7 +55,7 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
 
 
 def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record, plan = _record(tmp_path / "m.axiscal", RTEST, PROBE), tmp_path / "check.csv"
+    record, plan = _record(tmp_path / "m.axiscal", RTEST + 'moves = ["X"]\n', PROBE), tmp_path / "check.csv"
     assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
     planned = json.loads(capsys.readouterr().out)["plan"]
     assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from axiscal.acceptance.as_found_and_left import as_found_and_left
+from axiscal.acceptance.table_checks import Part, needed, parts_of, taken
 from axiscal.acceptance.verification import (
     Judgement,
     expected,
@@ -35,6 +38,9 @@ from axiscal.numerics import Array
 from axiscal.simulation import Simulator
 from axiscal.units import parse_quantity, to_unit
 
+_USUAL, _FEW = 12, 4
+"""Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
+_PROBES = 300
 FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
 """Readings without the tables and with them, of the same places."""
 
@@ -57,11 +63,39 @@ class Check:
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, calibration, tuple(campaign.state.readings), estimate, tables)
 
-    def planned(self, count: int) -> Places:
-        """Return where to read, places that were not read before; raises ReadingError when there are not as many."""
+    def planned(self, count: int | None = None) -> Places:
+        """Return where to read, places that were not read before; raises ReadingError when there are not as many.
+
+        count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least.
+        Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
+        """
         setups, lattice = self.description.setups, self.calibration.problem.lattice
         candidates = with_displacements(setups, lattice)
-        return plan_check(self.estimate, setups, candidates, self.used, self.tables.control, count)
+        usable = np.unique(candidates.setups).tolist()
+        first = needed(self.estimate, setups, usable, self.parts, self._used_places())
+        first = first.within(np.arange(len(first))[: len(first) if count is None else count])
+        left = max(_USUAL - len(first), _FEW) if count is None else count - len(first)
+        if left < 1:
+            return _in_order(first)
+        others = plan_check(self.estimate, setups, candidates, self.used, self.tables.control, left)
+        return _in_order(Places.joined([first, others]))
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The tables, each by itself, those first that correct most."""
+        machine, lattice = self.description.machine, self.calibration.problem.lattice
+        places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
+        parts, setups = parts_of(self.estimate, self.tables), self.description.setups
+        return tuple(sorted(parts, key=lambda part: -float(np.std(taken(machine, part, setups, places)))))
+
+    def _used_places(self) -> Places:
+        names = [setup.name for setup in self.description.setups]
+        indices = np.array([names.index(reading.setup) for reading in self.used], dtype=np.intp)
+        shape = (-1, len(self.description.machine.axes))
+        poses, sides = (
+            np.array([getattr(r, of) for r in self.used], dtype=float).reshape(shape) for of in ("pose", "approach")
+        )
+        return Places(indices, poses, sides)
 
     def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
         """Return the values (k,) that each place is expected to show without the tables and with them, m."""
@@ -92,7 +126,7 @@ class Check:
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : from the target without one"""
         allowed = tolerance_of(self.description.target, tolerance)
-        return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed)
+        return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed, self.parts)
 
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""
@@ -106,6 +140,13 @@ class Check:
             empty = [""] * len(values)
             lines.append(",".join([_quoted(setups[s].name), *at, approach_text(axes, approach), *empty]))
         return "\n".join(lines) + "\n"
+
+
+def _in_order(places: Places) -> Places:
+    """Return places set-up by set-up, along the axes."""
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), strict=True)
+    keys = [(s, *pose, *sides) for s, pose, sides in rows]
+    return places.within(np.array(sorted(range(len(keys)), key=keys.__getitem__), dtype=np.intp))
 
 
 def tolerance_of(target: Target, text: str | None) -> float:

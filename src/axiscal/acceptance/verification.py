@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
+from axiscal.acceptance.table_checks import Part, Share, shares, taken
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
@@ -80,6 +81,7 @@ class Judgement:
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
     lines : set-ups that are judged against their own line; strained : datums further off than stated
     still : set-ups all of whose as-left readings show one and the same number
+    shares : how much of each table the readings show
     """
 
     verdict: Verdict
@@ -93,11 +95,22 @@ class Judgement:
     lines: tuple[str, ...]
     strained: tuple[Datum, ...]
     still: tuple[str, ...] = ()
+    shares: tuple[Share, ...] = ()
 
     @property
     def loaded(self) -> bool:
         """Whether the readings changed as the tables make them."""
         return self.changed >= _HARDLY
+
+    @property
+    def faulty(self) -> tuple[Share, ...]:
+        """The tables that are missing, or loaded with the wrong sign."""
+        return tuple(share for share in self.shares if share.checked and not share.works)
+
+    @property
+    def unchecked(self) -> tuple[str, ...]:
+        """The tables of which the readings cannot tell whether they work."""
+        return tuple(share.name for share in self.shares if not share.checked)
 
     @property
     def believed(self) -> bool:
@@ -193,10 +206,12 @@ def judge(
     left: Sequence[Reading],
     control: Control,
     tolerance: float,
+    parts: Sequence[Part] = (),
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
     What a set-up brings itself, its zero and a slope that nobody knows, is taken off each set of readings.
+    parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
     """
     _refuse_different(found, left)
     names = [setup.name for setup in setups]
@@ -215,7 +230,9 @@ def judge(
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
     decided = verdict(free @ after.values, std, tolerance)
-    still = _still(left)
+    still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
+    if any(share.checked and not share.works for share in each):
+        decided = "fail"
     if decided == "pass" and (change.likely < _HARDLY or strained or still):
         decided = "undecided"
     return Judgement(
@@ -230,7 +247,26 @@ def judge(
         datums.lines,
         strained,
         still,
+        each,
     )
+
+
+def _shares(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    places: Places,
+    datums: Datums,
+    seen: tuple[_Seen, _Seen],
+    parts: Sequence[Part],
+) -> tuple[Share, ...]:
+    """Return how much of each table shows in the change from as found to as left."""
+    if not parts:
+        return ()
+    before, after = seen
+    free = datums.free
+    columns = np.stack([taken(estimate.machine, part, setups, places) for part in parts], axis=1)
+    covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+    return shares(parts, free @ columns, free @ (before.values - after.values), covariance)
 
 
 def _still(readings: Sequence[Reading]) -> tuple[str, ...]:

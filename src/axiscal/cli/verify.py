@@ -29,7 +29,12 @@ def verify(
     to: Annotated[
         str, typer.Option(metavar="CONTROLLER", help="The control whose tables are loaded, as in `axiscal export`.")
     ] = "csv",
-    points: Annotated[int, typer.Option(min=2, max=200, help="How many places to check.")] = 12,
+    points: Annotated[
+        int | None,
+        typer.Option(
+            min=2, max=200, help="How many places to check; default: as many as the tables need, 12 at least."
+        ),
+    ] = None,
     plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
     source: Annotated[
         str | None, typer.Option(metavar="SOURCE", help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED.")
@@ -38,8 +43,9 @@ def verify(
 ) -> None:
     """Check a compensated machine at places that were not read before, and say pass, fail or undecided.
 
-    First it plans: places where the machine should be worst, and best. Read them without the tables and with them; then
-    give both files. A reading decides only with its uncertainty (ISO 14253-1).
+    First it plans: each table at its ends and where it corrects most, then where the machine should be worst, and best.
+    Read these places without the tables and with them; then give both files. A reading decides only with its
+    uncertainty (ISO 14253-1). A table that is missing or has the wrong sign fails; tables not checked are named.
 
     \b
     Examples:
@@ -68,7 +74,7 @@ def verify(
         say(judgement_text(judgement))
 
 
-def _plan(check: Check, points: int, plan: Path | None, json: bool) -> None:
+def _plan(check: Check, points: int | None, plan: Path | None, json: bool) -> None:
 
     chosen = check.planned(points)
     rows = plan_rows(check, chosen)

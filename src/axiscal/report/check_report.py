@@ -8,6 +8,7 @@ import numpy as np
 
 from axiscal.acceptance.check import Check
 from axiscal.acceptance.datums import GUARD
+from axiscal.acceptance.table_checks import WORKS
 from axiscal.acceptance.verification import Judgement
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
@@ -76,8 +77,17 @@ def judgement_document(judgement: Judgement) -> dict[str, object]:
         "tables_loaded": judgement.loaded,
         "against_own_line": list(judgement.lines),
         "set_up_still": list(judgement.still),
+        "tables": [
+            {"table": s.name, "share": _or_none(s.value), "share_std": _or_none(s.std), "checked": s.checked}
+            for s in judgement.shares
+        ],
+        "not_checked": list(judgement.unchecked),
         "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judgement.strained],
     }
+
+
+def _or_none(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _plain(micrometres: Array) -> Array:
@@ -97,11 +107,23 @@ def judgement_text(judgement: Judgement) -> str:
     notes = "\n".join([_agreement(judgement), *_warnings(judgement)])
     return (
         f"As found: {figures(judgement.found)}\nAs left:  {figures(judgement.left)}\n{notes}\n"
-        f"{judgement.verdict.upper()} at {tolerance}, guard band {guard}: {_why(judgement)}."
+        f"{judgement.verdict.upper()} at {tolerance}, guard band {guard}{_holds_for(judgement)}: {_why(judgement)}."
     )
 
 
+def _holds_for(judgement: Judgement) -> str:
+    """Return which tables the verdict is about; those that were not checked are named beside it."""
+    checked = [share.name for share in judgement.shares if share.checked]
+    if not judgement.shares or not judgement.unchecked:
+        return ""
+    these = ", ".join(checked) or "none of the tables"
+    others = (f"{share.name} (corrects {share.size} at most)" for share in judgement.shares if not share.checked)
+    return f", for {these} only - NOT CHECKED: {', '.join(others)}"
+
+
 def _why(judgement: Judgement) -> str:
+    if judgement.faulty:
+        return f"not as exported: {', '.join(share.name for share in judgement.faulty)}"
     if judgement.verdict == "undecided" and (judgement.strained or judgement.still or not judgement.loaded):
         return "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
     return {
@@ -123,6 +145,11 @@ def _agreement(judgement: Judgement) -> str:
 def _warnings(judgement: Judgement) -> list[str]:
     lines = [
         f'"{name}" is judged against its own line: its slope is not known to the tolerance.' for name in judgement.lines
+    ]
+    lines += [
+        f"WARNING: of the table {share.name} the readings show {share.value:.2f} ({share.std:.2f}) times what it takes "
+        f"away: {'it was loaded with the wrong sign' if share.value < -WORKS else 'it was not loaded'}."
+        for share in judgement.faulty
     ]
     if not judgement.loaded:
         share = "" if judgement.share is None else f", they changed by {judgement.share:.2f} times that"
