@@ -10,7 +10,7 @@ PEERS := trieste torch others
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
-	@echo "make demo-linuxcnc  calibrate machines that a real LinuxCNC moves, load the tables, show the error before and after"
+	@echo "make demo-linuxcnc  calibrate five machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"

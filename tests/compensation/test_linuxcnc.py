@@ -299,7 +299,6 @@ def test_notes_say_what_to_write_and_what_to_mind() -> None:
     assert "ignored" in said("BACKLASH")
     assert "-100 to 300 mm" in said("Outside")
     assert "move it once" in said("homing")
-    assert "never tried" in said("Positions shown", unit="in")
     assert "turn" in said("Outside", changes={"axis": "C", "rotary": True})
 
 

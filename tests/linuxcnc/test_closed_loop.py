@@ -15,7 +15,7 @@ from axiscal.compensation.effect import left_by, table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.compensation.table import CompensationTable
-from axiscal.demo.linuxcnc import MACHINES, close_loop, description
+from axiscal.demo.linuxcnc import EXAMPLES, MACHINES, close_loop, description
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimate.machine_estimate import Estimate
@@ -64,9 +64,10 @@ def rms(deviation: Array) -> float:
 def test_linuxcnc_sends_every_axis_where_we_say_it_does(name: str) -> None:
     """COMP_FILEs and HAL text together, both directions: within 1e-5 mm and 1e-5 deg."""
     estimate, truth = known(name)
-    tables = export(estimate, "linuxcnc", ExportOptions())
+    _, build, options = EXAMPLES[name]
+    tables = export(estimate, "linuxcnc", options)
     poses, approaches = spread(estimate)
-    with LinuxcncMachine(truth, Tables(tables.files)) as machine:
+    with LinuxcncMachine(truth, Tables(tables.files), build) as machine:
         sent = machine.sent(poses, approaches)
         assert machine.errors == ()
     apart = np.abs(sent - poses - tables.control(poses, approaches))

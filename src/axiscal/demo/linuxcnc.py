@@ -3,7 +3,8 @@
     python -m axiscal.demo.linuxcnc --out DIR
 
 A campaign drives a LinuxCNC through MDI, the tables made of it are loaded, LinuxCNC starts anew, and positions that
-were never measured are visited with and without them.
+were never measured are visited with and without them: on a mill, on a gantry of two joints, on a mill that is set up in
+inches, and on two swivelling tables with the kinematics that LinuxCNC brings, in tool centre point mode.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
-from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, LinuxcncSource, Tables
+from axiscal.campaign.sources.linuxcnc import Build, LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.compensation.effect import left_by, rms
 from axiscal.compensation.export_options import ExportOptions
@@ -36,7 +37,23 @@ from axiscal.report.delivery import write_files
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
 
-MACHINES = ("three-axis", "xyzac")
+_TABLE = Build(tcp=True), ExportOptions(pivots=True)
+EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
+    "three-axis": ("three-axis", Build(), ExportOptions()),
+    "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
+    "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
+    "xyzac": ("xyzac", *_TABLE),
+    "xyzbc": ("xyzbc", *_TABLE),
+}
+"""Name -> whose description it is, how LinuxCNC is set up, what is exported."""
+MACHINES = tuple(EXAMPLES)
+_WHAT = {
+    "three-axis": "mill in mm, trivkins",
+    "gantry": "coordinates = XYYZ, trivkins",
+    "inch": "the mill with LINEAR_UNITS = inch",
+    "xyzac": "xyzac-trt-kins in TCP mode",
+    "xyzbc": "xyzbc-trt-kins in TCP mode",
+}
 SEED = 2005
 POSITIONS = 60
 
@@ -64,37 +81,38 @@ class Loop:
 def description(name: str) -> CampaignDescription:
     """Return the campaign on one of `MACHINES`."""
     folder = resources.files("axiscal.demo").joinpath("linuxcnc_machines")
+    stem = EXAMPLES[name][0]
     machine, campaign = (
-        folder.joinpath(f"{name}.{kind}.toml").read_text(encoding="utf-8") for kind in ("machine", "campaign")
+        folder.joinpath(f"{stem}.{kind}.toml").read_text(encoding="utf-8") for kind in ("machine", "campaign")
     )
-    return campaign_from_texts(campaign, f"{name}.campaign.toml", machine, f"{name}.machine.toml")
+    return campaign_from_texts(campaign, f"{stem}.campaign.toml", machine, f"{stem}.machine.toml")
 
 
 @one_thread()
 def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
-    problem = Case(description(name))
+    problem, (_, build, options) = Case(description(name)), EXAMPLES[name]
     truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
     with Campaign.create(record, problem.description, lambda _: Planner(problem)) as campaign:
-        source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed))
+        source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed), build=build)
         try:
             campaign.run(source, _unwatched)
         finally:
             source.close()
         calibration, readings = calibration_of(campaign.engine), len(campaign.state.readings)
-    tables = export(calibration.estimate(), "linuxcnc", ExportOptions())
+    tables = export(calibration.estimate(), "linuxcnc", options)
     write_files(tables, out / "tables" / name)
-    return _verified(calibration, tables, truth, readings)
+    return _verified(calibration, tables, truth, build, readings)
 
 
-def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, readings: int) -> Loop:
+def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, build: Build, readings: int) -> Loop:
     estimate = calibration.estimate()
     poses, approaches = _positions(estimate)
     seen: list[Array] = []
     told: list[str] = []
     for loaded in (None, Tables(tables.files)):
-        with LinuxcncMachine(truth, loaded) as machine:
+        with LinuxcncMachine(truth, loaded, build) as machine:
             seen.append(machine.seen.deviation(poses, approaches))
             told += machine.errors
     left = left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches)
@@ -127,8 +145,8 @@ def _told(name: str, loop: Loop, seconds: float) -> str:
         to_unit(value, "um") for value in (loop.before, loop.after, loop.expected, loop.missed, loop.std)
     )
     return (
-        f"{name}: {loop.readings} readings through LinuxCNC, tables loaded, restarted, {POSITIONS} new positions "
-        f"({seconds:.0f} s)\n"
+        f"{name} ({_WHAT[name]}): {loop.readings} readings through LinuxCNC, tables loaded, restarted, {POSITIONS} new "
+        f"positions ({seconds:.0f} s)\n"
         f"  RMS deviation of the tool before    {before:6.2f} um\n"
         f"  after, with the tables in LinuxCNC  {after:6.2f} um   (expected {expected:.2f} um)\n"
         f"  off the prediction by               {missed:6.2f} um   (stated {std:.2f} um)"
@@ -136,7 +154,7 @@ def _told(name: str, loop: Loop, seconds: float) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Close the loop on both machines; returns the exit status."""
+    """Close the loop on every machine; returns the exit status."""
     out = Path(arguments[arguments.index("--out") + 1]) if "--out" in arguments[:-1] else Path("demo-linuxcnc-out")
     folder = out / time.strftime("%Y%m%d-%H%M%S")
     try:

@@ -18,7 +18,6 @@ def notes(
     sections = " and ".join(f"[JOINT_{joint}]" for joint in joints) or "[JOINT_n], n the joint of this axis"
     each = f" The {len(joints)} joints of {table.axis} have the same table." if len(joints) > 1 else ""
     first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
-    tried = "" if unit != "in" else " Tables in inches were never tried on LinuxCNC."
     return (
         f"In the INI file, section {sections}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC."
         f"{each}",
@@ -27,7 +26,7 @@ def notes(
         f"Outside {first} to {last} {unit} the correction of the nearest end stays.{_turns_note(table)}",
         "After a start or homing there is no correction until the joint has moved: move it once before measuring.",
         "Give the drive 1.5 times MAX_VELOCITY and MAX_ACCELERATION: the correction comes on top of the motion.",
-        f"Positions shown by LinuxCNC do not contain the correction; it can be seen in joint.N.backlash-filt.{tried}",
+        "Positions shown by LinuxCNC do not contain the correction; it can be seen in joint.N.backlash-filt.",
     )
 
 
