@@ -16,12 +16,12 @@ from axiscal.design.bound.certificate import rank_bound
 from axiscal.design.bound.lower_bound import lower_bound, settling
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from benchmarks.cases import five_axis
@@ -51,10 +51,10 @@ def random_starts(problem: Task, pool: Pool, readings: int) -> float:
     return min(found)
 
 
-def parts(problem: Task, pool: Pool, points: list[Point]) -> tuple[float, float, float]:
-    """Return the bounds by rank, by the equivalence theorem, and by both together; points : of a good plan."""
-    readings = len(points)
-    relaxation = Relaxation(pool, problem.state, points, np.ones(len(pool) + readings), float(readings))
+def parts(problem: Task, pool: Pool, places: Places) -> tuple[float, float, float]:
+    """Return the bounds by rank, by the equivalence theorem, and by both together; places : of a good plan."""
+    readings = len(places)
+    relaxation = Relaxation(pool, problem.state, places, np.ones(len(pool) + readings), float(readings))
     steps = list(settling(relaxation))
     whole = max(step.dual.whole - step.spent for step in steps)
     return rank_bound(problem.state, readings), max(whole, 0.0), steps[-1].dual.floor(steps[-1].spent, readings)
@@ -69,7 +69,7 @@ def sizes() -> None:
     for readings in (5, 20, 60, 120):
         plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
         off = make_plan(problem, Limits(readings=readings), patience=1e9)
-        by_rank, by_theorem, together = parts(problem, pool, off.points)
+        by_rank, by_theorem, together = parts(problem, pool, off.places)
         print(f"{readings:8}  {root(plan.value)}  {root(random_starts(problem, pool, readings))}", end="")
         print(f"  {root(off.value)}  {root(by_rank)}  {root(by_theorem):>10}  {root(together)}", end="")
         print(f"  {root(off.bound.value if off.bound else 0.0):>10}  {off.ratio**0.5:.3f}", flush=True)
@@ -83,7 +83,7 @@ def exact() -> None:
     print("readings  the best     plan    bound")
     for readings in (1, 2, 3):
         plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
-        bound = lower_bound(pool, problem.state, [], np.ones(len(pool)), float(readings))
+        bound = lower_bound(pool, problem.state, pool.none, np.ones(len(pool)), float(readings))
         best = best_of_all(Scores(pool, problem.state), readings)
         print(f"{readings:8}   {root(best)}  {root(plan.value)}  {root(bound.value)}", flush=True)
 

@@ -30,10 +30,10 @@ def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
     knowledge, seconds = Knowledge(problem.observation, problem.belief), []
     for _ in range(readings):
         start = time.process_time()
-        step = best_step(knowledge, problem.weight, problem.lattice)
+        step = best_step(knowledge, problem.root, problem.lattice)
         seconds.append(time.process_time() - start)
         knowledge = knowledge.read([step.reading(knowledge.observation)])
-    return statistics.median(seconds), criterion.value(knowledge.belief, problem.weight)
+    return statistics.median(seconds), criterion.value(knowledge.belief, problem.root)
 
 
 def timed(work: Callable[[], object]) -> float:

@@ -53,12 +53,12 @@ def picks(
     setup = setup_of(machine, direction, noise)
     observation = Observation(model, (setup,))
     knowledge = Knowledge.before(observation)
-    weight = criterion.volume_root(volume_moments(model, whole_travel(model)))
+    root = criterion.volume_root(volume_moments(model, whole_travel(model)))
     lattice = spread(machine, (setup,), 1000)
     times = []
     for _ in range(readings):
         wall, processor = time.perf_counter(), time.process_time()
-        step = best_step(knowledge, weight, lattice)
+        step = best_step(knowledge, root, lattice)
         times.append((time.perf_counter() - wall, time.process_time() - processor))
         knowledge = knowledge.read([step.reading(observation)])
     return times

@@ -55,5 +55,5 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     box = whole_travel(model)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
     yardstick = Yardstick(model, box, volume_moments(model, box), unseen)
-    weight = criterion.joint_root(model) if joint else yardstick.root
-    return Task(observation, belief, weight, yardstick, spread(machine, setups, candidates))
+    root = criterion.joint_root(model) if joint else yardstick.root
+    return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

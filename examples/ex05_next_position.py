@@ -22,13 +22,13 @@ def main() -> dict[str, object]:
     )
     observation = ac.Observation(model, (setup,))
     knowledge = ac.Knowledge.before(observation)
-    weight = volume_root(volume_moments(model, whole_travel(model)))
-    places, rms = [], [np.sqrt(value(knowledge.belief, weight)) * 1e6]
+    root = volume_root(volume_moments(model, whole_travel(model)))
+    places, rms = [], [np.sqrt(value(knowledge.belief, root)) * 1e6]
     for _ in range(6):
-        step = ac.best_step(knowledge, weight, spread(machine, (setup,), 200))
+        step = ac.best_step(knowledge, root, spread(machine, (setup,), 200))
         knowledge = knowledge.read([step.reading(observation)])
         places.append(float(step.pose[0]) * 1e3)
-        rms.append(np.sqrt(value(knowledge.belief, weight)) * 1e6)
+        rms.append(np.sqrt(value(knowledge.belief, root)) * 1e6)
     return {
         "first place, mm": places[0],
         "RMS before, um": float(rms[0]),

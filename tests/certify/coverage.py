@@ -154,8 +154,7 @@ def _share(error: Array, std: Array) -> float:
 
 def _gain(calibration: Calibration, visits: list[Reading]) -> Array:
     """Return K with posterior mean = K values: C Hᵀ R⁻¹ with the posterior C."""
-    seen = calibration.rows_of(visits)
-    rows, variances = np.concatenate([s.rows for s in seen]), np.concatenate([s.variances for s in seen])
+    rows, variances, _, _ = calibration.rows_of(visits)
     factor = calibration.belief.factor
     gain: Array = factor @ (rows @ factor).T / variances
     return gain

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.accuracy.criterion import joint_root, volume_root
+from axiscal.accuracy.criterion import Root, joint_root, volume_root
 from axiscal.belief import Belief
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_of
@@ -31,7 +31,7 @@ class Case:
 
     observation: Observation
     belief: Belief
-    weight: Array
+    root: Root
 
 
 def random_case(generator: np.random.Generator) -> Case:
@@ -50,7 +50,7 @@ def random_case(generator: np.random.Generator) -> Case:
 
 def shortfall(case: Case, points: int) -> float:
     """Return by how much the best of an exhaustive lattice beats the chosen reading, as a share of its gain."""
-    scorer = Scorer.of(case.observation, case.belief, case.weight)
+    scorer = Scorer.of(case.observation, case.belief, case.root)
     machine = case.observation.errors.machine
     step = best_of(scorer, spread(machine, case.observation.setups, 1500))
     return max(float(gains.max()) for gains in _exhaustive(case, scorer, points)) / step.gain - 1

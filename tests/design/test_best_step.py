@@ -27,24 +27,24 @@ def test_one_spline_follows_the_published_sequence() -> None:
     belief = asked.belief
     mirrored = None
     for position, value in zip(POSITIONS, VALUES, strict=True):
-        step = best_step(Knowledge(asked.observation, belief), asked.weight, asked.lattice)
+        step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
         found = float(step.pose[0])
         if mirrored is None:
             mirrored = abs(found - position) > 0.01
         assert (10 - found if mirrored else found) == pytest.approx(position, abs=6e-5)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert criterion.value(belief, asked.weight) == pytest.approx(value, abs=6e-6)
+        assert criterion.value(belief, asked.root) == pytest.approx(value, abs=6e-6)
 
 
 def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
     asked = splines(3, 7, 0.01, 300)
     belief = asked.belief
     for _ in range(20):
-        step = best_step(Knowledge(asked.observation, belief), asked.weight, asked.lattice)
-        before = criterion.value(belief, asked.weight)
+        step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
+        before = criterion.value(belief, asked.root)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert before - criterion.value(belief, asked.weight) == pytest.approx(step.gain, rel=1e-9)
-    assert criterion.value(belief, asked.weight) == pytest.approx(2.8749, abs=5e-4)
+        assert before - criterion.value(belief, asked.root) == pytest.approx(step.gain, rel=1e-9)
+    assert criterion.value(belief, asked.root) == pytest.approx(2.8749, abs=5e-4)
 
 
 @pytest.mark.parametrize("setup", [0, 1])
@@ -52,7 +52,7 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
 def test_lines_give_the_gain_of_every_pose_on_them(setup: int, axis: int) -> None:
     generator = np.random.default_rng(10 * setup + axis)
     asked = read(levered(), generator, 6)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
     poses, approaches = random_poses(asked, generator, 4)
     positions = np.linspace(*asked.observation.errors.machine.axes[axis].travel, 37)
     lines = lines_along(scorer, setup, axis, poses, approaches)
@@ -71,8 +71,8 @@ def test_lines_give_the_gain_of_every_pose_on_them(setup: int, axis: int) -> Non
 def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
     generator = np.random.default_rng(seed)
     asked = read(levered(1500), generator, 8)
-    step = best_step(Knowledge(asked.observation, asked.belief), asked.weight, asked.lattice)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
     for setup in (0, 1):
         poses, approaches = random_poses(asked, generator, 20000)
         assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-9)
@@ -82,7 +82,7 @@ def test_a_raster_is_kept_and_the_better_side_chosen() -> None:
     asked = levered(1500)
     setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
     observation = replace(asked.observation, setups=setups)
-    step = best_step(Knowledge(observation, asked.belief), asked.weight, asked.lattice)
+    step = best_step(Knowledge(observation, asked.belief), asked.root, asked.lattice)
     multiples = step.pose / np.array([0.1, 0.05, 0.05])
     np.testing.assert_allclose(multiples, np.round(multiples), atol=1e-9)
     assert set(step.approach) <= {-1.0, 1.0}
@@ -109,9 +109,9 @@ def test_pairs_hold_the_form_everywhere() -> None:
 
 def test_gains_are_the_fall_of_the_criterion() -> None:
     asked = read(levered(), np.random.default_rng(3), 3)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.weight)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
     pose, approach = random_poses(asked, np.random.default_rng(4), 1)
     seen = asked.observation.rows(1, pose, approach)
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
-    fall = criterion.value(asked.belief, asked.weight) - criterion.value(after, asked.weight)
+    fall = criterion.value(asked.belief, asked.root) - criterion.value(after, asked.root)
     assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)

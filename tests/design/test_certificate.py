@@ -27,21 +27,21 @@ def test_any_matrix_bounds_every_plan(seed: int, readings: int, size: float) -> 
     generator = np.random.default_rng(seed)
     asked = splines(2, 4, 0.3, 25)
     state, pool = asked.state, Pool(asked.observation, asked.lattice)
-    target = state.weight @ state.factor[: state.weight.shape[1]]
+    target = state.weighted
     dual = Dual(state, size * (target + 0.5 * generator.normal(size=target.shape) * np.abs(target).mean()))
     floor = dual.floor(spent(asked, dual, readings), readings)
     for _ in range(10):
-        points = [pool.point(int(i)) for i in generator.integers(len(pool), size=readings)]
-        assert floor <= state.with_points(points).value * (1 + 1e-9)
+        places = pool.lattice.within(generator.integers(len(pool), size=readings))
+        assert floor <= state.after_readings(places).value * (1 + 1e-9)
 
 
 def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
     asked = splines(1, 7, 0.1, 1000)
     state = asked.state
-    nothing = Dual(state, np.zeros((len(state.weight), state.factor.shape[1])))
+    nothing = Dual(state, np.zeros_like(state.weighted))
     assert nothing.floor(0.0, 3) == pytest.approx(rank_bound(state, 3), rel=1e-9)
     pool = Pool(asked.observation, asked.lattice)
-    relaxation = Relaxation(pool, state, [], np.ones(len(pool)), 7.0)
+    relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), 7.0)
     for _ in range(20):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)
@@ -55,7 +55,7 @@ def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
 def test_both_together_prove_more_than_either() -> None:
     asked = levered(300)
     pool, count = Pool(asked.observation, asked.lattice), 8
-    relaxation = Relaxation(pool, asked.state, [], np.ones(len(pool)), float(count))
+    relaxation = Relaxation(pool, asked.state, pool.none, np.ones(len(pool)), float(count))
     for _ in range(30):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)
@@ -74,10 +74,10 @@ def test_rests_are_not_averaged_away(readings: int) -> None:
     for _ in range(readings):
         scores.enter(int(scores.gains.argmax()))
     costs = np.ones(len(pool))
-    bound = lower_bound(pool, asked.state, [], costs, float(readings)).value
+    bound = lower_bound(pool, asked.state, pool.none, costs, float(readings)).value
     assert 0 < bound <= scores.state.value
-    known = Relaxation(pool, asked.state, [], costs, float(readings), rests=False)
-    shared = Relaxation(pool, asked.state, [], costs, float(readings))
+    known = Relaxation(pool, asked.state, pool.none, costs, float(readings), rests=False)
+    shared = Relaxation(pool, asked.state, pool.none, costs, float(readings))
     for each in (known, shared):
         each.begin_everywhere()
     assert shared.solved().value > known.solved().value
@@ -87,4 +87,4 @@ def test_one_reading_is_bounded_by_the_best_one() -> None:
     asked = levered(100)
     pool = Pool(asked.observation, asked.lattice)
     best = asked.state.value - float(Scores(pool, asked.state).gains.max())
-    assert 0.5 * best < lower_bound(pool, asked.state, [], np.ones(len(pool)), 1.0).value <= best
+    assert 0.5 * best < lower_bound(pool, asked.state, pool.none, np.ones(len(pool)), 1.0).value <= best

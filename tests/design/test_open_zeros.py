@@ -36,9 +36,9 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
 def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str, readings: int) -> None:
     asked = with_zeros(std, 16, instrument)
     pool, state = Pool(asked.observation, asked.lattice), asked.state
-    bound = lower_bound(pool, state, [], np.ones(len(pool)), float(readings)).value
+    bound = lower_bound(pool, state, pool.none, np.ones(len(pool)), float(readings)).value
     plans = itertools.combinations_with_replacement(range(len(pool)), readings)
-    best = min(state.with_points([pool.point(i) for i in plan]).value for plan in plans)
+    best = min(state.after_readings(pool.lattice.within(np.array(plan))).value for plan in plans)
     assert 0 < bound <= best * (1 + 1e-12)
 
 
@@ -46,7 +46,7 @@ def test_a_first_reading_tells_little_but_its_zero() -> None:
     asked = with_zeros(1e-3, 100)
     pool = Pool(asked.observation, asked.lattice)
     best = asked.state.value - float(Scores(pool, asked.state).gains.max())
-    bound = lower_bound(pool, asked.state, [], np.ones(len(pool)), 1.0).value
+    bound = lower_bound(pool, asked.state, pool.none, np.ones(len(pool)), 1.0).value
     assert 0.999 * best < bound <= best
 
 
@@ -56,19 +56,16 @@ def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wid
     generator = np.random.default_rng(seed)
     asked = with_zeros(10**wide, 24)
     state, pool = asked.state, Pool(asked.observation, asked.lattice)
-    target = state.weight @ state.factor[: state.weight.shape[1]]
+    target = state.weighted
     noise = np.abs(target).mean() * generator.normal(size=target.shape) * generator.uniform(0, 0.3)
     dual = Dual(state, generator.uniform(0, 1) * target + noise)
     spent = readings * float((pool.squares(state.observation, dual.reach) / pool.noise).max())
     floor = dual.floor(spent, readings, zeros_of(state, pool.lattice, (0, 1)))
     ways = [np.flatnonzero(pool.lattice.setups == setup) for setup in (0, 1)]
     for _ in range(10):
-        chosen = [
-            generator.choice(ways[0]),
-            generator.choice(ways[1]),
-            *generator.integers(len(pool), size=readings - 2),
-        ]
-        assert floor <= state.with_points([pool.point(int(i)) for i in chosen]).value * (1 + 1e-9)
+        each = [generator.choice(ways[0]), generator.choice(ways[1])]
+        chosen = np.concatenate([each, generator.integers(len(pool), size=readings - 2)])
+        assert floor <= state.after_readings(pool.lattice.within(chosen)).value * (1 + 1e-9)
 
 
 def test_which_zeros_count() -> None:
@@ -87,8 +84,8 @@ def test_which_zeros_count() -> None:
 def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
     asked = with_zeros(1e-4, 30)
     state = asked.state
-    point = Pool(asked.observation, asked.lattice).point(3)
-    assert zeros_of(state.with_points([point]), asked.lattice, (point.setup,)) is None
+    place = Pool(asked.observation, asked.lattice).lattice.at(3)
+    assert zeros_of(state.after_readings(place), asked.lattice, (int(place.setups[0]),)) is None
 
 
 def test_sets_of_set_ups() -> None:

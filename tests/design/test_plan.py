@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task, clock
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Places
-from tests.generators.designs import levered, read, splines
+from tests.generators.designs import levered, read, read_at, splines
 
 
 def greedy(asked: Task, count: int) -> float:
@@ -39,23 +38,20 @@ def test_seven_readings_on_seven_knots_together() -> None:
 def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
     asked = read(levered(300), np.random.default_rng(seed), 3 * seed)
     plan = make_plan(asked, Limits(readings=9), bounded=False, patience=0.0)
-    counts = [(s, sum(r.setup == s for r in plan.readings)) for s in (0, 1)]
+    counts = [(s, int(np.sum(plan.places.setups == s))) for s in (0, 1)]
     assert len(plan.readings) == 9
     for design in (evenly_spaced, space_filling):
-        assert plan.value <= asked.state.with_points(design(asked, counts)).value * (1 + 1e-9)
+        assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
     assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
-    assert plan.value == pytest.approx(asked.state.with_points(plan.points).value, rel=1e-8)
+    assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
 
 
 def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
     asked = levered(200)
     plan = make_plan(asked, Limits(readings=5), bounded=False, patience=0.0)
     observation, belief = asked.observation, asked.belief
-    for reading in plan.readings:
-        wider = observation.visited(reading.pose, reading.setup)
-        belief, observation = belief.extended(observation.rest_variances(wider)), wider
-        seen = observation.rows(reading.setup, reading.pose[None], reading.approach[None])
-        belief = belief.update(seen.rows, 0.0, seen.variances)
+    for i, reading in enumerate(plan.readings):
+        observation, belief = read_at(observation, belief, plan.places.at(i))
         np.testing.assert_allclose(reading.accuracy, asked.yardstick.measure(belief), rtol=1e-6)
 
 
@@ -64,9 +60,9 @@ def test_a_budget_is_kept_and_used() -> None:
     plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
     reading = float(clock(asked).reading.max())
     assert 720.0 - 2 * reading < plan.seconds <= 720.0
-    assert len({r.setup for r in plan.readings}) == 1
+    assert len(set(plan.places.setups)) == 1
     longer = make_plan(asked, Limits(budget=1500.0), bounded=False, patience=0.0)
-    assert {r.setup for r in longer.readings} == {0, 1}
+    assert set(longer.places.setups) == {0, 1}
     assert longer.value < plan.value
 
 
@@ -81,10 +77,10 @@ def test_a_target_is_reached_in_no_more_readings_than_greedily() -> None:
 
 def test_the_mounted_setup_goes_on_from_where_the_machine_stands() -> None:
     asked = levered(200)
-    here = Point(1, np.array([0.5, 0.3, 0.2]), np.zeros(3))
+    here = Places.one(1, np.array([0.5, 0.3, 0.2]), np.zeros(3))
     plan = make_plan(replace(asked, here=here), Limits(readings=6), bounded=False, patience=0.0)
-    if any(r.setup == 1 for r in plan.readings):
-        assert plan.readings[0].setup == 1
+    if 1 in plan.places.setups:
+        assert plan.places.setups[0] == 1
         assert plan.readings[0].seconds < 60.0
 
 

@@ -11,7 +11,6 @@ from axiscal.design.bound.lower_bound import lower_bound
 from axiscal.design.bound.prove import prove
 from axiscal.design.bound.row_curves import refuse_unless_polynomial
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.exceptions import PlanError
@@ -19,6 +18,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup, Unknown
 from tests.generators.designs import levered, problem, random_poses, splines
 
@@ -26,7 +26,7 @@ from tests.generators.designs import levered, problem, random_poses, splines
 def test_seven_readings_on_seven_knots_anywhere() -> None:
     asked = splines(1, 7, 0.1, 300)
     plan = make_plan(asked, Limits(readings=7))
-    proof = prove(asked.state, asked.lattice, plan.points, 1e-3)
+    proof = prove(asked.state, asked.lattice, plan.places, 1e-3)
     assert proof.bound.everywhere
     assert proof.gap < 5e-3
     assert plan.value / proof.bound.value == pytest.approx(1.056, abs=3e-3)
@@ -35,7 +35,7 @@ def test_seven_readings_on_seven_knots_anywhere() -> None:
 def test_three_stacked_splines_cannot_be_measured_better() -> None:
     asked = splines(3, 7, 0.01, 500)
     plan = make_plan(asked, Limits(readings=20), bounded=False)
-    proof = prove(asked.state, asked.lattice, plan.points)
+    proof = prove(asked.state, asked.lattice, plan.places)
     assert 1.0 <= plan.value / proof.bound.value < 1.005
 
 
@@ -44,9 +44,9 @@ def test_no_random_plan_is_below_it(seed: int) -> None:
     generator = np.random.default_rng(seed)
     asked = splines(2, 4, 10.0 ** generator.uniform(-2, 0), 100)
     poses, approaches = random_poses(asked, generator, 6)
-    points = [Point(0, p, np.abs(a)) for p, a in zip(poses, approaches, strict=True)]
-    bound = prove(asked.state, asked.lattice, points).bound.value
-    assert 0 < bound <= asked.state.with_points(points).value
+    places = Places.of_setup(0, poses, np.abs(approaches))
+    bound = prove(asked.state, asked.lattice, places).bound.value
+    assert 0 < bound <= asked.state.after_readings(places).value
     assert bound <= make_plan(asked, Limits(readings=6), bounded=False).value
 
 
@@ -67,21 +67,21 @@ def plates(rest: float = 0.0) -> Task:
 def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster(rest: float) -> None:
     asked = plates(rest)
     plan = make_plan(asked, Limits(readings=9), bounded=False)
-    bound = prove(asked.state, asked.lattice, plan.points, 0.05).bound.value
+    bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
     assert bound <= plan.value
     generator = np.random.default_rng(0)
     for _ in range(200):
         poses, approaches = random_poses(asked, generator, 9)
-        points = [Point(int(generator.integers(2)), p, a) for p, a in zip(poses, approaches, strict=True)]
-        assert bound <= asked.state.with_points(points).value
-    lattice = prove_on_the_lattice(asked, plan.points)
+        places = Places(np.array([generator.integers(2) for _ in poses]), poses, approaches)
+        assert bound <= asked.state.after_readings(places).value
+    lattice = prove_on_the_lattice(asked, plan.places)
     assert 0.9 * lattice < bound
 
 
-def prove_on_the_lattice(asked: Task, points: list[Point]) -> float:
+def prove_on_the_lattice(asked: Task, places: Places) -> float:
     """Return the bound for the candidates of the lattice only."""
     pool = Pool(asked.observation, asked.lattice)
-    return lower_bound(pool, asked.state, points, np.ones(len(pool) + len(points)), float(len(points))).value
+    return lower_bound(pool, asked.state, places, np.ones(len(pool) + len(places)), float(len(places))).value
 
 
 def test_a_reading_of_three_values_counts_three_times() -> None:
@@ -90,13 +90,13 @@ def test_a_reading_of_three_values_counts_three_times() -> None:
     nest = replace(first, instrument="rtest", unknowns=zeros)
     asked = problem(asked.observation.errors.machine, (nest, second), 300)
     plan = make_plan(asked, Limits(readings=4), bounded=False)
-    bound = prove(asked.state, asked.lattice, plan.points, 0.05).bound.value
+    bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
     assert 0.3 * plan.value < bound <= plan.value
 
 
 def test_a_plan_without_readings_leaves_what_there_was() -> None:
     asked = splines(1, 4, 0.1, 50)
-    assert prove(asked.state, asked.lattice, []).bound.value == pytest.approx(asked.state.value)
+    assert prove(asked.state, asked.lattice, Places.none(1)).bound.value == pytest.approx(asked.state.value)
 
 
 def test_one_turning_axis_alone_is_no_polynomial() -> None:
@@ -114,4 +114,4 @@ def replace_moves(asked: Task, moves: tuple[int, ...]) -> Observation:
 def test_lever_arms_are_refused() -> None:
     asked = levered(50)
     with pytest.raises(PlanError, match="do not simply add up"):
-        prove(asked.state, asked.lattice, [Point(0, asked.lattice.poses[0], asked.lattice.approaches[0])])
+        prove(asked.state, asked.lattice, asked.lattice.at(0))

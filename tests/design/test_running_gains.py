@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.running_gains import Scores
+from axiscal.measurement.place import Places
 from tests.generators.designs import levered, random_poses, read
 
 
 def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    state = start.with_points(scores.points)
+    state = start.after_readings(scores.places)
     return scores.pool.gains(*scores.pool.forms(state.scorer()))
 
 
@@ -24,8 +25,7 @@ def test_entering_leaving_and_exchanging_keep_every_gain(memory: float) -> None:
     for index in (3, 300, 50, 51, 120):
         value, gain = scores.state.value, scores.enter(index)
         assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    pose, approach = random_poses(asked, np.random.default_rng(1), 1)
-    scores.enter(Point(0, pose[0], approach[0]))
+    scores.enter(Places.of_setup(0, *random_poses(asked, np.random.default_rng(1), 1)))
     np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-6)
 
     losses = scores.losses()
@@ -37,7 +37,7 @@ def test_entering_leaving_and_exchanging_keep_every_gain(memory: float) -> None:
     np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
     scores.leave(0)
     scores.close(0)
-    assert len(scores.points) == 5
+    assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
 
 
@@ -46,7 +46,7 @@ def test_repeating_in_one_cell_shares_its_rest() -> None:
     scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
     scores.enter(5)
     again = float(scores.gains[5])
-    independent = asked.state.with_points([scores.pool.point(5)])
+    independent = asked.state.after_readings(scores.pool.lattice.at(5))
     assert again == pytest.approx(float(_fresh(scores, asked.state)[5]), rel=1e-8)
     assert independent.value == pytest.approx(scores.state.value, rel=1e-10)
 
@@ -59,13 +59,13 @@ def test_a_fork_goes_its_own_way() -> None:
     before = scores.gains.copy()
     scores.fork().enter(2)
     np.testing.assert_array_equal(scores.gains, before)
-    assert len(scores.points) == 1
+    assert len(scores.places) == 1
 
 
 def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     asked = levered(100)
-    state = asked.state.opened([Point(0, asked.lattice.poses[0], asked.lattice.approaches[0])])
-    rows, variances, _ = state.rows([Point(0, asked.lattice.poses[0], asked.lattice.approaches[0])])
+    state = asked.state.opened(asked.lattice.at(0))
+    rows, variances, _ = state.rows(asked.lattice.at(0))
     row, variance = rows[0], float(variances[0])
     value = state.value
     for _ in range(80):

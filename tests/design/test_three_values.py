@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from axiscal.design.bound.lower_bound import lower_bound
+from axiscal.design.gains import dense
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange
@@ -19,7 +19,9 @@ from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
 from axiscal.estimate.knowledge import Knowledge
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Unknown
+from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from tests.generators.designs import levered, random_poses
 
@@ -35,32 +37,23 @@ def mixed(candidates: int = 300, three: tuple[int, ...] = (0,)) -> Task:
     )
     observation = Observation(asked.observation.errors, setups)
     belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
-    return Task(observation, belief, asked.weight, asked.yardstick, asked.lattice)
+    return Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
 
 
-def dense_value(asked: Task, points: list[Point], setups: Array | None = None) -> float:
+def dense_value(asked: Task, places: Places) -> float:
     """Return J after readings, from one big matrix: no factors, no updates."""
     observation = asked.observation
-    for point in points:
-        observation = observation.visited(point.pose, point.setup)
-    covariance = observation.prior_covariance()
-    rows, noise = [], []
-    for point in points:
-        seen = observation.numbers(point.setup, point.pose[None], point.approach[None])
-        rows.append(seen.rows[0])
-        noise += [observation.setups[point.setup].noise ** 2] * len(seen.rows[0])
-        np.testing.assert_allclose(seen.covariances[0], noise[-1] * np.eye(len(seen.rows[0])), atol=1e-30)
-    if rows:
-        g = np.concatenate(rows)
-        gain = covariance @ g.T @ np.linalg.inv(g @ covariance @ g.T + np.diag(noise))
-        covariance = covariance - gain @ g @ covariance
-    size = asked.weight.shape[1]
-    return float(np.trace(asked.weight @ covariance[:size, :size] @ asked.weight.T))
+    for setup, mine in places.by_setup():
+        seen = visited(observation, places).numbers(setup, places.poses[mine], places.approaches[mine])
+        noise = observation.setups[setup].noise ** 2 * np.eye(seen.covariances.shape[1])
+        np.testing.assert_allclose(seen.covariances, np.tile(noise, (len(mine), 1, 1)), atol=1e-30)
+    known = dense.DenseState(observation, observation.prior_covariance())
+    return dense.value(dense.after_readings(known, places), asked.root.gram)
 
 
-def _falls(asked: Task, points: list[Point], pool: Pool, indices: Array) -> Array:
-    before = dense_value(asked, points)
-    return np.array([before - dense_value(asked, [*points, pool.point(int(i))]) for i in indices])
+def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
+    before = dense_value(asked, places)
+    return np.array([before - dense_value(asked, Places.joined([places, pool.lattice.at(int(i))])) for i in indices])
 
 
 @pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])
@@ -72,19 +65,18 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     pool = Pool(asked.observation, asked.lattice, memory)
     scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
     looked_at = np.concatenate([np.arange(0, len(pool), 11), [3]])
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, [], pool, looked_at), rtol=1e-6)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), pool, looked_at), rtol=1e-6)
     for index in (3, 100, 40, 41, 90):
         value, gain = scores.state.value, scores.enter(index)
         assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    pose, approach = random_poses(asked, rng, 1)
-    scores.enter(Point(three[0], pose[0], approach[0]))
-    assert scores.state.value == pytest.approx(dense_value(asked, scores.points), rel=1e-7)
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.points, pool, looked_at), rtol=1e-5)
+    scores.enter(Places.of_setup(three[0], *random_poses(asked, rng, 1)))
+    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-7)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-5)
 
     losses = scores.losses()
     for slot in range(6):
-        others = [p for i, p in enumerate(scores.points) if i != slot]
-        rise = dense_value(asked, others) - dense_value(asked, scores.points)
+        others = scores.places.without(slot)
+        rise = dense_value(asked, others) - dense_value(asked, scores.places)
         assert losses[slot] == pytest.approx(rise, rel=1e-5)
         gains, own = scores.without(slot)
         assert own == pytest.approx(rise, rel=1e-5)
@@ -94,12 +86,12 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     assert scores.leave(1) == pytest.approx(losses[1], rel=1e-8)
     np.testing.assert_allclose(scores.gains, gains, rtol=1e-7)
     scores.enter(int(pool.lattice.setups[100] == 0) * (len(pool) - 1), 1)  # another count of values
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.points, pool, looked_at), rtol=1e-4)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     scores.without(3)
     scores.leave(0)
     scores.close(0)
-    assert len(scores.points) == 5
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.points, pool, looked_at), rtol=1e-4)
+    assert len(scores.places) == 5
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0
 
 
@@ -111,7 +103,7 @@ def test_an_exchange_makes_a_plan_of_three_values_better() -> None:
     before = scores.state.value
     exchange(scores, lambda _, __: np.ones(len(scores.pool), dtype=bool))
     assert scores.state.value < 0.9 * before
-    assert scores.state.value == pytest.approx(dense_value(asked, scores.points), rel=1e-6)
+    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -119,15 +111,14 @@ def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
     asked, rng = mixed(1500, (0, 1)), np.random.default_rng(seed)
     state = asked.state
     for setup in (0, 1, 0):
-        pose, approach = random_poses(asked, rng, 1)
-        state = state.taken(Point(setup, pose[0], approach[0]))[0]
+        state = state.entered(Places.of_setup(setup, *random_poses(asked, rng, 1)))[0]
     belief = type(asked.belief)(np.zeros(len(state.factor)), state.factor @ state.factor.T)
-    step = best_step(Knowledge(state.observation, belief), asked.weight, asked.lattice)
-    scorer = Scorer.of(state.observation, belief, asked.weight)
+    step = best_step(Knowledge(state.observation, belief), asked.root, asked.lattice)
+    scorer = Scorer.of(state.observation, belief, asked.root)
     for setup in (0, 1):
         poses, approaches = random_poses(asked, rng, 20000)
         assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)
-    after = state.taken(Point(step.setup, step.pose, step.approach))[0]
+    after = state.entered(step.place)[0]
     assert state.value - after.value == pytest.approx(step.gain, rel=1e-6)
 
 
@@ -143,7 +134,7 @@ def test_lines_of_three_values_are_their_gains(axis: int) -> None:
         for k in (0, 7, 22):
             pose = poses[line].copy()
             pose[axis] = positions[k]
-            fall = start - dense_value(asked, [Point(0, pose, approaches[line])])
+            fall = start - dense_value(asked, Places.one(0, pose, approaches[line]))
             assert above[line, k] / below[line, k] == pytest.approx(fall, rel=1e-6)
 
 
@@ -155,12 +146,12 @@ def test_no_plan_of_three_values_is_below_its_bound(three: tuple[int, ...]) -> N
     for _ in range(count):
         scores.enter(int(scores.gains.argmax()))
     exchange(scores, lambda _, __: np.ones(len(pool), dtype=bool))
-    bound = lower_bound(pool, asked.state, scores.points, np.ones(len(pool) + count), float(count))
+    bound = lower_bound(pool, asked.state, scores.places, np.ones(len(pool) + count), float(count))
     assert 0 < bound.value <= scores.state.value
     assert bound.value > 0.25 * scores.state.value
     rng = np.random.default_rng(0)
     for _ in range(20):
-        chosen = [pool.point(int(i)) for i in rng.integers(len(pool), size=count)]
+        chosen = pool.lattice.within(rng.integers(len(pool), size=count))
         assert dense_value(asked, chosen) >= bound.value
 
 
@@ -169,7 +160,6 @@ def test_a_plan_knows_that_each_reading_brings_three_values() -> None:
     asked = mixed(200, (0, 1))
     limits = Limits(readings=6)
     plan = make_plan(asked, limits)
-    points = [Point(r.setup, r.pose, r.approach) for r in plan.readings]
-    assert plan.value == pytest.approx(dense_value(asked, points), rel=1e-6)
+    assert plan.value == pytest.approx(dense_value(asked, plan.places), rel=1e-6)
     assert plan.bound is not None
     assert plan.bound.value <= plan.value

@@ -41,11 +41,11 @@ def _brute(model: ErrorModel, box: Box, points: int = 9) -> VolumeMoments:
 
 
 def _apart(found: VolumeMoments, expected: VolumeMoments) -> float:
-    scale = np.sqrt(np.diagonal(expected.weight))
+    scale = np.sqrt(np.diagonal(expected.gram))
     scale = np.maximum(scale, 1e-6 * scale.max())
     return float(
         max(
-            np.max(np.abs(found.weight - expected.weight) / scale[:, None] / scale),
+            np.max(np.abs(found.gram - expected.gram) / scale[:, None] / scale),
             np.max(np.abs(found.mean - expected.mean) / scale),
             abs(found.rest - expected.rest) / max(expected.rest, 1e-30),
         )
@@ -107,7 +107,7 @@ def test_sampled_poses_have_these_means(name: str) -> None:
         rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))
         sums.append(rows.mean(axis=0))
         squares.append(np.einsum("mci,mcj->ij", rows, rows, optimize=True) / len(rows))
-    for drawn, expected in ((np.array(sums), found.mean), (np.array(squares), found.weight)):
+    for drawn, expected in ((np.array(sums), found.mean), (np.array(squares), found.gram)):
         error = drawn.std(axis=0, ddof=1) / np.sqrt(parts)
         known = error > 1e-6 * np.abs(drawn).max()
         distance = (drawn.mean(axis=0) - expected)[known] / error[known]
@@ -117,13 +117,13 @@ def test_sampled_poses_have_these_means(name: str) -> None:
 
 
 def test_the_means_of_one_spline_are_its_gram_matrix() -> None:
-    """The paper's weight, divided by the length of the travel (B&H eq. 24-26)."""
+    """The paper's Gram matrix, divided by the length of the travel (B&H eq. 24-26)."""
     model = ErrorModel(load_machine("paper-three-stacked"))
-    weight = volume_moments(model, whole_travel(model)).weight
+    found = volume_moments(model, whole_travel(model)).gram
     gram = model.functions[0].basis.gram() / 0.01
-    assert np.abs(weight[:7, :7] - gram).max() < 1e-14
+    assert np.abs(found[:7, :7] - gram).max() < 1e-14
     means: Array = gram.sum(axis=1)
-    assert np.abs(weight[:7, 7:14] - np.outer(means, means)).max() < 1e-14
+    assert np.abs(found[:7, 7:14] - np.outer(means, means)).max() < 1e-14
 
 
 def test_reversals_have_mean_zero_and_are_alone_with_their_axis() -> None:
@@ -131,15 +131,15 @@ def test_reversals_have_mean_zero_and_are_alone_with_their_axis() -> None:
     found = volume_moments(model, whole_travel(model))
     x, y = (model.names[name].columns.start for name in ("EXX_reversal", "EYY_reversal"))
     assert np.array_equal(found.mean[:, [x, y]], np.zeros((3, 2)))
-    assert found.weight[x, x] == pytest.approx(0.25)
-    assert found.weight[x, y] == 0.0
-    assert found.weight[x, model.names["EXX"].columns].tolist() == [0.0] * 11
+    assert found.gram[x, x] == pytest.approx(0.25)
+    assert found.gram[x, y] == 0.0
+    assert found.gram[x, model.names["EXX"].columns].tolist() == [0.0] * 11
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_the_weight_is_symmetric_and_no_deviation_has_a_negative_square(seed: int) -> None:
+def test_the_gram_matrix_is_symmetric_and_no_deviation_has_a_negative_square(seed: int) -> None:
     model = ErrorModel(random_machine(seed))
-    weight = volume_moments(model, whole_travel(model)).weight
-    values = np.linalg.eigvalsh(weight)
-    assert np.array_equal(weight, weight.T)
+    gram = volume_moments(model, whole_travel(model)).gram
+    values = np.linalg.eigvalsh(gram)
+    assert np.array_equal(gram, gram.T)
     assert values[0] > -1e-13 * values[-1]

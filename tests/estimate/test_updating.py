@@ -18,7 +18,6 @@ from axiscal.estimate.history import path
 from axiscal.estimate.knowledge import Knowledge
 from axiscal.estimate.updating import absorbed
 from axiscal.exceptions import ShapeError
-from axiscal.inference.numbers import seen_together, visited_together
 from axiscal.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import drawn, mixed
@@ -42,23 +41,6 @@ def _one_by_one(
         again.absorb(reading)
         known.append(again.accuracy())
     return again, known
-
-
-def test_a_map_is_widened_by_all_readings_as_by_each() -> None:
-    problem = mixed()
-    readings, one_by_one = _turning(problem, 40), problem.observation
-    for reading in readings:
-        one_by_one = one_by_one.visited(np.array(reading.pose), problem.index(reading.setup), reading.time)
-    together = visited_together(problem.observation, readings)
-    assert together.cells == one_by_one.cells
-    assert {zero: course.columns for zero, course in together.courses.items()} == {
-        zero: course.columns for zero, course in one_by_one.courses.items()
-    }
-    for reading, seen in zip(readings, seen_together(together, readings), strict=True):
-        alone = together.reading(reading)
-        np.testing.assert_allclose(seen.rows, alone.rows, rtol=1e-12, atol=1e-15)
-        np.testing.assert_allclose(seen.variances, alone.variances, rtol=1e-12)
-        np.testing.assert_allclose(seen.values, alone.values, rtol=1e-12)
 
 
 @pytest.mark.parametrize("together", [7, 400])

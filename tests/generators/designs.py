@@ -15,7 +15,10 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Approach, Setup, Unknown
+from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 
 
@@ -59,9 +62,9 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     observation = Observation(model, setups)
     box = whole_travel(model)
     yardstick = Yardstick(model, box, volume_moments(model, box), np.zeros((model.size, 0)))
-    weight = criterion.joint_root(model) if joint else yardstick.root
+    root = criterion.joint_root(model) if joint else yardstick.root
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
-    return Task(observation, belief, weight, yardstick, spread(machine, setups, candidates))
+    return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
 
 
 def random_poses(asked: Task, generator: np.random.Generator, count: int) -> tuple[Array, Array]:
@@ -75,12 +78,15 @@ def read(asked: Task, generator: np.random.Generator, count: int) -> Task:
     observation, belief = asked.observation, asked.belief
     for _ in range(count):
         setup = int(generator.integers(len(observation.setups)))
-        pose, approach = random_poses(asked, generator, 1)
-        wider = observation.visited(pose[0], setup)
-        belief, observation = belief.extended(observation.rest_variances(wider)), wider
-        seen = observation.rows(setup, pose, approach)
-        belief = belief.update(seen.rows, 0.0, seen.variances)
-    return Task(observation, belief, asked.weight, asked.yardstick, asked.lattice)
+        observation, belief = read_at(observation, belief, Places.of_setup(setup, *random_poses(asked, generator, 1)))
+    return Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
+
+
+def read_at(observation: Observation, belief: Belief, places: Places) -> tuple[Observation, Belief]:
+    """Return map and belief after readings at places, one number after another; their values are nought."""
+    wider = visited(observation, places)
+    rows, variances, _ = rows_at(wider, places)
+    return wider, belief.extended(observation.rest_variances(wider)).update(rows, np.zeros(len(rows)), variances)
 
 
 def _errors(names: str, knots: int) -> tuple[ErrorEntry, ...]:

@@ -13,6 +13,7 @@ from axiscal.inference.scales import all_scales, wanted_rests
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import visited_by
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 
@@ -58,8 +59,7 @@ def _places(count: int, rng: np.random.Generator) -> list[Reading]:
 
 def _covered(observation: Observation, readings: list[Reading]) -> Array:
     """The covariance of the readings by the road the belief takes: columns for visited cells, rows times prior."""
-    for reading in readings:
-        observation = observation.visited(np.array(reading.pose))
+    observation = visited_by(observation, readings)
     rows, variances = [], []
     for r in readings:
         seen = observation.rows("xz".index(r.setup), np.array([r.pose]), np.array([r.approach], dtype=float))

@@ -9,22 +9,19 @@ import pytest
 
 from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
-from axiscal.inference.numbers import seen_together
 from axiscal.inference.outliers import FREEDOM, verdict
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 
 
 def _conditioned(problem: Case, readings: list[Reading], weights: Array) -> tuple[Array, Array]:
     """What the readings minus their estimate are, and the variance of the estimate, by the road the belief takes."""
-    observation = problem.observation
-    for reading in readings:
-        observation = observation.visited(np.array(reading.pose), problem.index(reading.setup), reading.time)
-    seen = [observation.reading(reading) for reading in readings]
-    rows, values = np.concatenate([s.rows for s in seen]), np.concatenate([s.values for s in seen])
-    noise = np.concatenate([s.variances / w for s, w in zip(seen, weights, strict=True)])
+    observation = visited_by(problem.observation, readings)
+    rows, variances, values, reading = seen(observation, readings)
+    noise = variances / weights[reading]
     signal = rows @ observation.prior_covariance() @ rows.T
     gain = np.linalg.solve(signal + np.diag(noise), signal).T
     return values - gain @ values, np.diag(signal - gain @ signal)
@@ -69,15 +66,6 @@ def test_the_weights_are_those_of_student_t_noise() -> None:
     total = np.add.reduceat((left**2 + spread) / noise, np.cumsum(counts) - counts)
     expected = np.minimum((FREEDOM + counts) / (FREEDOM + total), 1.0)
     assert np.array(found.weights) == pytest.approx(expected, abs=2e-3)
-
-
-def test_all_readings_are_seen_at_once_as_one_by_one() -> None:
-    problem = mixed()
-    readings = drawn(problem)
-    for together, reading in zip(seen_together(problem.observation, readings), readings, strict=True):
-        alone = problem.observation.reading(reading)
-        for one, other in zip(together, alone, strict=True):
-            assert one == pytest.approx(other, rel=1e-12, abs=1e-18)
 
 
 def test_a_replay_ends_where_the_estimate_does() -> None:

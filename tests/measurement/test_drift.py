@@ -25,6 +25,7 @@ from axiscal.measurement.drift import MEMORY, STEP, Course, wandering
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
 from axiscal.planning.drift_markers import EVERY, with_markers, without_markers
 from axiscal.record.events import Recorded
@@ -76,12 +77,14 @@ def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() 
         course = course.with_node(node, 7 + len(course.columns))
     assert course.columns == tuple(range(7, 16))
     assert not course.needs_node(nodes[-1] + STEP)
-    rows = np.array([course.row(time) for time in nodes])
+    rows = course.rows(np.array(nodes))
     assert rows @ rows.T == pytest.approx(wandering(RATE, np.array(nodes) - nodes[0]), rel=1e-6, abs=1e-20)
-    assert np.array_equal(course.row(), rows[-1])
+    assert np.array_equal(course.rows(), rows[-1:])
+    assert np.array_equal(course.rows(np.array([np.nan, nodes[1]])), rows[[-1, 1]])
     late = nodes[2] + STEP
     expected = wandering(RATE, [late - nodes[0]])[0, 0]
-    assert course.row(late) @ course.row(late) == pytest.approx(expected, rel=0.02)
+    (row,) = course.rows(np.array([late]))
+    assert row @ row == pytest.approx(expected, rel=0.02)
 
 
 def _readings(
@@ -191,11 +194,9 @@ def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() ->
     problem = Case(description)
     readings = _readings(Simulator(description.machine, description.setups).drawn(5), description, 5, gap=400.0)
     observation = problem.observation
-    for reading in readings:
-        observation = observation.visited(np.array(reading.pose), 0, reading.time)
-    seen = [observation.reading(reading) for reading in readings]
-    rows = np.concatenate([each.rows for each in seen])
-    expected = rows @ observation.prior_covariance() @ rows.T + np.diag([each.variances[0] for each in seen])
+    observation = visited_by(observation, readings)
+    rows, variances, _, _ = seen(observation, readings)
+    expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
     assert Evidence(problem.observation, readings).covariance() == pytest.approx(expected, rel=1e-9)
 
 

@@ -18,6 +18,7 @@ from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
 from axiscal.simulation import Simulator, VirtualMachine
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
@@ -55,8 +56,8 @@ def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> No
 def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
     """Linearised once, 5 mm beside a line of 1 m is an error of 12 um; where it stands, the noise is left."""
     calibration, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
-    seen = calibration.rows_of(calibration.readings)
-    left = [float(s.values[0] - s.rows[0] @ calibration.belief.mean) for s in seen]
+    numbers = calibration.rows_of(calibration.readings)
+    left = numbers.values - numbers.rows @ calibration.belief.mean
     assert np.sqrt(np.mean(np.square(left))) < 2 * 0.3e-6
 
 
@@ -123,7 +124,7 @@ def test_lengths_are_brought_to_twenty_degrees_with_their_uncertainty() -> None:
     text = 'temperature = "23 degC"\nexpansion = "11.7 um/m/K"\ntemperature_std = "0.5 K"\nexpansion_std = "1 um/m/K"'
     warm, cold = Case(_thermal(text)).observation, Case(_thermal("")).observation
     reading = Reading("0", (0.6, 0.0, 0.0), (1, 0, 0), 20e-6)
-    assert warm.reading(reading).values - cold.reading(reading).values == pytest.approx(-10.53e-6)
+    assert seen(warm, [reading]).values - seen(cold, [reading]).values == pytest.approx(-10.53e-6)
     (growth,) = [u for u in warm.setups[0].unknowns if u.name == "growth"]
     assert growth.std == pytest.approx(np.hypot(11.7e-6 * 0.5, 3 * 1e-6))
 

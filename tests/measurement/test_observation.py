@@ -13,10 +13,14 @@ from axiscal.error_model.model import ErrorFunction, ErrorModel
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.breaks import breaks_along, smoothness_along
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import coefficients, evaluate, node_count, nodes
 from axiscal.numerics.exact_step import gain_forms
@@ -35,6 +39,11 @@ def mounted(machine: Machine, instrument: str, direction: tuple[float, float, fl
     times, raster = (0.0, 0.0, 0.0), (0.0,) * count
     moves, station = tuple(range(count)), (3.0, -2.0, 1.5)
     return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station)
+
+
+def at(*pose: float) -> Places:
+    """Return one place of the first set-up, from the positive side of all axes."""
+    return Places.one(0, np.array(pose), np.ones(len(pose)))
 
 
 def _direction(seed: int) -> tuple[float, float, float]:
@@ -66,7 +75,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
     observation, step = Observation(model, setups), 1e-5
     poses, approaches = random_poses(model.machine, 1, rng)
     pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
-    rows = observation.reading(Reading("s", pose, approach, 0.0)).rows
+    rows = seen(observation, [Reading("s", pose, approach, 0.0)]).rows
     for i in range(observation.size):
         ends = [_virtual(model, setups, sign * step * np.eye(observation.size)[i]) for sign in (1, -1)]
         up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
@@ -76,7 +85,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
 def test_columns_are_errors_then_set_ups_then_cells() -> None:
     model = ErrorModel(load_machine("one-axis"))
     setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
-    observation = Observation(model, (setup, replace(setup, name="second"))).visited(np.array([0.5]))
+    observation = visited(Observation(model, (setup, replace(setup, name="second"))), at(0.5))
     assert observation.unknowns_of(0) == slice(22, 24)
     assert observation.unknowns_of(1) == slice(24, 26)
     assert observation.size == 27
@@ -97,7 +106,7 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
     covariance = observation.prior_covariance()
     belief = Belief(np.zeros(len(covariance)), covariance)
     for pose, approach, value in zip(poses, approaches, values, strict=True):
-        wider = observation.visited(pose, 0)
+        wider = visited(observation, at(*pose))
         belief = belief.extended(observation.rest_variances(wider))
         seen = wider.rows(0, pose[None], approach[None])
         belief, observation = belief.update(seen.rows, value, seen.variances), wider
@@ -168,20 +177,20 @@ def test_a_reading_in_a_visited_cell_is_promised_less_noise_and_less_news() -> N
     model = ErrorModel(load_machine("one-axis"))
     setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
     before = Observation(model, (setup,))
-    after = before.visited(np.array([0.5]))
-    at = np.array([[0.5], [0.504], [0.51], [0.499]])
-    assert before.rows(0, at, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
-    assert after.rows(0, at, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
-    assert after.rows(0, at, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
-    assert after.visited(np.array([0.504])).cells == after.cells
+    after = visited(before, at(0.5))
+    poses = np.array([[0.5], [0.504], [0.51], [0.499]])
+    assert before.rows(0, poses, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
+    assert after.rows(0, poses, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
+    assert after.rows(0, poses, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert visited(after, at(0.504)) is after
     assert before.rest_variances(after).tolist() == [0.3e-6**2]
-    assert after.rest_variances(after.visited(np.array([0.504]))).tolist() == []
+    assert after.rest_variances(after).tolist() == []
 
 
 @pytest.mark.parametrize("position", [0.0, 1.0])
 def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     model = ErrorModel(load_machine("one-axis"))
-    observation = Observation(model, (mounted(model.machine, "probe", (1.0, 0.0, 0.0)),)).visited(np.array([position]))
+    observation = visited(Observation(model, (mounted(model.machine, "probe", (1.0, 0.0, 0.0)),)), at(position))
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
     assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
@@ -190,10 +199,9 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
 def test_a_rest_that_a_set_up_does_not_feel_gets_no_column() -> None:
     model = ErrorModel(load_machine("three-axis-mill"))
     laser = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
-    observation, pose = Observation(model, (laser,)), np.array([0.3, 0.2, 0.1])
-    felt = {model.functions[i].name for i, _ in observation.visited(pose, 0).cells}
-    assert felt == {"EXX", "EXY", "EXZ"}
-    assert len(observation.visited(pose).cells) == 9
+    shown = {model.functions[i].name for i, _ in visited(Observation(model, (laser,)), at(0.3, 0.2, 0.1)).cells}
+    assert shown == {"EXX", "EXY", "EXZ"}
+    assert sum(function.rest > 0 for function in model.functions) == 9
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -204,13 +212,12 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
     model = ErrorModel(machine)
     observation = Observation(model, (mounted(machine, instrument, _direction(seed)),))
     poses, approaches = random_poses(machine, 3, rng)
-    for pose in poses:
-        observation = observation.visited(pose)
+    observation = visited(observation, Places.of_setup(0, poses, approaches))
     factor = np.sqrt(np.diagonal(observation.prior_covariance()))[:, None] * rng.standard_normal((observation.size, 4))
     weighted = rng.standard_normal((3, 4))
     inside = rng.uniform(-1, 1, 7)
     for axis in range(len(machine.axes)):
-        count, breaks = node_count(*observation.smoothness(axis, 0)), observation.breaks(axis, 0)
+        count, breaks = node_count(*smoothness_along(observation, axis, 0)), breaks_along(observation, axis, 0)
         assert breaks[0] == machine.axes[axis].travel[0]
         assert breaks[-1] == machine.axes[axis].travel[1]
         for left, right in pairwise(breaks):
@@ -232,8 +239,8 @@ def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
         (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
     )
     factor = np.random.default_rng(1).standard_normal((16, 4))
-    count, inside = node_count(*observation.smoothness(0, 0)), np.linspace(-1, 1, 101)
-    for left, right in pairwise(observation.breaks(0, 0)):
+    count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-1, 1, 101)
+    for left, right in pairwise(breaks_along(observation, 0, 0)):
         at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
         seen = observation.rows(0, at, np.zeros_like(at))
         form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
@@ -245,5 +252,5 @@ def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
     axis = Axis.named("X", False, (0.0, 0.4))
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
     observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
-    assert observation.breaks(0, 0) == pytest.approx([0.0, 0.2, 0.4])
-    assert observation.visited(np.array([0.06])).breaks(0, 0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])
+    assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])
+    assert breaks_along(visited(observation, at(0.06)), 0, 0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])

@@ -24,9 +24,12 @@ from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.breaks import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import coefficients, evaluate, node_count, nodes
 from axiscal.numerics.exact_step import gain_forms
@@ -98,25 +101,29 @@ def _slide(rest: float = 1e-6, knots: int = 9) -> ErrorModel:
     return ErrorModel(Machine("m", (Axis.named("X", False, (0.0, 1.0)),), 0.1, entries, "", ""))
 
 
+def along(positions: list[float]) -> Places:
+    """Return places along the slide, from the positive side."""
+    return Places.of_setup(0, np.array(positions)[:, None], np.ones((len(positions), 1)))
+
+
 def test_breaks_stand_where_a_foot_meets_a_knot_or_a_visited_cell() -> None:
     model = _slide(knots=5)
     observation = Observation(model, (stepped(model.machine, 0, 0.1),))
-    assert observation.breaks(0, 0) == pytest.approx([0.05, 0.2, 0.3, 0.45, 0.55, 0.7, 0.8, 0.95])
-    visited = observation.visited(np.array([0.41]), 0)
-    assert sorted(cell for owner, cell in visited.cells if owner == 0) == [11, 14]  # 0.36 and 0.46 in cells of 1/32
-    assert {owner for owner, _ in visited.cells} == {0}
+    assert breaks_along(observation, 0, 0) == pytest.approx([0.05, 0.2, 0.3, 0.45, 0.55, 0.7, 0.8, 0.95])
+    wider = visited(observation, along([0.41]))
+    assert sorted(cell for owner, cell in wider.cells if owner == 0) == [11, 14]  # 0.36 and 0.46 in cells of 1/32
+    assert {owner for owner, _ in wider.cells} == {0}
     edges = {round(cell / 32 - shift, 9) for cell in (11, 12, 14, 15) for shift in (0.05, -0.05)}
-    assert edges <= {round(float(b), 9) for b in visited.breaks(0, 0)}
+    assert edges <= {round(float(b), 9) for b in breaks_along(wider, 0, 0)}
 
 
 def test_the_forms_are_followed_between_the_breaks() -> None:
     model, rng = _slide(), np.random.default_rng(0)
     observation = Observation(model, (stepped(model.machine, 0, 0.13),))
-    for at in (0.2, 0.5, 0.77):
-        observation = observation.visited(np.array([at]), 0)
+    observation = visited(observation, along([0.2, 0.5, 0.77]))
     factor, weighted = rng.standard_normal((observation.size, 4)), rng.standard_normal((3, 4))
-    count, inside = node_count(*observation.smoothness(0, 0)), np.linspace(-0.99, 0.99, 9)
-    for left, right in pairwise(observation.breaks(0, 0)):
+    count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-0.99, 0.99, 9)
+    for left, right in pairwise(breaks_along(observation, 0, 0)):
         at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
         seen = observation.rows(0, at, np.ones_like(at))
         for form in gain_forms(seen.rows, factor, weighted, seen.variances):
@@ -128,7 +135,7 @@ def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]
     covariance = observation.prior_covariance()
     belief = Belief(np.zeros(len(covariance)), covariance)
     for place in places:
-        wider = observation.visited(np.array([place]), 0)
+        wider = visited(observation, along([place]))
         belief, observation = belief.extended(observation.rest_variances(wider)), wider
         seen = observation.rows(0, np.array([[place]]), np.ones((1, 1)))
         belief = belief.update(seen.rows, 1e-5 * np.cos(7 * place), seen.variances)
@@ -161,11 +168,11 @@ def test_no_place_of_a_dense_lattice_gains_more(base: float) -> None:
     model = _slide(rest=1e-6 if base else 0.0)
     asked = problem(model.machine, (stepped(model.machine, 0, base),), 40)
     observation, belief = _read(asked.observation, np.array([0.2, 0.43, 0.5, 0.81]))
-    step = best_step(Knowledge(observation, belief), asked.weight, asked.lattice)
+    step = best_step(Knowledge(observation, belief), asked.root, asked.lattice)
     low, high = base / 2, 1 - base / 2
     assert low <= step.pose[0] <= high
     dense = np.linspace(low, high, 40001)[:, None]
-    gains = Scorer.of(observation, belief, asked.weight).at(0, dense, np.ones_like(dense))
+    gains = Scorer.of(observation, belief, asked.root).at(0, dense, np.ones_like(dense))
     assert gains.max() <= step.gain * (1 + 1e-9)
     assert step.gain <= gains.max() * (1 + 1e-5)
 
@@ -176,7 +183,7 @@ def test_a_raster_stays_where_both_feet_stand_within_the_travel() -> None:
     asked = problem(model.machine, (setup,), 40)
     assert asked.lattice.poses.min() == pytest.approx(0.08)
     assert asked.lattice.poses.max() == pytest.approx(0.92)
-    step = best_step(Knowledge(asked.observation, asked.belief), asked.weight, asked.lattice)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
     assert step.pose[0] / 0.04 == pytest.approx(round(step.pose[0] / 0.04))
 
 

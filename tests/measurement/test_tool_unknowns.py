@@ -52,7 +52,7 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
         expected = _shown(setup, machine, direction, poses, moved, {})
         told = _shown(setup, machine, direction, poses, unmoved, {"tool_z": -_LONGER})
         assert told == pytest.approx(expected, abs=1e-14)
-        row = model_of(setup).own(setup, "tool_z", direction, Nominal(machine, poses, setup.moves))
+        row = model_of(setup).unknown_effect(setup, "tool_z", direction, Nominal(machine, poses, setup.moves))
         assert -_LONGER * row == pytest.approx(expected, abs=_LONGER**2 / 0.1)
 
 

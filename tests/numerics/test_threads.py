@@ -136,7 +136,7 @@ def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
     script = f"""
 {PREPARED}
 knowledge = Knowledge(case.observation, case.prior)
-step = best_step(knowledge, task.weight, task.lattice)
+step = best_step(knowledge, task.root, task.lattice)
 knowledge.read([step.reading(case.observation, 1e-6)])
 make_plan(task, Limits(readings=3))
 proposed(case, Limits(readings=3), Thoroughness(candidates=50))

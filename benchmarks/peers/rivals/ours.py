@@ -32,7 +32,7 @@ def picker(posed: Posed) -> Callable[[Array], Array]:
         if len(taken) > known:
             seen = observation.rows(0, taken[known:], np.ones_like(taken[known:]))
             belief, known = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances), len(taken)
-        return best_step(Knowledge(observation, belief), problem.weight, problem.lattice).pose
+        return best_step(Knowledge(observation, belief), problem.root, problem.lattice).pose
 
     return pick
 
@@ -58,7 +58,6 @@ def planner(posed: Posed) -> Callable[[], Array]:
     problem = _problem(posed)
 
     def plan() -> Array:
-        made = make_plan(problem, Limits(readings=posed.case.readings))
-        return np.array([reading.pose for reading in made.readings])
+        return make_plan(problem, Limits(readings=posed.case.readings)).places.poses
 
     return plan

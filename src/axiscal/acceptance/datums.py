@@ -107,7 +107,7 @@ def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -
         mine = np.all(directions == direction, axis=1)
         place = Nominal(machine, poses[mine], setup.moves)
         for column, unknown in enumerate(setup.unknowns):
-            result[mine, column] = model.own(setup, unknown.name, direction, place)
+            result[mine, column] = model.unknown_effect(setup, unknown.name, direction, place)
     return result
 
 

@@ -15,12 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.accuracy import criterion
+from axiscal.accuracy.criterion import Gram, Root
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box, VolumeMoments
-from axiscal.measurement.candidates import corners, even_points
+from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
 
 _INNER_POINTS = 400
 _REST_SHARE = 0.7
@@ -72,9 +73,9 @@ class Yardstick:
         return shift
 
     @cached_property
-    def root(self) -> Array:
+    def root(self) -> Root:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
-        return criterion.weight_root(self.moments.weight - self._shift.T @ self._shift)
+        return Gram(self.moments.gram - self._shift.T @ self._shift).root
 
     @cached_property
     def unseen_rms(self) -> float:
@@ -84,7 +85,7 @@ class Yardstick:
     @cached_property
     def _unseen_total(self) -> float:
         """tr(V C_∞ Vᵀ), m²."""
-        return float(np.sum((self.root @ self.unseen) ** 2))
+        return self.root.value(self.unseen)
 
     @cached_property
     def _unseen_shift(self) -> float:
@@ -93,7 +94,7 @@ class Yardstick:
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
-        return self.figures(criterion.value(belief, self.root), self.variances(belief.factor))
+        return self.figures(self.root.value(belief.factor), self.variances(belief.factor))
 
     def along(self, belief: Belief, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
         """Return the figures after each of many readings.
@@ -102,8 +103,8 @@ class Yardstick:
         ends : how many numbers there were after each reading
         """
         own = losses[:, : self.errors.size]
-        total, variances = criterion.value(belief, self.root), self.variances(belief.factor)
-        totals = total - _summed(np.sum((own @ self.root.T) ** 2, axis=1))[ends]
+        total, variances = self.root.value(belief.factor), self.variances(belief.factor)
+        totals = total - _summed(np.sum((own @ self.root.matrix.T) ** 2, axis=1))[ends]
         lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
         left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]
         return [self.figures(float(each), spread) for each, spread in zip(totals, left, strict=True)]
@@ -121,10 +122,9 @@ class Yardstick:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
         return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
 
-    def worst_rows(self, belief: Belief) -> Array:
+    def worst_root(self, belief: Belief) -> Root:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
-        rows: Array = self.rows[self.variances(belief.factor).argmax()]
-        return rows
+        return Root(self.rows[self.variances(belief.factor).argmax()])
 
     @cached_property
     def _poses(self) -> tuple[Array, Array]:

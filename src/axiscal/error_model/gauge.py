@@ -68,7 +68,7 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     moments : over the volume in which the tool point counts; the whole travel without
     """
     moments = moments or volume_moments(model, whole_travel(model))
-    beyond = moments.weight - moments.mean.T @ moments.mean
+    beyond = moments.gram - moments.mean.T @ moments.mean
     before = float(np.sum(beyond * model.prior_covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
     effects = [_effect(f, acting, beyond) for f in model.functions]

@@ -25,10 +25,10 @@ _POLYNOMIAL_NODES = 12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class VolumeMoments:
-    """mean : (3, size) E[H]; weight : (size, size) E[HᵀH]; rest : E of the rest's share of the TCP variance, m²."""
+    """mean : (3, size) E[H]; gram : (size, size) E[HᵀH]; rest : E of the rest's share of the TCP variance, m²."""
 
     mean: Array
-    weight: Array
+    gram: Array
     rest: float
 
 

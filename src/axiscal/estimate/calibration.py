@@ -17,11 +17,11 @@ from axiscal.estimate.map_grid import map_grid
 from axiscal.estimate.updating import absorbed, widened
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.implausible import Plausibility, nearest_first, objection
-from axiscal.inference.numbers import seen_together
 from axiscal.inference.outliers import FEWEST, NOTHING, Doubt, Verdict, verdict
-from axiscal.measurement.observation import Observation, Seen
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import Seen, seen, visited_by
 from axiscal.numerics.threads import one_thread
 
 _GROWTH = 1.34
@@ -212,10 +212,10 @@ class Calibration:
         judged, start = self._plausibility, len(self._plausibility.sizes)
         if self._whole == len(self._readings) and start == 0:
             order = nearest_first(self._readings)
-            sizes, limit = judged.take_all([self._readings[index] for index in order]), judged.limit
+            sizes, limit = judged.take([self._readings[index] for index in order]), judged.limit
             self._note({i: size for i, size in sorted(zip(order, sizes, strict=True)) if size > limit})
         for index in range(len(judged.sizes), len(self._readings)):
-            size = judged.take(self._readings[index])
+            (size,) = judged.take([self._readings[index]])
             self._note({index: size} if size > judged.limit else {})
 
     def _note(self, sizes: dict[int, float]) -> None:
@@ -268,14 +268,14 @@ class Calibration:
 
     def _take(self, index: int) -> None:
         reading, weight = self._readings[index], self._weight(index)
-        wider = self._observation.visited(np.array(reading.pose), self._problem.index(reading.setup), reading.time)
+        wider = visited_by(self._observation, [reading])
         belief = self._belief.extended(self._observation.rest_variances(wider))
         self._observation, self._accuracy = wider, None
-        seen = self._observation.reading(reading)
-        expected = belief.predict(seen.rows)
-        surprise = Innovations(seen.values - expected.mean, np.hypot(expected.std, np.sqrt(seen.variances)))
+        numbers = seen(self._observation, [reading])
+        expected = belief.predict(numbers.rows)
+        surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
         self._innovations.append(surprise)  # at its full weight: that it surprised is to be seen
-        self._belief = belief.update(seen.rows, seen.values, seen.variances / weight) if weight else belief
+        self._belief = belief.update(numbers.rows, numbers.values, numbers.variances / weight) if weight else belief
         self._problem = widened(self._problem, reading)
 
     def _weight(self, index: int) -> float:
@@ -312,9 +312,9 @@ class Calibration:
         return objection(doubt, reading, self.stated.description.setup(reading.setup))
 
     @one_thread()
-    def rows_of(self, readings: Sequence[Reading]) -> list[Seen]:
-        """Return what each of many readings sees, its variances and values."""
-        return seen_together(self._settled()._observation, readings)
+    def rows_of(self, readings: Sequence[Reading]) -> Seen:
+        """Return what readings see, their variances and values."""
+        return seen(self._settled()._observation, readings)
 
     @one_thread()
     def accuracy(self) -> Accuracy:

@@ -16,9 +16,9 @@ import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.belief import Belief, Innovations
-from axiscal.inference.numbers import seen_together, visited_together
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -41,7 +41,7 @@ class Knowledge:
 
     def opened(self, readings: Sequence[Reading]) -> Knowledge:
         """Return the same with the unknowns of cells and drifts that readings will meet."""
-        wider = visited_together(self.observation, readings)
+        wider = visited_by(self.observation, readings)
         return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
 
     @one_thread()
@@ -76,13 +76,11 @@ class Block:
 def block(knowledge: Knowledge, readings: Sequence[Reading], weights: Array) -> Block:
     """Return what readings make of knowledge, all at once.  weights : (m,) how much each counts; 0 is not used"""
     before = knowledge.opened(readings)
-    seen = seen_together(before.observation, readings)
-    counts = [len(each.values) for each in seen]
-    rows, noise, values = (np.concatenate([each[which] for each in seen]) for which in range(3))
+    numbers = seen(before.observation, readings)
     with np.errstate(divide="ignore"):
-        used = noise / np.repeat(weights, counts)
-    done = before.belief.update_many(rows, values, noise, used, np.repeat(np.arange(len(seen)), counts))
-    cuts = np.cumsum(counts)[:-1]
+        used = numbers.variances / weights[numbers.reading]
+    done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
+    cuts = np.searchsorted(numbers.reading, np.arange(1, len(readings)))
     surprises = (np.split(part, cuts) for part in (done.belief.innovations.value, done.belief.innovations.std))
     innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
     return Block(before, Knowledge(before.observation, done.belief), innovations, done.losses)

@@ -32,7 +32,7 @@ def paths(calibration: Calibration, setup: Setup) -> list[Path]:
     found = []
     for (index, _), course in observation.courses.items():
         if observation.setups[index].name == setup.name:
-            columns, rows = list(course.columns), np.array([course.row(float(time)) for time in times])
+            columns, rows = list(course.columns), course.rows(times)
             std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
             prior = np.sqrt(np.diag(wandering(course.rate, times - times[0])))
             found.append(Path(times, rows @ belief.mean[columns], std, prior))

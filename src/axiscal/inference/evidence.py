@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.inference.numbers import Part, ReadingSet
+from axiscal.inference.reading_set import ErrorPart, ReadingSet
 from axiscal.inference.scales import Kind, Scale
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -37,21 +37,21 @@ class Evidence:
         prior: tuple[Array, Array] | None = None,
     ) -> None:
         self.scales, self._index = scales, {(scale.kind, scale.owner): i for i, scale in enumerate(scales)}
-        seen = ReadingSet(observation, readings)
-        self.reading, self.values, self.rows = seen.reading, seen.values, seen.rows
-        self._parts, unknowns = seen.parts(), seen.unknowns()
+        numbers = ReadingSet(observation, readings)
+        self.reading, self.values, self.rows = numbers.reading, numbers.values, numbers.rows
+        self._parts, unknowns = numbers.parts(), numbers.unknowns()
         self._sharing = [part.sharing() for part in self._parts]
         self._curves = (
-            np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(seen.values), 0))
+            np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(numbers.values), 0))
         )
-        self._fixed = unknowns @ unknowns.T + np.diag(seen.loose)
+        self._fixed = unknowns @ unknowns.T + np.diag(numbers.extra_variance)
         self._inherits = prior is not None
         if prior is not None:
             rows = self.rows[:, : len(prior[0])]
             self.values = self.values - rows @ prior[0]
             self._fixed = self._fixed + rows @ prior[1] @ rows.T
-        self._noise, self._own_noise = seen.noise, seen.own
-        self._owners = [readings[int(i)].setup for i in seen.reading]
+        self._noise, self._std_stated = numbers.noise, numbers.std_stated
+        self._owners = [readings[int(i)].setup for i in numbers.reading]
         self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
@@ -102,7 +102,7 @@ class Evidence:
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
-        variances: Array = self._noise * np.where(self._own_noise, 1.0, factors**2)
+        variances: Array = self._noise * np.where(self._std_stated, 1.0, factors**2)
         return variances
 
     def _gradient(self, pull: Array, logs: Array) -> Array:
@@ -111,7 +111,7 @@ class Evidence:
         variances = self._variances(logs)
         for (kind, owner), i in self._index.items():
             if kind == "noise":
-                mine = np.array([name == owner for name in self._owners]) & ~self._own_noise
+                mine = np.array([name == owner for name in self._owners]) & ~self._std_stated
                 result[i] = float(np.diag(pull)[mine] @ variances[mine])
         pulled, start = pull @ self._curves, 0
         for part, sharing in zip(self._parts, self._sharing, strict=True):
@@ -123,7 +123,7 @@ class Evidence:
                 result[at] = self._scale("rest", part.function.name, 0.0, logs) ** 2 * shared
         return result
 
-    def _add_gradient(self, part: Part, inner: Array, logs: Array, result: Array) -> None:
+    def _add_gradient(self, part: ErrorPart, inner: Array, logs: Array, result: Array) -> None:
         """Add what size and length of an error do.  inner : (k, k) Gᵀ pull G"""
         entry = self._entries[part.function.name]
         std = entry.std * self._factor("std", entry.name, logs)

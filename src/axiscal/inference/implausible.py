@@ -8,18 +8,19 @@ times larger, makes no reading implausible. A belief about the unknowns alone do
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from axiscal.belief import Belief
-from axiscal.inference.numbers import seen_together
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
-from axiscal.measurement.observation import Observation, Seen
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import Seen, seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -68,22 +69,19 @@ class Plausibility:
         self._first: dict[str, float] = {}
         self.sizes: list[float] = []
 
-    def take_all(self, readings: Sequence[Reading]) -> list[float]:
-        """Return how many standard deviations away each of many readings is."""
-        return [
-            self._taken(r, seen) for r, seen in zip(readings, seen_together(self._observation, readings), strict=True)
-        ]
+    def take(self, readings: Sequence[Reading]) -> list[float]:
+        """Return how many standard deviations away readings are, and learn the set-ups' unknowns from one by one."""
+        numbers = seen(self._observation, readings)
+        first = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
+        return [self._taken(r, numbers, slice(*ends)) for r, ends in zip(readings, pairwise(first), strict=True)]
 
-    def take(self, reading: Reading) -> float:
-        """Return how many standard deviations away a reading is, and learn the set-up's unknowns from it."""
-        return self._taken(reading, self._observation.reading(reading))
-
-    def _taken(self, reading: Reading, seen: Seen) -> float:
+    def _taken(self, reading: Reading, numbers: Seen, mine: slice) -> float:
         errors = len(self._mean)
-        rows = seen.rows[:, :errors]
-        variances = seen.variances + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
+        rows, own = np.split(numbers.rows[mine], [errors], axis=1)
+        own = own[:, : len(self._stds)]
+        variances = numbers.variances[mine] + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
         variances += self._bent(reading) + self._drifted(reading)
-        values, own = seen.values - rows @ self._mean, seen.rows[:, errors : errors + len(self._stds)]
+        values = numbers.values[mine] - rows @ self._mean
         expected, spread = np.zeros(len(values)), variances
         if self._unknowns is not None:
             known = self._unknowns.predict(own)

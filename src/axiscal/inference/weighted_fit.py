@@ -12,7 +12,7 @@ from copy import copy
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.inference.numbers import ReadingSet
+from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -42,7 +42,7 @@ class Fitted:
             values = values - numbers.rows[:, :size] @ prior[0]
         rests = [part.function.rest * part.shared for part in numbers.parts() if part.function.rest > 0]
         features = np.hstack([numbers.rows[:, :size] @ root, *rests, numbers.unknowns()])
-        return cls(features, numbers.noise + numbers.loose, values, numbers.reading)
+        return cls(features, numbers.noise + numbers.extra_variance, values, numbers.reading)
 
     def weigh(self, weights: Array) -> None:
         """Estimate with a weight for each reading, (readings,)."""

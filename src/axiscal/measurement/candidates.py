@@ -7,35 +7,18 @@ from numpy.typing import NDArray
 
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
+from axiscal.measurement.breaks import knots_along
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-
-
-def even_points(count: int, dimensions: int) -> Array:
-    """Return points spread evenly in the unit cube, (count, dimensions): multiples of the roots of x^{d+1} = x + 1.
-
-    The additive recurrence whose discrepancy stays low at every length; one dimension gives midpoints.
-    """
-    if dimensions <= 1:
-        return ((np.arange(count) + 0.5) / max(count, 1))[:, None][:, :dimensions]
-    ratio = 2.0
-    for _ in range(64):
-        ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
-    steps = ratio ** -np.arange(1.0, dimensions + 1)
-    result: Array = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
-    return result
+from axiscal.numerics.spread import even_points
 
 
 def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Places:
     """Return about `count` candidates, shared evenly between the set-ups."""
-    parts = [_of_setup(machine, setup, max(2, count // max(1, len(setups)))) for setup in setups]
-    return Places(
-        np.concatenate([np.full(len(p), i) for i, (p, _) in enumerate(parts)]),
-        np.concatenate([p for p, _ in parts]),
-        np.concatenate([a for _, a in parts]),
-    )
+    each = max(2, count // max(1, len(setups)))
+    return Places.joined([Places.of_setup(i, *_of_setup(machine, setup, each)) for i, setup in enumerate(setups)])
 
 
 def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
@@ -56,9 +39,7 @@ def _approaches(machine: Machine, setup: Setup, positive: NDArray[np.bool_]) -> 
 
 
 def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
-    """Return the poses moved to the nearest multiples of the set-up's raster that lie in the travel.  poses : (m,
-    q).
-    """
+    """Return poses (m, q) moved to the nearest multiples of the set-up's raster that lie in the travel."""
     result = poses.copy()
     for k in setup.moves:
         if setup.raster[k] > 0:
@@ -81,7 +62,7 @@ def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
 
 def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) -> Array:
     """Return the knots of an axis as a set-up meets them, and the ends, each stretch cut in equal parts, (p,)."""
-    knots = observation.knots(axis, setup)
+    knots = knots_along(observation, axis, setup)
     inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
     return np.append(inside.ravel(), knots[-1])
 

@@ -42,13 +42,16 @@ class Course:
         """Return the course at its first reading, where the zero stands at zero, with one unknown: its rate."""
         return cls(rate, (column,), (time,), np.zeros((1, 1)), np.array([[rate]]))
 
-    def row(self, time: float | None = None) -> Array:
-        """Return the row (n,) of the distance at a time, s; without one, at the last node."""
-        if time is None:
-            time = self.times[-1]
-        node = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
-        row: Array = self.places[node] + (time - self.times[node]) * self.paces[node]
-        return row
+    def rows(self, times: Array | None = None) -> Array:
+        """Return the rows (m, n) of the distance at times (m,), s; at the last node where one is NaN.
+
+        Without times that of the last node alone, (1, n).
+        """
+        nodes = np.array(self.times)
+        when = nodes[-1:] if times is None else np.where(np.isnan(times), nodes[-1], times)
+        node = np.maximum(np.searchsorted(nodes, when, side="right") - 1, 0)
+        rows: Array = self.places[node] + (when - nodes[node])[:, None] * self.paces[node]
+        return rows
 
     def needs_node(self, time: float) -> bool:
         """Whether a time lies too far beyond the last node for a straight line, s."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,16 @@ class Places:
         return cls(np.zeros(0, dtype=np.intp), np.zeros((0, axes)), np.zeros((0, axes)))
 
     @classmethod
+    def one(cls, setup: int, pose: Array, approach: Array) -> Places:
+        """Return a single place.  pose, approach : (q,)"""
+        return cls(np.array([setup], dtype=np.intp), pose[None], approach[None])
+
+    @classmethod
+    def of_setup(cls, setup: int, poses: Array, approaches: Array) -> Places:
+        """Return places of one set-up.  poses, approaches : (m, q)"""
+        return cls(np.full(len(poses), setup, dtype=np.intp), poses, approaches)
+
+    @classmethod
     def joined(cls, parts: Sequence[Places]) -> Places:
         """Return the places of all parts, one after another; at least one part."""
         columns = zip(*((part.setups, part.poses, part.approaches) for part in parts), strict=True)
@@ -49,9 +59,41 @@ class Places:
         mine = self.setups == setup
         return self.poses[mine], self.approaches[mine]
 
-    def within(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> Places:
-        """Return some of them: those that are kept, or those at indices."""
+    def by_setup(self) -> Iterator[tuple[int, NDArray[np.intp]]]:
+        """Yield each set-up with the indices of its places."""
+        for setup in np.unique(self.setups):
+            yield int(setup), np.flatnonzero(self.setups == setup)
+
+    def within(self, kept: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Places:
+        """Return some of them: those that are kept, or those at indices, in their order."""
         return Places(self.setups[kept], self.poses[kept], self.approaches[kept])
+
+    def at(self, index: int) -> Places:
+        """Return one of them."""
+        return self.within(np.array([index], dtype=np.intp))
+
+    def without(self, index: int) -> Places:
+        """Return all but one of them."""
+        return self.within(np.arange(len(self)) != index)
+
+    def exchanged(self, index: int, place: Places) -> Places:
+        """Return them with another single place for one of them."""
+        result = Places(self.setups.copy(), self.poses.copy(), self.approaches.copy())
+        result.setups[index], result.poses[index], result.approaches[index] = (
+            place.setups[0],
+            place.poses[0],
+            place.approaches[0],
+        )
+        return result
+
+    def moved(self, poses: Array) -> Places:
+        """Return the same set-ups and sides at other poses, (m, q)."""
+        return replace(self, poses=poses)
+
+    def same_as(self, others: Places) -> bool:
+        """Whether they are the same places, in whatever order."""
+        mine, theirs = (np.column_stack([each.setups, each.poses, each.approaches]) for each in (self, others))
+        return mine.shape == theirs.shape and bool(np.all(mine[np.lexsort(mine.T)] == theirs[np.lexsort(theirs.T)]))
 
     def __len__(self) -> int:
         return len(self.setups)

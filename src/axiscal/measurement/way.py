@@ -57,8 +57,8 @@ class Way:
     def levers(self, poses: Array) -> Array:
         """Return what a unit of each error does, (functions, m): of a straightness, of one end; of a squareness."""
         result = np.zeros((len(self._errors.functions), len(poses)))
-        towards = across(self._errors.machine, self._setup, poses)
-        ends = [self._displaced(poses, towards, shift) for shift in (_HALF, -_HALF)]
+        direction = across(self._errors.machine, self._setup, poses)
+        ends = [self._displaced(poses, direction, shift) for shift in (_HALF, -_HALF)]
         for i in self.functions:
             tilt = self._errors.functions[i].kind == "location"
             result[i] = (ends[0][i] - ends[1][i]) if tilt else ends[0][i]
@@ -79,8 +79,8 @@ class Way:
         front, back = (foot.weight * function.basis.rows(t + foot.shift) for foot in feet(self._base))
         return front + back
 
-    def _displaced(self, poses: Array, towards: Array, shift: float) -> Array:
+    def _displaced(self, poses: Array, direction: Array, shift: float) -> Array:
         moved = poses.copy()
         moved[:, self.axis] += shift
-        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved), towards)
+        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved), direction)
         return displaced

@@ -94,7 +94,7 @@ def _refuse_too_noisy(problem: Case, target: float) -> None:
     asked = posed(problem, problem.observation, problem.prior, candidates=_CANDIDATES)
     pool = Pool(asked.observation, asked.lattice)
     state = Covariance.of(problem.observation, problem.prior, yardstick.root)
-    relaxation = Relaxation(pool, state, [], np.ones(len(pool)), float(MOST))
+    relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), float(MOST))
     for _ in range(_ROUNDS):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)

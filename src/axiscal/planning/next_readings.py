@@ -7,10 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.accuracy import criterion
+from axiscal.accuracy.criterion import Root, joint_root
 from axiscal.belief import Belief
 from axiscal.description.target import Target
-from axiscal.design.gains.covariance import Point
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
 from axiscal.design.plan.task import Limits, Task
@@ -18,8 +17,7 @@ from axiscal.estimate.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Place
-from axiscal.numerics import Array
+from axiscal.measurement.place import Place, Places
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.record.events import Gap
@@ -49,18 +47,20 @@ def planned_places(
     if not len(problem.lattice):
         return ()
     patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
-    points = [_point(case, place) for place in left if not in_gap(case, place, gaps)]
-    coming = renewed(problem, limits, points, patience) if points else []
-    places = [_placed(case, point) for point in coming or _begun(problem, limits, patience)]
-    return tuple(place for place in places if not in_gap(case, place, gaps))
+    coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
+    if len(coming):
+        coming = renewed(problem, limits, coming, patience)
+    if not len(coming):
+        coming = _begun(problem, limits, patience)
+    return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
 
 
-def _begun(problem: Task, limits: Limits, patience: float) -> list[Point]:
+def _begun(problem: Task, limits: Limits, patience: float) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(problem, limits, patience=patience, bounded=False).points
+        return make_plan(problem, limits, patience=patience, bounded=False).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
-        return make_plan(problem, Limits(1), patience=patience, bounded=False).points
+        return make_plan(problem, Limits(1), patience=patience, bounded=False).places
 
 
 def _patience(observation: Observation) -> float:
@@ -72,17 +72,21 @@ def _patience(observation: Observation) -> float:
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
     """Return the places of a plan, each with room to come to it from its side."""
-    return tuple(_placed(case, point) for point in plan.points)
+    return _with_room(case, plan.places)
 
 
-def _placed(case: Case, point: Point) -> Place:
-    setup = case.description.setups[point.setup]
-    pose, approach = tuple(map(float, point.pose)), tuple(int(sign) for sign in point.approach)
-    return Place(setup.name, *with_room(case.errors, setup, pose, approach))
+def _with_room(case: Case, places: Places) -> tuple[Place, ...]:
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), strict=True)
+    setups, found = case.description.setups, list[Place]()
+    for setup, pose, approach in rows:
+        found.append(Place(setups[setup].name, *with_room(case.errors, setups[setup], tuple(pose), tuple(approach))))
+    return tuple(found)
 
 
-def _point(case: Case, place: Place) -> Point:
-    return Point(case.index(place.setup), np.array(place.pose), np.array(place.approach, dtype=float))
+def _columns(case: Case, places: Sequence[Place]) -> Places:
+    none = Places.none(len(case.description.machine.axes))
+    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
+    return Places.joined([none, *(Places.one(*row) for row in rows)])
 
 
 def posed(
@@ -97,13 +101,13 @@ def posed(
     machine, setups, here = case.description.machine, case.description.setups, None
     if taken:
         last = taken[-1]
-        here = Point(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
+        here = Places.one(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
     lattice = spread(machine, setups, candidates)
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
         keep[mine] = ~at_gap(case, int(setup), lattice.poses[mine], gaps)
-    return Task(observation, belief, weight_of(case, belief), case.yardstick, lattice.within(keep), here)
+    return Task(observation, belief, root_of(case, belief), case.yardstick, lattice.within(keep), here)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:
@@ -117,9 +121,9 @@ def limits_left(target: Target, taken: int, seconds: float) -> Limits:
     return Limits(left, target.rms, target.worst, budget)
 
 
-def weight_of(case: Case, belief: Belief) -> Array:
+def root_of(case: Case, belief: Belief) -> Root:
     """Return V of the target's criterion, W = VᵀV."""
     name = case.description.target.criterion
     if name == "joint":
-        return criterion.joint_root(case.errors)
-    return case.yardstick.root if name == "volume" else case.yardstick.worst_rows(belief)
+        return joint_root(case.errors)
+    return case.yardstick.root if name == "volume" else case.yardstick.worst_root(belief)

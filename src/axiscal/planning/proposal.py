@@ -65,5 +65,5 @@ def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float, progre
     gap : share of J at which to stop.  Raises PlanError.
     """
     problem = posed(case, case.observation, case.prior, candidates=how.candidates)
-    proof = prove(problem.state, problem.lattice, proposal.plan.points, gap, progress)
+    proof = prove(problem.state, problem.lattice, proposal.plan.places, gap, progress)
     return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

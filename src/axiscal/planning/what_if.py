@@ -84,7 +84,7 @@ def _of_plan(case: Case, name: str, plan: Plan) -> Alternative:
         (0.0, *(r.seconds for r in after)),
         (plan.before.rms, *(r.accuracy.rms for r in after)),
         (plan.before.worst, *(r.accuracy.worst for r in after)),
-        tuple(dict.fromkeys(case.description.setups[r.setup].name for r in after)),
+        tuple(dict.fromkeys(case.description.setups[setup].name for setup in plan.places.setups)),
         case.yardstick.rms_of(plan.bound.value) if bounded and plan.bound is not None else None,
     )
 

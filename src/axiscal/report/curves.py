@@ -190,9 +190,11 @@ def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) ->
     functions, mean = calibration.problem.errors.functions, calibration.belief.mean
     refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
     parts = []
-    for index, (reading, seen) in enumerate(zip(readings, calibration.rows_of(readings), strict=True)):
-        row, std = seen.rows[0], float(np.sqrt(seen.variances[0]))
-        left, whole = float(seen.values[0] - row @ mean), sum(_share(row, function) for function in functions)
+    numbers = calibration.rows_of(readings)
+    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
+    for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
+        row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
+        left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
         parts.append(_Part(index + 1, reading, row, left, std, whole, index in refused))
     return parts
 

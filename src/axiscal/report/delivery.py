@@ -20,8 +20,8 @@ from axiscal.compensation.on_top import informed
 from axiscal.error_model.volume import Box
 from axiscal.estimate.calibration import Calibration
 from axiscal.exceptions import ReadingError, TableError
-from axiscal.measurement.candidates import even_points
 from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 from axiscal.report.summarising import Extras, summarise
 from axiscal.report.summary import Summary, TableOffer, result_json

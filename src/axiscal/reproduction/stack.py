@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.accuracy import criterion
+from axiscal.accuracy.criterion import Root
 from axiscal.belief import Belief
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model.gauge import unseen_factor
@@ -72,12 +73,12 @@ class Stack:
         return Belief(np.zeros(self.errors.size), self.errors.prior_covariance())
 
     @cached_property
-    def joint(self) -> Array:
+    def joint(self) -> Root:
         """V of the paper's criterion, the variances of all splines, summed (B&H eq. 26, 36)."""
         return criterion.joint_root(self.errors)
 
     @cached_property
-    def volume(self) -> Array:
+    def volume(self) -> Root:
         """V of the criterion `volume`, the mean variance of the height."""
         return criterion.volume_root(volume_moments(self.errors, whole_travel(self.errors)))
 
@@ -107,7 +108,7 @@ class Stack:
     @property
     def variance_left(self) -> float:
         """What J keeps however long one measures, paper units."""
-        return float(np.sum((self.joint @ self.unseen) ** 2)) / UNIT**3
+        return self.joint.value(self.unseen) / UNIT**3
 
     @property
     def length(self) -> float:
@@ -158,7 +159,7 @@ class GreedyPlan:
     def squared_errors(self, truth: Array, seed: int) -> Array:
         """Return the squared error of the estimate, integrated along the splines, before and after each reading."""
         errors = np.array([belief.mean - truth for belief in self.measured(truth, seed)])
-        squares: Array = np.sum((errors @ self.stack.joint.T) ** 2, axis=1) / UNIT**3
+        squares: Array = np.sum((errors @ self.stack.joint.matrix.T) ** 2, axis=1) / UNIT**3
         return squares
 
     def lattice_excess(self, points: int) -> Array:
@@ -185,11 +186,11 @@ def three_joints() -> Stack:
     return Stack(load_machine("paper-three-stacked"), std=0.01)
 
 
-def greedy(stack: Stack, weight: Array, count: int) -> GreedyPlan:
-    """Return so many readings, each chosen to make tr(VᵀV C) least (B&H eq. 27, 37).  weight : V (w, size)."""
+def greedy(stack: Stack, root: Root, count: int) -> GreedyPlan:
+    """Return so many readings, each chosen to make tr(VᵀV C) least (B&H eq. 27, 37)."""
     steps, beliefs = [], [stack.prior]
     for _ in range(count):
-        step = best_step(Knowledge(stack.observation, beliefs[-1]), weight, stack.candidates)
+        step = best_step(Knowledge(stack.observation, beliefs[-1]), root, stack.candidates)
         steps.append(step)
         beliefs.append(beliefs[-1].update(step.row, 0.0, step.variance))
     return GreedyPlan(stack, np.array([s.pose for s in steps]), np.array([s.row for s in steps]), tuple(beliefs))
@@ -198,6 +199,6 @@ def greedy(stack: Stack, weight: Array, count: int) -> GreedyPlan:
 def _gains(belief: Belief, rows: Array, stack: Stack) -> Array:
     """Return ΔJ of readings under the paper's criterion."""
     along = rows @ belief.factor
-    reach = along @ (stack.joint @ belief.factor).T
+    reach = along @ stack.joint.of(belief.factor).T
     gains: Array = np.sum(reach**2, axis=1) / (stack.setup.noise**2 + np.sum(along**2, axis=1))
     return gains

@@ -16,8 +16,9 @@ from axiscal.design.bound.certificate import Dual, rank_bound
 from axiscal.design.bound.open_zeros import groups, zeros_of
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.design.gains.covariance import Covariance
 from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 _ROUNDS = 60
@@ -35,17 +36,17 @@ class Bound:
     everywhere: bool
 
 
-def lower_bound(pool: Pool, state: Covariance, points: list[Point], costs: Array, limit: float) -> Bound:
-    """Return the bound on J for plans from the pool and from `points` whose costs sum to no more than the limit.
+def lower_bound(pool: Pool, state: Covariance, places: Places, costs: Array, limit: float) -> Bound:
+    """Return the bound on J for plans from the pool and from `places` whose costs sum to no more than the limit.
 
-    state : before the first reading; points : a good plan to begin with; costs : (M + points,), 1 each where readings
+    state : before the first reading; places : a good plan to begin with; costs : (M + places,), 1 each where readings
     are counted, or seconds
     """
     if not limit > 0:  # nothing is read
         return Bound(state.value, True)
     numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
     by_rank = rank_bound(state, numbers)
-    relaxation = Relaxation(pool, state, points, costs, limit)
+    relaxation = Relaxation(pool, state, places, costs, limit)
     steps = list(settling(relaxation))
     best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1]))
     return Bound(by_rank, True) if by_rank >= best else Bound(best, False)

@@ -20,7 +20,7 @@ from axiscal.design.bound.lower_bound import Bound, most_numbers, settling
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.bound.row_curves import joined, refuse_unless_polynomial, row_sums
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, Point, lattice_of
+from axiscal.design.gains.covariance import Covariance
 from axiscal.design.step.starts_with_levers import sides
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -48,24 +48,24 @@ class Proof:
 def prove(
     state: Covariance,
     lattice: Places,
-    points: list[Point],
+    places: Places,
     gap: float = GAP,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Proof:
     """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
 
-    state : before the first; lattice : candidates to begin with; points : a good plan; gap : share of J to stop at
+    state : before the first; lattice : candidates to begin with; places : a good plan; gap : share of J to stop at
     Raises PlanError for a machine with lever arms.
     """
-    setups, count = [int(s) for s in np.unique(lattice.setups)], len(points)
+    setups, count = [int(s) for s in np.unique(lattice.setups)], len(places)
     for setup in setups:
         refuse_unless_polynomial(state.observation, setup)
     if not count:
         return Proof(Bound(state.value, True), 0.0)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
-    lattice = _begun(state, lattice, points)
+    lattice = _begun(state, lattice, places)
     for number in range(1, _ROUNDS + 1):
-        relaxation = _weighted(state, lattice, count)
+        relaxation = _everywhere(state, lattice, count)
         dual = relaxation.solved()
         level = float(relaxation.slopes(dual) @ relaxation.weights) / count
         kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
@@ -75,26 +75,25 @@ def prove(
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
         left = reached / closed - 1 if closed > 0 else np.inf
         progress(f"the proof, round {number}: {100 * left:.2g} % open" if closed > 0 else f"the proof, round {number}")
-        steeper = [point for each in found for point in each.points]
-        if left <= gap or not steeper:
+        steeper = Places.joined([each.places for each in found])
+        if left <= gap or not len(steeper):
             break
-        lattice = Places.joined([kept, lattice_of(steeper)])
+        lattice = Places.joined([kept, steeper])
     return Proof(Bound(best, True), max(left, 0.0))
 
 
-def _begun(state: Covariance, lattice: Places, points: list[Point]) -> Places:
+def _begun(state: Covariance, lattice: Places, places: Places) -> Places:
     """Return the candidates that have weight where only those of a lattice, and a plan, may be taken."""
-    pool, count = Pool(state.observation, lattice), len(points)
-    relaxation = Relaxation(pool, state, points, np.ones(len(pool) + count), float(count), rests=False)
+    pool, count = Pool(state.observation, lattice), len(places)
+    relaxation = Relaxation(pool, state, places, np.ones(len(pool) + count), float(count), rests=False)
     for _ in settling(relaxation):
         pass
-    return lattice_of(relaxation.weighty)
+    return relaxation.weighty
 
 
-def _weighted(state: Covariance, lattice: Places, count: int) -> Relaxation:
-    relaxation = Relaxation(
-        Pool(state.observation, lattice), state, [], np.ones(len(lattice)), float(count), rests=False
-    )
+def _everywhere(state: Covariance, lattice: Places, count: int) -> Relaxation:
+    pool = Pool(state.observation, lattice)
+    relaxation = Relaxation(pool, state, pool.none, np.ones(len(lattice)), float(count), rests=False)
     relaxation.begin_everywhere()
     return relaxation
 
@@ -105,10 +104,10 @@ def _ways(state: Covariance, setups: list[int]) -> list[tuple[int, Array]]:
 
 
 class _Steep(NamedTuple):
-    """No |Z b|² is above upper; at the points it is above the level."""
+    """No |Z b|² is above upper; at the places it is above the level."""
 
     upper: float
-    points: list[Point]
+    places: Places
 
 
 def _largest(dual: Dual, setup: int, side: Array, kept: Places, level: float, gap: float) -> _Steep:
@@ -118,16 +117,16 @@ def _largest(dual: Dual, setup: int, side: Array, kept: Places, level: float, ga
     whole = joined([each.seen(reach / mounted.noise) for each in row_sums(observation, setup, side)])
     mine = (kept.setups == setup) & np.all(kept.approaches == side, axis=1)
     begun = np.vstack([kept.poses[mine][:, mounted.moves], np.array(mounted.park)[None, mounted.moves]])
-    places = uphill(whole.parked, whole.curves, begun)
-    known = max(level, float(np.sum(whole.at(places) ** 2, axis=1).max()))
+    tops = uphill(whole.parked, whole.curves, begun)
+    known = max(level, float(np.sum(whole.at(tops) ** 2, axis=1).max()))
     found = steepest(whole.parked, whole.curves, known, max(gap / 4, (known / level - 1) / 4), _BOXES)
-    places = np.vstack([places, uphill(whole.parked, whole.curves, found.places)]) if len(found.places) else places
-    lengths = np.sum(whole.at(places) ** 2, axis=1)
+    tops = np.vstack([tops, uphill(whole.parked, whole.curves, found.places)]) if len(found.places) else tops
+    lengths = np.sum(whole.at(tops) ** 2, axis=1)
     spans = np.array([curve.right[-1] - curve.left[0] for curve in whole.curves])
-    chosen = _apart(places / spans, np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))])
+    chosen = _apart(tops / spans, np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))])
     poses = np.tile(np.array(mounted.park), (len(chosen), 1))
-    poses[:, mounted.moves] = places[chosen]
-    return _Steep(found.upper, [Point(setup, pose, side) for pose in poses])
+    poses[:, mounted.moves] = tops[chosen]
+    return _Steep(found.upper, Places.of_setup(setup, poses, np.tile(side, (len(poses), 1))))
 
 
 def _apart(places: Array, order: NDArray[np.intp]) -> list[int]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.bound.certificate import Dual
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, Point, informed, lattice_of
+from axiscal.design.gains.covariance import Covariance, informed
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
@@ -27,22 +27,24 @@ _LARGEST = 500
 
 
 class Relaxation:
-    """Weights x on a support of candidates; indices beyond the pool are the given points.
+    """Weights x on a support of candidates; indices beyond the pool are the given places.
 
+    everything : the candidates of the pool, then the given places; support : indices of those with weights
     rests : whether those of cells are unknowns; otherwise they are taken as known, which can only lower J
     """
 
     def __init__(
-        self, pool: Pool, state: Covariance, points: list[Point], costs: Array, limit: float, rests: bool = True
+        self, pool: Pool, state: Covariance, places: Places, costs: Array, limit: float, rests: bool = True
     ) -> None:
         self.rests = rests
         self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
-        self.points = points
-        self.noise = np.concatenate([pool.noise, [state.observation.setups[p.setup].noise ** 2 for p in points]])
-        chosen = np.unique(np.linspace(0, max(len(points) - 1, 0), min(len(points), _FIRST)).astype(np.intp))
+        self.places, self.everything = places, Places.joined([pool.lattice, places])
+        self.noise = np.array([setup.noise**2 for setup in state.observation.setups])[self.everything.setups]
+        count = len(places)
+        chosen = np.unique(np.linspace(0, max(count - 1, 0), min(count, _FIRST)).astype(np.intp))
         self.support = len(pool) + chosen
         self.weights: Array = np.full(len(chosen), limit / max(costs[self.support].sum(), 1e-300))
-        if not len(points):
+        if not count:
             self.support, self.weights = self._first()
 
     def _first(self) -> tuple[NDArray[np.intp], Array]:
@@ -50,17 +52,12 @@ class Relaxation:
         best = int((slopes / self.costs).argmax())
         return np.array([best]), np.array([self.limit / self.costs[best]])
 
-    @property
-    def everything(self) -> Places:
-        """The candidates of the pool, then the given points."""
-        return Places.joined([self.pool.lattice, lattice_of(self.points)]) if self.points else self.pool.lattice
-
     def within(self, kept: NDArray[np.bool_]) -> Relaxation:
-        """Return the same of some candidates and points, (M + points,)."""
+        """Return the same of some candidates and places, (M + places,)."""
         count = len(self.pool)
         pool = Pool(self.state.observation, self.pool.lattice.within(kept[:count]), self.pool.memory)
-        points = [point for point, mine in zip(self.points, kept[count:], strict=True) if mine]
-        return Relaxation(pool, self.state, points, self.costs[kept], self.limit, self.rests)
+        places = self.places.within(kept[count:])
+        return Relaxation(pool, self.state, places, self.costs[kept], self.limit, self.rests)
 
     def begin_everywhere(self) -> None:
         """Begin with the same weight on every candidate of the pool."""
@@ -73,15 +70,14 @@ class Relaxation:
         return len(self.support) > _LARGEST
 
     @property
-    def weighty(self) -> list[Point]:
+    def weighty(self) -> Places:
         """The candidates of the support that have weight."""
-        some = self.weights * self.costs[self.support] > _GONE * self.limit
-        return [self._point(int(i)) for i in self.support[some]]
+        return self.everything.within(self.support[self.weights * self.costs[self.support] > _GONE * self.limit])
 
     @property
     def setups(self) -> NDArray[np.intp]:
         """The set-up of each candidate of the support."""
-        return np.array([self._point(int(i)).setup for i in self.support], dtype=np.intp)
+        return self.everything.setups[self.support]
 
     def solved(self) -> Dual:
         """Bring the weights to the optimum on the support."""
@@ -96,21 +92,18 @@ class Relaxation:
 
     def _rows(self) -> tuple[Covariance, Array, NDArray[np.intp]]:
         """Return the state with the cells of the support, its rows R^-½ G F (m, r), and whose each is (m,)."""
-        points = [self._point(int(i)) for i in self.support]
-        state = self.state.opened(points) if self.rests else self.state
-        rows, _, owner = state.rows(points)
+        places = self.everything.within(self.support)
+        state = self.state.opened(places) if self.rests else self.state
+        rows, _, owner = state.rows(places)
         return state, (rows / np.sqrt(self.noise[self.support[owner]])[:, None]) @ state.factor, owner
 
     def slopes(self, dual: Dual) -> Array:
-        """Return d of all candidates and points, (M + points,)."""
+        """Return d of all candidates and places, (M + places,)."""
         inside = self.pool.squares(dual.state.observation, dual.reach)
-        rows, _, owner = dual.state.rows(self.points)
-        beyond = np.bincount(owner, np.sum((rows @ dual.reach) ** 2, axis=1), len(self.points))
-        slopes: Array = np.concatenate([inside, beyond]) / self.noise
+        rows, _, owner = dual.state.rows(self.places)
+        given = np.bincount(owner, np.sum((rows @ dual.reach) ** 2, axis=1), len(self.places))
+        slopes: Array = np.concatenate([inside, given]) / self.noise
         return slopes
-
-    def _point(self, index: int) -> Point:
-        return self.pool.point(index) if index < len(self.pool) else self.points[index - len(self.pool)]
 
     def grow(self, slopes: Array) -> bool:
         """Drop what has no weight, add the worst violators that stand apart; return whether any was added."""
@@ -185,8 +178,8 @@ def _curvatures(along: Array, owner: NDArray[np.intp], weighted: Array, x: Array
     scaled = along * np.sqrt(x[owner])[:, None]
     both = informed(np.vstack([along, weighted]), scaled)
     seen, reach = both[: len(along)], both[len(along) :]
-    towards = seen @ reach.T
-    target = towards @ towards.T
+    reached = seen @ reach.T
+    target = reached @ reached.T
     slopes: Array = np.diagonal(target).copy()
     bend: Array = 2 * (seen @ seen.T) * target
     if len(x) < len(along):

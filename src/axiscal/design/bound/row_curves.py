@@ -12,12 +12,13 @@ import numpy as np
 
 from axiscal.design.step.starts_with_levers import sides
 from axiscal.exceptions import PlanError
-from axiscal.measurement.candidates import even_points
+from axiscal.measurement.breaks import breaks_along
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import BezierCurve, bernstein
 from axiscal.numerics.chebyshev import nodes
+from axiscal.numerics.spread import even_points
 from axiscal.numerics.uphill import along
 
 _DEGREES = (3, 4)
@@ -105,7 +106,7 @@ def _sum(observation: Observation, setup: int, side: Array, way: Array | None, d
     to_control = np.linalg.inv(bernstein(degree, inner))
     curves = []
     for axis in mounted.moves:
-        breaks = observation.breaks(axis, setup)
+        breaks = breaks_along(observation, axis, setup)
         left, right = breaks[:-1], breaks[1:]
         positions = (left[:, None] + np.diff(breaks)[:, None] * inner).ravel()
         poses, approaches = np.tile(park, (len(positions), 1)), np.zeros((len(positions), len(park)))

@@ -7,19 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.three_values import PAIRS, SharedReadings
 from axiscal.measurement.drift import Course
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.numerics import Array
 
 _BLOCK = 4096
@@ -69,11 +68,10 @@ class Pool:
 
     def __init__(self, observation: Observation, lattice: Places, memory: float = MEMORY) -> None:
         self.lattice = lattice.within(np.argsort(lattice.setups, kind="stable"))
-        self._bare = replace(observation, cells=MappingProxyType({}), courses=MappingProxyType({}))
+        self._bare = observation.bare
         self.size = self._bare.size
         self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
-        each = np.array([INSTRUMENTS[s.instrument].values for s in observation.setups], dtype=np.intp)
-        self.values = each[self.lattice.setups]
+        self.values = numbers_of_setups(observation.setups)[self.lattice.setups]
         self.first = np.cumsum(self.values) - self.values
         self.count = int(self.values.sum())
         self.bytes = 8.0 * self.count * self.size
@@ -88,10 +86,10 @@ class Pool:
         """Whether every candidate has one number."""
         return self.count == len(self)
 
-    def point(self, index: int) -> Point:
-        """Return a candidate."""
-        one = self.lattice
-        return Point(int(one.setups[index]), one.poses[index], one.approaches[index])
+    @property
+    def none(self) -> Places:
+        """None of them, for a search that begins with no plan."""
+        return self.lattice.within(slice(0, 0))
 
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (numbers, c).
@@ -107,10 +105,10 @@ class Pool:
             else:
                 _dotted(rows, columns[:, : self.size], into)
         for block in self._blocks:
-            self._add_beyond(block, observation, columns, result[:, block.numbers])
+            self._add_cells_and_drifts(block, observation, columns, result[:, block.numbers])
         return result.T
 
-    def _add_beyond(self, block: _Block, observation: Observation, columns: Array, into: Array) -> None:
+    def _add_cells_and_drifts(self, block: _Block, observation: Observation, columns: Array, into: Array) -> None:
         """Add what visited cells and drifts do, in place.  columns : (c, n); into : (c, numbers)."""
         for rests in block.rests:
             of = observation.cell_columns(rests.function)
@@ -120,7 +118,7 @@ class Pool:
             for values, sums in zip(table, into, strict=True):
                 sums += rests.reach * values.take(rests.cells)
         for number, course, share in self._drifts(observation, block.setup):
-            moved = share * (columns[:, list(course.columns)] @ course.row())
+            moved = share * (columns[:, list(course.columns)] @ course.rows()[0])
             into[:, number :: self._values(block)] += moved[:, None]
 
     def squares(self, observation: Observation, vectors: Array) -> Array:
@@ -129,7 +127,7 @@ class Pool:
         columns = np.ascontiguousarray(vectors.T)
         for block in self._blocks:
             seen = columns[:, : self.size] @ self._rows(block).T
-            self._add_beyond(block, observation, columns, seen)
+            self._add_cells_and_drifts(block, observation, columns, seen)
             result[block.where] = np.einsum("ij,ij->j", seen, seen).reshape(-1, self._values(block)).sum(axis=1)
         return result
 
@@ -164,7 +162,7 @@ class Pool:
         return replace(state, observation=self._bare, factor=factor).scorer()
 
     def rows(self, observation: Observation, index: int) -> Array:
-        """Return the rows of a candidate whose cells have columns as far as it feels them, (k, n)."""
+        """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
         block = next(b for b in self._blocks if b.where.start <= index < b.where.stop)
         count = self._values(block)
         inside = count * (index - block.where.start) + np.arange(count)
@@ -175,15 +173,15 @@ class Pool:
             known = np.flatnonzero(columns >= 0)
             result[known, columns[known]] += rests.reach[inside[known]]
         for number, course, share in self._drifts(observation, block.setup):
-            result[number, list(course.columns)] += share * course.row()
+            result[number, list(course.columns)] += share * course.rows()[0]
         return result
 
     def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
         """Yield the drifts that each number of a set-up's readings shows, with their shares."""
         mounted = observation.setups[setup]
         for number, direction in enumerate(directions_of(mounted)):
-            towards = np.array(mounted.direction) if direction is None else direction
-            for course, share in observation.wandering(setup, towards):
+            along = np.array(mounted.direction) if direction is None else direction
+            for course, share in observation.drifts_shown(setup, along):
                 yield number, course, share
 
     def _values(self, block: _Block) -> int:
@@ -203,14 +201,15 @@ class Pool:
     def _rests(self, setup: int, where: slice) -> tuple[_Rests, ...]:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
         part = self.lattice.poses[where], self.lattice.approaches[where]
-        felt = [self._bare.felt(setup, *part, direction) for direction in directions_of(self._bare.setups[setup])]
+        ways = directions_of(self._bare.setups[setup])
+        effects = [self._bare.rest_effects(setup, *part, direction) for direction in ways]
         return tuple(
             _Rests(
                 same[0].function,
-                np.stack([f.reach for f in same], axis=1).ravel(),
+                np.stack([each.reach for each in same], axis=1).ravel(),
                 np.repeat(same[0].cells, len(same)),
             )
-            for same in zip(*felt, strict=True)
+            for same in zip(*effects, strict=True)
         )
 
     def _rows(self, block: _Block) -> Array:

@@ -13,29 +13,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.accuracy.criterion import Root, need_root
 from axiscal.belief import Belief
 from axiscal.design.gains.gain import Scorer
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import PlaceRows, rows_at
+from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 
 _MODERATE = 1e13
 _SPARE = 48
 """So many columns may a factor have beyond its rows before it is made square again."""
-
-
-class Point(NamedTuple):
-    """A reading that may be taken.  setup : index; pose, approach : (q,)."""
-
-    setup: int
-    pose: Array
-    approach: Array
-
-
-def lattice_of(points: list[Point]) -> Places:
-    """Return readings as candidates, at least one."""
-    setups, poses, approaches = zip(*points, strict=True)
-    return Places(np.array(setups, dtype=np.intp), np.array(poses), np.array(approaches))
 
 
 class RankOne(NamedTuple):
@@ -59,17 +48,17 @@ class RankOne(NamedTuple):
 class Covariance:
     """A covariance over all unknowns, those of visited cells included.
 
-    factor : F (n, r) with C = F Fᵀ; weight : V (w, k) over the leading unknowns, W = VᵀV
+    factor : F (n, r) with C = F Fᵀ; root : V (w, k) of the criterion, W = VᵀV
     """
 
     observation: Observation
     factor: Array
-    weight: Array
+    root: Root
 
     @classmethod
-    def of(cls, observation: Observation, belief: Belief, weight: Array) -> Covariance:
-        """Return the state of a belief."""
-        return cls(observation, belief.factor, weight)
+    def of(cls, observation: Observation, belief: Belief, root: Root) -> Covariance:
+        """Return the state of a belief; raises ShapeError where another thing than a root is given."""
+        return cls(observation, belief.factor, need_root(root))
 
     @property
     def value(self) -> float:
@@ -79,45 +68,28 @@ class Covariance:
     @property
     def weighted(self) -> Array:
         """V F (w, r), whose squared length is J."""
-        weighted: Array = self.weight @ self.factor[: self.weight.shape[1]]
-        return weighted
+        return self.root.of(self.factor)
 
-    def opened(self, points: list[Point]) -> Covariance:
-        """Return the state with columns for the cells that the points lie in."""
-        after = self.observation
-        for point in points:
-            after = after.visited(point.pose, point.setup)
-        extra = np.sqrt(self.observation.rest_variances(after))
-        if not len(extra):
+    def opened(self, places: Places) -> Covariance:
+        """Return the state with columns for the cells that the places lie in."""
+        after = visited(self.observation, places)
+        if after is self.observation:
             return self
+        extra = np.sqrt(self.observation.rest_variances(after))
         (size, rank), count = self.factor.shape, len(extra)
         factor = np.zeros((size + count, rank + count))
         factor[:size, :rank] = self.factor
         factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
         return replace(self, observation=after, factor=factor)
 
-    def rows(self, points: list[Point]) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Return rows (m, n) and variances (m,) of all numbers of readings, and whose each is (m,), in order.
+    def rows(self, places: Places) -> PlaceRows:
+        """Return rows and variances of all numbers of readings; cells without columns count as noise."""
+        return rows_at(self.observation, places)
 
-        Cells without columns count as noise.
-        """
-        parts = []
-        setups = np.array([point.setup for point in points], dtype=np.intp)
-        for setup in np.unique(setups):
-            mine = np.flatnonzero(setups == setup)
-            poses, approaches = (np.array([points[i][k] for i in mine]) for k in (1, 2))
-            directions = directions_of(self.observation.setups[setup])
-            parts += [(mine, *self.observation.rows(int(setup), poses, approaches, d)) for d in directions]
-        if not parts:
-            return np.zeros((0, self.observation.size)), np.zeros(0), np.zeros(0, dtype=np.intp)
-        owner, rows, variances = (np.concatenate([part[k] for part in parts]) for k in range(3))
-        order = np.argsort(owner, kind="stable")
-        return rows[order], variances[order], owner[order]
-
-    def taken(self, point: Point) -> tuple[Covariance, tuple[RankOne, ...]]:
-        """Return the state after a reading, and what its numbers changed, one after another."""
-        state, changes = self.opened([point]), list[RankOne]()
-        rows, variances, _ = state.rows([point])
+    def entered(self, places: Places) -> tuple[Covariance, tuple[RankOne, ...]]:
+        """Return the state after readings, and what their numbers changed, one after another."""
+        state, changes = self.opened(places), list[RankOne]()
+        rows, variances, _ = state.rows(places)
         for row, variance in zip(rows, variances.tolist(), strict=True):
             changes.append(state.change(row, variance))
             state = state.after(row, variance, changes[-1])
@@ -126,9 +98,8 @@ class Covariance:
     def change(self, row: Array, variance: float, leaving: bool = False) -> RankOne:
         """Return what a reading with this row does when it enters, or leaves."""
         h: Array = self.factor @ (row @ self.factor)
-        size = self.weight.shape[1]
-        reach = self.weight @ h[:size]
-        z: Array = self.factor @ ((self.weight.T @ reach) @ self.factor[:size])
+        reach = self.root.of(h)
+        z: Array = self.factor @ ((self.root.matrix.T @ reach) @ self.factor[: self.root.size])
         spread = float(row @ h)
         eta = -1.0 / max(variance - spread, 1e-9 * variance) if leaving else 1.0 / (variance + spread)
         return RankOne(eta, h, z, float(reach @ reach))
@@ -143,16 +114,16 @@ class Covariance:
         scale = change.eta / (1.0 + np.sqrt(variance * change.eta))
         return replace(self, factor=self.factor - np.outer(change.h, along * scale))
 
-    def with_points(self, points: list[Point]) -> Covariance:
+    def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
-        state = self.opened(points)
-        if not points:
+        state = self.opened(places)
+        if not len(places):
             return state
-        return replace(state, factor=informed(state.factor, state.whitened(points)[0]))
+        return replace(state, factor=informed(state.factor, state.whitened(places)[0]))
 
-    def whitened(self, points: list[Point]) -> tuple[Array, NDArray[np.intp]]:
+    def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
         """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
-        rows, variances, owner = self.rows(points)
+        rows, variances, owner = self.rows(places)
         return (rows / np.sqrt(variances)[:, None]) @ self.factor, owner
 
     def scorer(self) -> Scorer:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.accuracy.criterion import Root, need_root
 from axiscal.belief import Belief
 from axiscal.design.gains.three_values import joint_forms, joint_gains
 from axiscal.measurement.observation import JointRows, Observation
@@ -28,10 +29,10 @@ class Scorer:
     both: Array
 
     @classmethod
-    def of(cls, observation: Observation, belief: Belief, weight: Array) -> Scorer:
-        """Return the scorer of a belief.  weight : V (w, n) over the leading n unknowns."""
+    def of(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
+        """Return the scorer of a belief; raises ShapeError where another thing than a root is given."""
         factor = belief.factor
-        weighted = weight @ factor[: weight.shape[1]]
+        weighted = need_root(root).of(factor)
         return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
 
     @property

@@ -21,16 +21,15 @@ class RunningAccuracy:
 
     @classmethod
     def of(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
-        """Return the meter of a covariance C = F Fᵀ.  factor : F (n, r)."""
-        root = yardstick.root
-        return cls(yardstick, float(np.sum((root @ factor[: root.shape[1]]) ** 2)), yardstick.variances(factor))
+        """Return the accuracy of a covariance C = F Fᵀ.  factor : F (n, r)."""
+        return cls(yardstick, yardstick.root.value(factor), yardstick.variances(factor))
 
     def after(self, *changes: RankOne) -> RunningAccuracy:
-        """Return the meter after changes C ← C − η h hᵀ."""
+        """Return the accuracy after changes C ← C − η h hᵀ."""
         root, rows = self.yardstick.root, self.yardstick.rows
         total, variances = self.total, self.variances
         for change in changes:
-            total -= change.eta * float(np.sum((root @ change.h[: root.shape[1]]) ** 2))
+            total -= change.eta * root.value(change.h)
             variances = variances - change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
         return RunningAccuracy(self.yardstick, total, variances)
 

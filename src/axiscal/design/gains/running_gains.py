@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, Point, RankOne
+from axiscal.design.gains.covariance import Covariance, RankOne
 from axiscal.design.gains.three_values import SharedReadings
+from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 
@@ -24,7 +25,6 @@ from axiscal.numerics import Array
 class Member:
     """A reading in the plan.  rows : (k, n) over the unknowns when it entered; variance : of its noise."""
 
-    point: Point
     rows: Array
     variance: float
 
@@ -34,6 +34,7 @@ class Scores:
 
     above, below : (numbers,) numerator and denominator for those of the candidates, then of the readings of the plan
     joint : what the numbers of one candidate have in common
+    places : of the readings of the plan, slot by slot; members : what else is known of each
     last : the last changes of the covariance; begun : what was known before the first reading of the plan
     """
 
@@ -41,7 +42,7 @@ class Scores:
 
     def __init__(self, pool: Pool, state: Covariance) -> None:
         self.pool, self.state, self.begun = pool, state, state
-        self.members: list[Member] = []
+        self.members, self.places = list[Member](), Places.none(pool.lattice.poses.shape[1])
         self.above, self.below, self.joint = pool.forms(state.scorer())
         self._cross: Array | None = None
         self._reach: Array | None = None
@@ -71,21 +72,18 @@ class Scores:
         """The gain of every candidate, (M,)."""
         return self.pool.gains(self.above, self.below, self.joint)
 
-    @property
-    def points(self) -> list[Point]:
-        """The readings of the plan."""
-        return [member.point for member in self.members]
-
-    def enter(self, what: int | Point, slot: int | None = None, bundle: int = 1) -> float:
-        """Take a candidate, or another reading, into the plan, and return by how much J falls.
+    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
+        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls.
 
         slot : position in the plan of a reading that has left; the end if none is given
         bundle : how often it is read
         """
-        rows, variance, point = self._looked_at(what)
+        place = what if isinstance(what, Places) else self.pool.lattice.at(what)
+        self.state = self.state.opened(place)
+        rows, variance = self._looked_at(what)
         variance /= bundle
         slot = len(self.members) if slot is None else slot
-        self._place(slot, Member(point, rows, variance))
+        self._place(slot, place, Member(rows, variance))
         self.last = tuple(self._entered(self._numbers(slot).start + i, row, variance) for i, row in enumerate(rows))
         return sum(change.gain for change in self.last)
 
@@ -120,6 +118,7 @@ class Scores:
         """Forget the slot of a reading that has left."""
         self._cut(self._numbers(slot))
         del self.members[slot]
+        self.places = self.places.without(slot)
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
@@ -170,29 +169,29 @@ class Scores:
         column = here - self.pool.count
         return crossed[:, column].copy(), reached[:, column].copy()
 
-    def _looked_at(self, what: int | Point) -> tuple[Array, float, Point]:
-        point = what if isinstance(what, Point) else self.pool.point(what)
-        self.state = self.state.opened([point])
-        if isinstance(what, Point):
-            rows, variances, _ = self.state.rows([point])
-            return rows, float(variances[0]), point
-        return self.pool.rows(self.state.observation, what), float(self.pool.noise[what]), point
+    def _looked_at(self, what: int | Places) -> tuple[Array, float]:
+        """Return the rows (k, n) of a reading whose cells have columns, and the variance of its noise."""
+        if isinstance(what, Places):
+            rows, variances, _ = self.state.rows(what)
+            return rows, float(variances[0])
+        return self.pool.rows(self.state.observation, what), float(self.pool.noise[what])
 
     def _numbers(self, slot: int) -> slice:
         """Return where the numbers of a reading of the plan stand."""
         start = self.pool.count + sum(len(member.rows) for member in self.members[:slot])
         return slice(start, start + len(self.members[slot].rows))
 
-    def _place(self, slot: int, member: Member) -> None:
+    def _place(self, slot: int, place: Places, member: Member) -> None:
         """Put a reading into a slot, with room for as many numbers as it has."""
         if slot == len(self.members):
             self.members.append(member)
+            self.places = Places.joined([self.places, place])
             self._room(self._numbers(slot))
             return
         same = len(self.members[slot].rows) == len(member.rows)
         if not same:
             self._cut(self._numbers(slot))
-        self.members[slot] = member
+        self.members[slot], self.places = member, self.places.exchanged(slot, place)
         if not same:
             self._room(self._numbers(slot))
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.move_all import moved
@@ -93,25 +92,24 @@ def _worth(scores: Scores) -> float:
 
 
 def _move(scores: Scores) -> None:
-    before, points = scores.points, moved(scores.begun, scores.points)
-    for slot, (old, new) in enumerate(zip(before, points, strict=True)):
-        if np.any(old.pose != new.pose):
-            scores.leave(slot)
-            scores.enter(new, slot)
+    found = moved(scores.begun, scores.places)
+    for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
+        scores.leave(slot)
+        scores.enter(found.at(slot), slot)
 
 
 def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
     """Put the best reading there is, on the lattice or off it, into a slot."""
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
-    old = scores.members[slot].point
+    old = scores.places.at(slot)
     own = scores.leave(slot)
     found = _climbed(scores, gains, old)
-    gain = sum(change.gain for change in scores.state.taken(found)[1])
+    gain = sum(change.gain for change in scores.state.entered(found)[1])
     scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
 
 
-def _climbed(scores: Scores, gains: Array, old: Point) -> Point:
+def _climbed(scores: Scores, gains: Array, old: Places) -> Places:
     """Return the best reading found from a reading and the best candidates.
 
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
@@ -119,13 +117,12 @@ def _climbed(scores: Scores, gains: Array, old: Point) -> Point:
     scorer, lattice = scores.pool.scorer(scores.state), scores.pool.lattice
     order = np.argsort(-gains, kind="stable")[:_CANDIDATES]
     if np.all(np.isfinite(gains)) and _small(scorer, lattice):
-        step = best_of(scorer, lattice)
-        return Point(step.setup, step.pose, step.approach)
-    points = [old, *(scores.pool.point(int(i)) for i in order if np.isfinite(gains[i]))]
-    climbs = [_climb(scorer, [p for p in points if p.setup == setup]) for setup in {p.setup for p in points}]
+        return best_of(scorer, lattice).place
+    begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
+    climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
     best = max(climbs, key=lambda climb: float(climb.gains.max()))
     top = int(best.gains.argmax())
-    return Point(best.setup, best.poses[top], best.approaches[top])
+    return Places.one(best.setup, best.poses[top], best.approaches[top])
 
 
 def _small(scorer: Scorer, lattice: Places) -> bool:
@@ -133,9 +130,8 @@ def _small(scorer: Scorer, lattice: Places) -> bool:
     return scorer.rank <= 2 * _SMALL and all(adds_up(scorer.observation, int(s)) for s in np.unique(lattice.setups))
 
 
-def _climb(scorer: Scorer, points: list[Point]) -> Climb:
-    poses, approaches = np.array([p.pose for p in points]), np.array([p.approach for p in points])
-    climb = Climb(scorer, points[0].setup, poses, approaches, scorer.at(points[0].setup, poses, approaches))
+def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
+    climb = Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches))
     if len(climb.moves) > 1:
         climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)

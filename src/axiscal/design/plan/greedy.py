@@ -45,16 +45,16 @@ class Trial:
         return 1.0, self.scores.state.value
 
 
-def chosen_setups(problem: Task, limits: Limits, times: Clock) -> Setups:
+def chosen_setups(task: Task, limits: Limits, times: Clock) -> Setups:
     """Return the set-ups that are worth their mounting.
 
     All sets of up to four set-ups are tried on a coarse lattice; with more, sets grow and shrink by one while it helps.
     """
-    everything = tuple(int(s) for s in np.unique(problem.lattice.setups))
+    everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
         return everything
-    base = Scores(Pool(problem.observation, _thinned(problem), problem.memory), problem.state)
-    meter = RunningAccuracy.of(problem.yardstick, base.state.factor)
+    base = Scores(Pool(task.observation, _thinned(task), task.memory), task.state)
+    meter = RunningAccuracy.of(task.yardstick, base.state.factor)
 
     longest = np.inf
 
@@ -171,13 +171,13 @@ def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, 
 
     def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
         of = scores.pool.lattice.setups
-        room = times.reading[scores.members[slot].point.setup] + slack
+        room = times.reading[scores.places.setups[slot]] + slack
         fitting: NDArray[np.bool_] = np.isin(of, setups) & (times.reading[of] <= room + 1e-9)
         return fitting
 
     return allowed
 
 
-def _thinned(problem: Task) -> Places:
-    step = max(1, len(problem.lattice) // _COARSE)
-    return problem.lattice.within(np.arange(0, len(problem.lattice), step))
+def _thinned(task: Task) -> Places:
+    step = max(1, len(task.lattice) // _COARSE)
+    return task.lattice.within(np.arange(0, len(task.lattice), step))

@@ -10,8 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.design.gains.covariance import Covariance, Point
+from axiscal.design.gains.covariance import Covariance
+from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest
 
@@ -20,74 +22,84 @@ _ITERATIONS = 80
 
 
 class _Free(NamedTuple):
-    """A coordinate that may change.  low, high : of a reading of its set-up, m or rad."""
+    """The coordinates that may change, each (f,).
 
-    reading: int
-    axis: int
-    low: float
-    high: float
+    reading : whose; axis : which; low, high : of a reading of its set-up, m or rad
+    """
+
+    reading: NDArray[np.intp]
+    axis: NDArray[np.intp]
+    low: Array
+    high: Array
+
+    def of(self, places: Places) -> Array:
+        """Return them, (f,) m or rad."""
+        coordinates: Array = places.poses[self.reading, self.axis]
+        return coordinates
+
+    def put(self, places: Places, coordinates: Array) -> Places:
+        """Return the places with other values of them, (f,) m or rad."""
+        poses = places.poses.copy()
+        poses[self.reading, self.axis] = coordinates
+        return places.moved(poses)
 
 
-def moved(state: Covariance, points: list[Point]) -> list[Point]:
+def moved(state: Covariance, places: Places) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
     state : before the first.  Coordinates on a raster stay.
     """
-    free = _free(state, points)
-    if not free:
-        return points
-    low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
-    start = (np.array([points[f.reading].pose[f.axis] for f in free]) - low) / (high - low)
+    free = _free(state, places)
+    if not len(free.reading):
+        return places
+    span = free.high - free.low
 
-    def placed(shares: Array) -> list[Point]:
-        poses = np.array([p.pose for p in points])
-        poses[[f.reading for f in free], [f.axis for f in free]] = low + shares * (high - low)
-        return [Point(p.setup, pose, p.approach) for p, pose in zip(points, poses, strict=True)]
+    def placed(shares: Array) -> Places:
+        return free.put(places, free.low + shares * span)
 
     def value(shares: Array) -> tuple[float, Array]:
         return _value(state, placed(shares), free)
 
+    start = (free.of(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
-    return ended if state.with_points(ended).value < state.with_points(points).value else points
+    return ended if state.after_readings(ended).value < state.after_readings(places).value else places
 
 
-def _free(state: Covariance, points: list[Point]) -> list[_Free]:
+def _free(state: Covariance, places: Places) -> _Free:
     axes, setups = state.observation.errors.machine.axes, state.observation.setups
-    return [
-        _Free(i, k, *setups[p.setup].span(axes[k], k))
-        for i, p in enumerate(points)
-        for k in setups[p.setup].moves
-        if setups[p.setup].raster[k] == 0
+    free = [
+        (i, k, *setups[setup].span(axes[k], k))
+        for i, setup in enumerate(places.setups.tolist())
+        for k in setups[setup].moves
+        if setups[setup].raster[k] == 0
     ]
+    reading, axis, low, high = np.array(free).reshape(-1, 4).T
+    return _Free(reading.astype(np.intp), axis.astype(np.intp), low, high)
 
 
-def _value(state: Covariance, points: list[Point], free: list[_Free]) -> tuple[float, Array]:
+def _value(state: Covariance, places: Places, free: _Free) -> tuple[float, Array]:
     """Return J over what there was before, and its gradient with respect to shares of the free coordinates."""
     target = state.weighted
-    rows, owner = state.whitened(points)
+    rows, owner = state.whitened(places)
     crossed = target @ rows.T
     information = np.eye(len(rows)) + rows @ rows.T
     left = target - np.linalg.solve(information, crossed.T).T @ rows
     total = float(np.sum(target**2))
     slope = -2 * (left @ rows.T).T @ left / total
-    changes = _changes(state, points, free)
-    gradient = np.array([np.sum(slope[owner == f.reading] * change) for f, change in zip(free, changes, strict=True)])
+    changes = _changes(state, places, free)
+    gradient = np.array([np.sum(slope[owner == i] * change) for i, change in zip(free.reading, changes, strict=True)])
     return float(np.sum(left * target)) / total, gradient
 
 
-def _changes(state: Covariance, points: list[Point], free: list[_Free]) -> list[Array]:
+def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
     """Return the derivative of the rows of its reading with respect to the share of each free coordinate."""
-    aside = []
-    for sign in (1, -1):
-        for f in free:
-            pose = points[f.reading].pose.copy()
-            pose[f.axis] = np.clip(pose[f.axis] + sign * _STEP * (f.high - f.low), f.low, f.high)
-            aside.append(Point(points[f.reading].setup, pose, points[f.reading].approach))
-    rows, owner = state.whitened(aside)
-    count, first = len(free), np.searchsorted(owner, np.arange(2 * len(free) + 1))
-    changes = []
-    for i, f in enumerate(free):
-        apart = (aside[i].pose[f.axis] - aside[count + i].pose[f.axis]) / (f.high - f.low)
-        more, less = (rows[first[k] : first[k + 1]] for k in (i, count + i))
-        changes.append((more - less) / apart)
-    return changes
+    alone, count, span = places.within(free.reading), len(free.reading), free.high - free.low
+    own = free._replace(reading=np.arange(count))
+    further, nearer = (
+        own.put(alone, np.clip(own.of(alone) + sign * _STEP * span, free.low, free.high)) for sign in (1, -1)
+    )
+    rows, owner = state.whitened(Places.joined([further, nearer]))
+    first = np.searchsorted(owner, np.arange(2 * count + 1))
+    ends = [rows[first[k] : first[k + 1]] for k in range(2 * count)]
+    apart = (own.of(further) - own.of(nearer)) / span
+    return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]

@@ -2,64 +2,101 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.design.gains.covariance import Covariance, Point
-from axiscal.design.plan.task import Task, counting, ordered, way_seconds
+from axiscal.design.gains.covariance import Covariance
+from axiscal.design.plan.task import Task
+from axiscal.machine.motion import approach_seconds
+from axiscal.measurement.place import Places
+from axiscal.measurement.time_taken import reading_seconds, travel_table
 from axiscal.numerics import Array
+from axiscal.numerics.short_way import route
 
 
-def seconds_of(problem: Task, points: list[Point]) -> float:
+def seconds_of(task: Task, places: Places) -> float:
     """Return the time of readings on a short way, set-up by set-up."""
-    return seconds_along(problem, _by_setup(problem, points))
+    return seconds_along(task, _by_setup(task, places))
 
 
-def seconds_along(problem: Task, order: list[Point]) -> float:
+def seconds_along(task: Task, order: Places) -> float:
     """Return the time of readings in this order."""
-    return sum(way_seconds(problem, before, point) for before, point in steps(problem, order))
+    return float(sum(seconds_each(task, order).tolist()))
 
 
-def steps(problem: Task, order: list[Point]) -> Iterator[tuple[Point | None, Point]]:
-    """Return each reading with where the machine stands before it."""
-    return zip([problem.here, *order], order, strict=False)
+def seconds_each(task: Task, order: Places) -> Array:
+    """Return what each reading takes after the one before, (m,): mounting where the set-up changes, way, settling,
+    reading.
+    """
+    setups = task.observation.setups
+    stays, start = _before(task, order)
+    ways = approach_seconds(task.observation.errors.machine, start, order.poses, counting(task, order))
+    mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
+    seconds: Array = np.where(stays, ways, mounting) + reading
+    return seconds
 
 
-def _by_setup(problem: Task, points: list[Point]) -> list[Point]:
-    """Return the readings in travel order, set-ups in order of their index, the mounted one first."""
-    mounted = problem.here.setup if problem.here else -1
-    setups = sorted({p.setup for p in points}, key=lambda s: (s != mounted, s))
-    groups = [[p for p in points if p.setup == setup] for setup in setups]
-    return [group[i] for group in groups for i in ordered(problem, group)]
+def _before(task: Task, order: Places) -> tuple[NDArray[np.bool_], Array]:
+    """Return whether the set-up of each reading is mounted already, (m,), and from where the machine comes, (m, q)."""
+    mounted, pose = ([-1], order.poses[:1]) if task.here is None else (task.here.setups, task.here.poses)
+    before = np.concatenate([mounted, order.setups])[:-1]
+    return before == order.setups, np.concatenate([pose, order.poses])[:-1]
 
 
-def in_order(problem: Task, points: list[Point]) -> list[Point]:
+def counting(task: Task, places: Places) -> Array:
+    """Return the approaches of readings, (m, q), 0 for axes on which no direction is asked for and none matters."""
+    axes = range(len(task.observation.errors.machine.axes))
+    reverses = {f.axis for f in task.observation.errors.functions if f.kind == "reversal"}
+    setups = task.observation.setups
+    counts = [[k in s.moves and (s.approach != "both" or k in reverses) for k in axes] for s in setups]
+    return np.where(np.array(counts)[places.setups], places.approaches, 0.0)
+
+
+def in_order(task: Task, places: Places) -> Places:
     """Return the readings in travel order; the set-up that takes J down fastest per second comes first."""
-    setups = {p.setup for p in points}
-    groups = {setup: _by_setup(problem, [p for p in points if p.setup == setup]) for setup in setups}
-    if len(groups) == 1:
-        return groups.popitem()[1]
-    done: list[Point] = []
-    state: Covariance = problem.state
+    groups = {setup: _by_setup(task, places.within(mine)) for setup, mine in places.by_setup()}
+    if len(groups) <= 1:
+        return groups.popitem()[1] if groups else places
+    done, state = list[Places](), task.state
+    first = None if task.here is None else int(task.here.setups[0])
     while groups:
-        mounted = problem.here is not None and problem.here.setup in groups and not done
-        after = {setup: state.with_points(group) for setup, group in groups.items()}
-        rates = {s: (state.value - after[s].value) / seconds_of(problem, groups[s]) for s in groups}
-        best = problem.here.setup if mounted and problem.here else max(rates, key=lambda s: rates[s])
-        done, state = done + groups.pop(best), after[best]
-    return done
+        after = {setup: state.after_readings(group) for setup, group in groups.items()}
+        best = first if first in groups and not done else _fastest(task, state, groups, after)
+        done.append(groups.pop(best))
+        state = after[best]
+    return Places.joined(done)
 
 
-def arriving(problem: Task, before: Point | None, point: Point) -> Array:
-    """Return the approach of a reading, with the direction of travel where any direction will do.
+def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: dict[int, Covariance]) -> int:
+    """Return the set-up that takes J down fastest per second.  after : the state with the readings of each"""
+    return max(groups, key=lambda setup: (state.value - after[setup].value) / seconds_of(task, groups[setup]))
+
+
+def _by_setup(task: Task, places: Places) -> Places:
+    """Return the readings in travel order, set-ups in order of their index, the mounted one first."""
+    mounted = -1 if task.here is None else task.here.setups[0]
+    groups = sorted(places.by_setup(), key=lambda group: (group[0] != mounted, group[0]))
+    return Places.joined([places.within(slice(0, 0)), *(_on_a_short_way(task, places.within(g)) for _, g in groups)])
+
+
+def _on_a_short_way(task: Task, places: Places) -> Places:
+    """Return the readings of one set-up on a short way, from where the machine stands if it is mounted."""
+    if len(places) < 2:
+        return places
+    machine, approaches, first = task.observation.errors.machine, counting(task, places), None
+    if task.here is not None and task.here.setups[0] == places.setups[0]:
+        first = approach_seconds(machine, task.here.poses[0], places.poses, approaches)
+    return places.within(np.array(route(travel_table(machine, places.poses, approaches), first), dtype=np.intp))
+
+
+def arriving(task: Task, order: Places) -> Array:
+    """Return the approaches of readings, (m, q), with the direction of travel where any direction will do.
 
     There an axis that stands, or comes from nearer than its overrun, has none: nothing makes it turn.
     """
-    counted = counting(problem, point)
-    if before is None or before.setup != point.setup:
-        return point.approach
-    way = point.pose - before.pose
-    overrun = np.array([axis.overrun for axis in problem.observation.errors.machine.axes])
-    travel = np.sign(way) * (np.abs(way) >= overrun) * (point.approach != 0)
-    return np.where(counted != 0, counted, travel)
+    counted = counting(task, order)
+    stays, start = _before(task, order)
+    way = order.poses - start
+    overrun = np.array([axis.overrun for axis in task.observation.errors.machine.axes])
+    travel = np.sign(way) * (np.abs(way) >= overrun) * (order.approaches != 0)
+    return np.where(stays[:, None], np.where(counted != 0, counted, travel), order.approaches)

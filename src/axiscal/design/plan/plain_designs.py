@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.design.gains.covariance import Point
 from axiscal.design.plan.task import Task
+from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import snapped, spread
+from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -14,36 +15,38 @@ Counts = list[tuple[int, int]]
 """(set-up, number of readings) for each set-up in use."""
 
 
-def space_filling(problem: Task, counts: Counts) -> list[Point]:
+def space_filling(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, spread over everything that may move."""
-    machine = problem.observation.errors.machine
-    result = []
-    for index, count in counts:
-        part = spread(machine, (problem.observation.setups[index],), max(count, 2))
-        result += [Point(index, part.poses[i], part.approaches[i]) for i in range(count)]
-    return result
+    machine, setups = task.observation.errors.machine, task.observation.setups
+    parts = [(index, count, spread(machine, (setups[index],), max(count, 2))) for index, count in counts]
+    return Places.joined([Places.of_setup(i, part.poses[:count], part.approaches[:count]) for i, count, part in parts])
 
 
-def evenly_spaced(problem: Task, counts: Counts) -> list[Point]:
+def evenly_spaced(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, the usual way: one axis at a time from end to end, the others parked."""
-    machine = problem.observation.errors.machine
-    result = []
-    for index, count in counts:
-        setup = problem.observation.setups[index]
-        shares = np.array_split(np.arange(count), len(setup.moves))
-        for axis, share in zip(setup.moves, shares, strict=True):
-            poses = np.tile(np.array(setup.park), (len(share), 1))
-            poses[:, axis] = (
-                np.linspace(*setup.span(machine.axes[axis], axis), len(share)) if len(share) > 1 else setup.park[axis]
-            )
-            poses = snapped(machine, setup, poses)
-            result += [Point(index, pose, _approach(setup, i)) for i, pose in enumerate(poses)]
-    return result
+    machine, setups = task.observation.errors.machine, task.observation.setups
+    return Places.joined([Places.of_setup(i, *_axis_by_axis(machine, setups[i], count)) for i, count in counts])
 
 
-def _approach(setup: Setup, number: int) -> Array:
-    """Return the approach of the number-th reading; where both are allowed they take turns."""
-    sign = {"+": 1.0, "-": -1.0, "both": 1.0 if number % 2 == 0 else -1.0}[setup.approach]
-    result = np.zeros(len(setup.park))
-    result[list(setup.moves)] = sign
+def _axis_by_axis(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
+    """Return poses and approaches of so many readings, shared between the axes that move, each (count, q)."""
+    shares = np.array_split(np.arange(count), len(setup.moves))
+    lines = [_line(machine, setup, axis, len(share)) for axis, share in zip(setup.moves, shares, strict=True)]
+    numbers = np.concatenate([np.arange(len(line)) for line in lines])
+    return np.concatenate(lines), _approaches(setup, numbers)
+
+
+def _line(machine: Machine, setup: Setup, axis: int, count: int) -> Array:
+    """Return poses from one end of an axis to the other, (count, q); one alone where it is parked."""
+    poses = np.tile(np.array(setup.park), (count, 1))
+    poses[:, axis] = np.linspace(*setup.span(machine.axes[axis], axis), count) if count > 1 else setup.park[axis]
+    return snapped(machine, setup, poses)
+
+
+def _approaches(setup: Setup, numbers: Array) -> Array:
+    """Return the approaches (m, q) of readings by their numbers (m,); where both sides are allowed they take turns."""
+    result = np.zeros((len(numbers), len(setup.park)))
+    turns = np.where(numbers % 2 == 0, 1.0, -1.0)
+    signs = {"+": np.ones(len(numbers)), "-": -np.ones(len(numbers)), "both": turns}
+    result[:, list(setup.moves)] = signs[setup.approach][:, None]
     return result

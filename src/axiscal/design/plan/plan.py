@@ -1,7 +1,7 @@
 """A plan: which set-ups, which readings in each, in which order, how long, how good, and how good any plan could be.
 
-    plan = make_plan(problem, Limits(readings=40))
-    plan.readings[0].pose, plan.accuracy.rms, plan.seconds, plan.ratio
+    plan = make_plan(task, Limits(readings=40))
+    plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
 The readings are chosen together: the best of what exchange makes of a greedy, a space-filling and an evenly spaced
 design, so that no plan is worse than one of these. While measuring, `renewal.renewed` plans the rest.
@@ -18,17 +18,16 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.design.bound.lower_bound import Bound, lower_bound
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
-from axiscal.design.plan.order import arriving, in_order
+from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
-from axiscal.design.plan.task import Clock, Limits, Task, clock, way_seconds
+from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import fitted
 from axiscal.exceptions import PlanError
-from axiscal.numerics import Array
+from axiscal.measurement.place import Places
 from axiscal.numerics.threads import one_thread
 
 Progress = Callable[[str], None]
@@ -40,14 +39,8 @@ _ROUNDS = 6
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PlannedReading:
-    """A reading of a plan, and what is known and how much time has gone after it.
+    """What is known, and how many seconds have gone, after a reading of a plan.  value : J"""
 
-    setup : index; pose, approach : (q,); value : J
-    """
-
-    setup: int
-    pose: Array
-    approach: Array
     value: float
     accuracy: Accuracy
     seconds: float
@@ -57,10 +50,12 @@ class PlannedReading:
 class Plan:
     """Readings in the order of a short way, set-up by set-up.
 
+    places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now; met : whether the accuracy asked for is reached
     bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
     """
 
+    places: Places
     readings: tuple[PlannedReading, ...]
     value: float
     before: Accuracy
@@ -79,11 +74,6 @@ class Plan:
         return self.readings[-1].seconds if self.readings else 0.0
 
     @property
-    def points(self) -> list[Point]:
-        """The readings to take."""
-        return [Point(r.setup, r.pose, r.approach) for r in self.readings]
-
-    @property
     def ratio(self) -> float:
         """J over its lower bound; infinite without one."""
         return self.value / self.bound.value if self.bound and self.bound.value > 0 else np.inf
@@ -91,7 +81,7 @@ class Plan:
 
 @one_thread()
 def make_plan(
-    problem: Task,
+    task: Task,
     limits: Limits,
     *,
     patience: float = PATIENCE,
@@ -103,20 +93,20 @@ def make_plan(
     patience : seconds for climbing off the lattice
     bounded : whether the lower bound is wanted; progress : told what is being done
     """
-    _refuse(problem, limits)
+    _refuse(task, limits)
     spent = Patience(patience)
-    times = clock(problem)
+    times = clock(task)
     progress("which set-ups")
-    setups = chosen_setups(problem, limits, times)
-    pool = Pool(problem.observation, problem.lattice.within(np.isin(problem.lattice.setups, setups)), problem.memory)
+    setups = chosen_setups(task, limits, times)
+    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     progress("readings chosen together")
-    trial = _together(problem, limits, times, pool, setups)
+    trial = _together(task, limits, times, pool, setups)
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, spent)
-    trial = fitted(problem, limits, times, trial)
+    trial = fitted(task, limits, times, trial)
     progress("the bound")
-    bound = _bound(problem, limits, times, pool, trial) if bounded else None
-    return _plan(problem, limits, trial, bound, len(pool))
+    bound = _bound(task, limits, times, pool, trial) if bounded else None
+    return _plan(task, limits, trial, bound, len(pool))
 
 
 class Patience:
@@ -129,58 +119,55 @@ class Patience:
         return time.monotonic() > self._until
 
 
-def _refuse(problem: Task, limits: Limits) -> None:
+def _refuse(task: Task, limits: Limits) -> None:
     if limits == Limits():
         remedy = "Say how many readings, which accuracy or how much time"
         raise PlanError("nothing would ever end this plan", remedy)
-    if not len(problem.lattice):
+    if not len(task.lattice):
         raise PlanError("there is no place where a reading may be taken", "Allow an axis to move, or add a set-up")
-    times = clock(problem)
-    first = float((times.mounting + times.reading)[np.unique(problem.lattice.setups)].min())
+    times = clock(task)
+    first = float((times.mounting + times.reading)[np.unique(task.lattice.setups)].min())
     if limits.budget is not None and limits.budget < first:
         what = f"{limits.budget / 60:.3g} min is less than the {first / 60:.3g} min that the first reading takes"
         raise PlanError(what, "Allow more time, or give a set-up that is mounted faster")
 
 
-def _together(problem: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups) -> Trial:
+def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups) -> Trial:
     """Return the best of what exchange makes of several beginnings with the same number of readings per set-up."""
-    base, meter = Scores(pool, problem.state), RunningAccuracy.of(problem.yardstick, problem.state.factor)
+    base, meter = Scores(pool, task.state), RunningAccuracy.of(task.yardstick, task.state.factor)
     greedy = filled(base.fork(), meter, limits, times, setups)
-    counts = [(s, sum(p.setup == s for p in greedy.scores.points)) for s in setups]
-    beginnings = [make(problem, counts) for make in (evenly_spaced, space_filling)]
+    counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]
-    for points in beginnings:
+    for begun in (evenly_spaced(task, counts), space_filling(task, counts)):
         scores = base.fork()
-        for point in points:
-            scores.enter(point)
+        for i in range(len(begun)):
+            scores.enter(begun.at(i))
         trials.append(replace(greedy, scores=scores))
     for trial in trials:
         exchange(trial.scores, affordable(times, setups, limits.slack))
     return min(trials, key=lambda trial: trial.scores.state.value)
 
 
-def _bound(problem: Task, limits: Limits, times: Clock, pool: Pool, trial: Trial) -> Bound:
+def _bound(task: Task, limits: Limits, times: Clock, pool: Pool, trial: Trial) -> Bound:
     """Return the bound for as many readings as the plan has, or for its seconds of settling and reading."""
-    points, setups = trial.scores.points, problem.observation.setups
-    of = np.concatenate([pool.lattice.setups, [p.setup for p in points]]).astype(np.intp)
+    places, setups = trial.scores.places, task.observation.setups
+    of = np.concatenate([pool.lattice.setups, places.setups])
     counted = np.ones(len(of))
     if not limits.timed:
-        return lower_bound(pool, problem.state, points, counted, float(len(points)))
+        return lower_bound(pool, task.state, places, counted, float(len(places)))
     costs = np.array([s.settle + s.reading_time for s in setups])[of]
     if not costs.min() > 0:
-        return lower_bound(pool, problem.state, points, counted, float(len(points)))
-    return lower_bound(pool, problem.state, points, costs, float(costs[len(pool) :].sum()))
+        return lower_bound(pool, task.state, places, counted, float(len(places)))
+    return lower_bound(pool, task.state, places, costs, float(costs[len(pool) :].sum()))
 
 
-def _plan(problem: Task, limits: Limits, trial: Trial, bound: Bound | None, candidates: int) -> Plan:
-    state = problem.state
-    meter = RunningAccuracy.of(problem.yardstick, state.factor)
-    start, readings, seconds, before = meter.accuracy, [], 0.0, problem.here
-    for point in in_order(problem, trial.scores.points):
-        state, changes = state.taken(point)
+def _plan(task: Task, limits: Limits, trial: Trial, bound: Bound | None, candidates: int) -> Plan:
+    state, order = task.state, in_order(task, trial.scores.places)
+    meter = RunningAccuracy.of(task.yardstick, state.factor)
+    start, readings = meter.accuracy, list[PlannedReading]()
+    for i, seconds in enumerate(np.cumsum(seconds_each(task, order)).tolist()):
+        state, changes = state.entered(order.at(i))
         meter = meter.after(*changes)
-        seconds += way_seconds(problem, before, point)
-        arrived = arriving(problem, before, point)
-        readings.append(PlannedReading(point.setup, point.pose, arrived, state.value, meter.accuracy, seconds))
-        before = point
-    return Plan(tuple(readings), state.value, start, limits.met(meter.accuracy), bound, candidates)
+        readings.append(PlannedReading(state.value, meter.accuracy, seconds))
+    places = replace(order, approaches=arriving(task, order))
+    return Plan(places, tuple(readings), state.value, start, limits.met(meter.accuracy), bound, candidates)

@@ -12,15 +12,15 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Point
 from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable
-from axiscal.design.plan.order import arriving, in_order, seconds_along, steps
+from axiscal.design.plan.order import arriving, in_order, seconds_along
 from axiscal.design.plan.plan import Patience
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import drop, fitted
+from axiscal.measurement.place import Places
 
 _SWEEPS = 3
 _WORTH = 0.01
@@ -30,64 +30,64 @@ _MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
 
 
-def renewed(problem: Task, limits: Limits, left: list[Point], patience: float = 0.0) -> list[Point]:
+def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : seconds for climbing off the lattice
     None are returned where there is no time for any of these set-ups.
     """
-    times = clock(problem)
+    times = clock(task)
     left = _mountable(limits, times, left)
-    setups = _setups(problem, left)
-    lattice = problem.lattice.within(np.isin(problem.lattice.setups, setups))
-    points = left
+    setups = _setups(task, left)
+    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
+    places = left
     if len(lattice):
-        trial = _begun(problem, limits, times, Pool(problem.observation, lattice, problem.memory), setups, left)
-        trial = _filled(problem, limits, times, trial)
+        trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
+        trial = _filled(task, limits, times, trial)
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-        points = fitted(problem, limits, times, trial).scores.points
-    order = _shorter(problem, in_order(problem, points), left)
-    return [p._replace(approach=arriving(problem, before, p)) for before, p in steps(problem, order)]
+        places = fitted(task, limits, times, trial).scores.places
+    order = _shorter(task, in_order(task, places), left)
+    return replace(order, approaches=arriving(task, order))
 
 
-def _shorter(problem: Task, order: list[Point], left: list[Point]) -> list[Point]:
+def _shorter(task: Task, order: Places, left: Places) -> Places:
     """Return the order as it was, where it holds the same readings and takes no longer."""
-    same = {id(point) for point in order} == {id(point) for point in left}
-    return left if same and seconds_along(problem, left) <= seconds_along(problem, order) else order
+    same = order.same_as(left)
+    return left if same and seconds_along(task, left) <= seconds_along(task, order) else order
 
 
-def _mountable(limits: Limits, times: Clock, left: list[Point]) -> list[Point]:
+def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
     """Return the readings of the set-ups that there is time to mount, one after another."""
     spent, kept = 0.0, set[int]()
-    for setup in dict.fromkeys(point.setup for point in left):
+    for setup in dict.fromkeys(left.setups.tolist()):
         first = float(times.mounting[setup] + times.reading[setup])
         if limits.budget is None or spent + first <= limits.budget:
             spent += first
             kept.add(setup)
-    return [point for point in left if point.setup in kept]
+    return left.within(np.isin(left.setups, list(kept)))
 
 
-def _setups(problem: Task, left: list[Point]) -> Setups:
-    mounted = [] if problem.here is None else [problem.here.setup]
-    return tuple(sorted({*mounted, *(point.setup for point in left)}))
+def _setups(task: Task, left: Places) -> Setups:
+    mounted = [] if task.here is None else task.here.setups.tolist()
+    return tuple(sorted({*mounted, *left.setups.tolist()}))
 
 
-def _begun(problem: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: list[Point]) -> Trial:
+def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: Places) -> Trial:
     """Return the plan that is left, of no more readings than there may be."""
-    scores = Scores(pool, problem.state)
-    for point in left:
-        scores.enter(point)
+    scores = Scores(pool, task.state)
+    for i in range(len(left)):
+        scores.enter(left.at(i))
     while limits.readings is not None and len(scores.members) > limits.readings:
         drop(scores, times)
     return Trial(scores, setups, 0.0, met=False)
 
 
-def _filled(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+def _filled(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Return the plan with a few readings more where it falls short of what is asked for; a budget is filled later."""
     scores, cost = trial.scores, times.reading[trial.scores.pool.lattice.setups]
     for _ in range(_MORE):
-        met = limits.met(RunningAccuracy.of(problem.yardstick, scores.state.factor).accuracy)
+        met = limits.met(RunningAccuracy.of(task.yardstick, scores.state.factor).accuracy)
         full = limits.readings is not None and len(scores.members) >= limits.readings
         if met or full or (limits.budget is not None and not limits.accurate):
             break

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.criterion import Root
 from axiscal.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.belief import Belief
 from axiscal.design.gains.candidate_rows import MEMORY
-from axiscal.design.gains.covariance import Covariance, Point
-from axiscal.machine.motion import approach_seconds
+from axiscal.design.gains.covariance import Covariance
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
@@ -26,23 +26,23 @@ _TYPICAL = 24
 class Task:
     """The belief to improve and the readings that are allowed.
 
-    belief : over the unknowns of the observation; weight : V (w, n) of the criterion; lattice : the candidates
-    here : the set-up that is mounted and the pose where the machine stands; None before the first
+    belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
+    here : one place, of the set-up that is mounted and where the machine stands; None before the first
     memory : bytes that the rows of the candidates may take
     """
 
     observation: Observation
     belief: Belief
-    weight: Array
+    root: Root
     yardstick: Yardstick
     lattice: Places
-    here: Point | None = None
+    here: Places | None = None
     memory: float = MEMORY
 
     @property
     def state(self) -> Covariance:
         """The covariance before the first reading of the plan."""
-        return Covariance.of(self.observation, self.belief, self.weight)
+        return Covariance.of(self.observation, self.belief, self.root)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +82,11 @@ class Clock(NamedTuple):
     reading: Array
 
 
-def clock(problem: Task) -> Clock:
+def clock(task: Task) -> Clock:
     """Return what set-ups and readings take; the way is that between a few evenly spread readings."""
-    machine, setups = problem.observation.errors.machine, problem.observation.setups
-    mounting = [0.0 if problem.here and problem.here.setup == i else s.setup_time for i, s in enumerate(setups)]
+    machine, setups = task.observation.errors.machine, task.observation.setups
+    mounted = None if task.here is None else task.here.setups[0]
+    mounting = [0.0 if i == mounted else s.setup_time for i, s in enumerate(setups)]
     readings = []
     for setup in setups:
         sample = spread(machine, (setup,), _TYPICAL)
@@ -93,33 +94,3 @@ def clock(problem: Task) -> Clock:
         order = route(table)
         readings.append(reading_seconds(setup) + float(table[order[:-1], order[1:]].mean()))
     return Clock(np.array(mounting), np.array(readings))
-
-
-def counting(problem: Task, point: Point) -> Array:
-    """Return the approach of a reading, (q,), 0 for axes on which no direction is asked for and none matters."""
-    setup = problem.observation.setups[point.setup]
-    reverses = {f.axis for f in problem.observation.errors.functions if f.kind == "reversal"}
-    counts = [k in setup.moves and (setup.approach != "both" or k in reverses) for k in range(len(point.approach))]
-    return np.where(counts, point.approach, 0.0)
-
-
-def ordered(problem: Task, points: list[Point]) -> list[int]:
-    """Return the order of the readings of one set-up on a short way, from where the machine stands if it is mounted."""
-    if len(points) < 2:
-        return list(range(len(points)))
-    machine = problem.observation.errors.machine
-    poses, approaches = np.array([p.pose for p in points]), np.array([counting(problem, p) for p in points])
-    first = None
-    if problem.here and problem.here.setup == points[0].setup:
-        first = approach_seconds(machine, problem.here.pose, poses, approaches)
-    return [int(i) for i in route(travel_table(machine, poses, approaches), first)]
-
-
-def way_seconds(problem: Task, before: Point | None, point: Point) -> float:
-    """Return what a reading takes after another: mounting where the set-up changes, way, settling, reading."""
-    setup = problem.observation.setups[point.setup]
-    if before is None or before.setup != point.setup:
-        return setup.setup_time + reading_seconds(setup)
-    machine = problem.observation.errors.machine
-    way = approach_seconds(machine, before.pose, point.pose, counting(problem, point))
-    return float(way) + reading_seconds(setup)

@@ -16,15 +16,15 @@ from axiscal.design.plan.task import Clock, Limits, Task
 _SHRINKS = 60
 
 
-def fitted(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Return the plan without what an accuracy does not need, and within the time as the true way takes it."""
     if limits.accurate:
-        trial = _shrunk(problem, limits, times, trial)
+        trial = _shrunk(task, limits, times, trial)
     if limits.budget is None:
         return trial
     if not trial.met:
-        trial = _extended(problem, limits, times, trial)
-    while len(trial.scores.members) > 1 and (over := seconds_of(problem, trial.scores.points) - limits.budget) > 0:
+        trial = _extended(task, limits, times, trial)
+    while len(trial.scores.members) > 1 and (over := seconds_of(task, trial.scores.places) - limits.budget) > 0:
         for _ in range(min(1 + int(over / times.reading.max()), len(trial.scores.members) - 1)):
             drop(trial.scores, times)
     return trial
@@ -32,15 +32,15 @@ def fitted(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
 
 def drop(scores: Scores, times: Clock) -> None:
     """Take out the reading that is worth least per second."""
-    slot = int((scores.losses() / times.reading[[p.setup for p in scores.points]]).argmin())
+    slot = int((scores.losses() / times.reading[scores.places.setups]).argmin())
     scores.leave(slot)
     scores.close(slot)
 
 
-def _shrunk(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+def _shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Take out the readings that are worth least per second, while the accuracy asked for holds."""
     for _ in range(_SHRINKS):
-        if not limits.met(RunningAccuracy.of(problem.yardstick, trial.scores.state.factor).accuracy):
+        if not limits.met(RunningAccuracy.of(task.yardstick, trial.scores.state.factor).accuracy):
             return trial
         trial = replace(trial, met=True)
         if len(trial.scores.members) < 2:
@@ -48,16 +48,16 @@ def _shrunk(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
         fewer = trial.scores.fork()
         drop(fewer, times)
         exchange(fewer, affordable(times, trial.setups, 0.0), 3)
-        if not limits.met(RunningAccuracy.of(problem.yardstick, fewer.state.factor).accuracy):
+        if not limits.met(RunningAccuracy.of(task.yardstick, fewer.state.factor).accuracy):
             return trial
         trial = replace(trial, scores=fewer)
     return trial
 
 
-def _extended(problem: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+def _extended(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Fill what the true way leaves of the budget; what is too much goes again."""
     cost = times.reading[trial.scores.pool.lattice.setups]
-    left = (limits.budget or 0.0) - seconds_of(problem, trial.scores.points)
+    left = (limits.budget or 0.0) - seconds_of(task, trial.scores.places)
     while len(trial.scores.members) < (limits.readings or np.inf):
         rate = np.where(cost <= left, trial.scores.gains / cost, -np.inf)
         if not np.isfinite(rate.max()):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.criterion import Root
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up, starts
@@ -60,6 +61,11 @@ class Step:
     variance: float | Array
     row: Array
 
+    @property
+    def place(self) -> Places:
+        """Where it is taken."""
+        return Places.one(self.setup, self.pose, self.approach)
+
     def reading(self, observation: Observation, *values: float) -> Reading:
         """Return the reading that is taken there; how well it makes the machine known does not depend on its values."""
         setup = observation.setups[self.setup]
@@ -69,12 +75,12 @@ class Step:
 
 
 @one_thread()
-def best_step(knowledge: Knowledge, weight: Array, lattice: Places) -> Step:
+def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
     """Return the reading with the largest fall of J = tr(VᵀV C) (B&H eq. 37).
 
-    weight : V (w, n) over the leading unknowns; lattice : candidates to start from, at least one per set-up
+    root : V of the criterion, as `criterion` makes it; lattice : candidates to start from, at least one per set-up
     """
-    return best_of(Scorer.of(knowledge.observation, knowledge.belief, weight), lattice)
+    return best_of(Scorer.of(knowledge.observation, knowledge.belief, root), lattice)
 
 
 def best_of(scorer: Scorer, lattice: Places) -> Step:

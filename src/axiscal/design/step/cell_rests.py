@@ -45,7 +45,7 @@ class Rests:
                 reach = np.einsum(_reach(levers), levers, own[line])
                 seen += reach[..., None] * self._both[columns[_cells(f, positions)]]
 
-    def loose(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
+    def open_rests(self, positions: Array, line: NDArray[np.intp], levers: Array) -> Array:
         """Return what the rest of each function adds in cells not visited, standard deviations, (functions, b, k)."""
         result = np.zeros((len(self._with), len(line), positions.shape[1]))
         if not self._with:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.lines import Lines, SampledLines, lines_along
+from axiscal.measurement.breaks import breaks_along, smoothness_along
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import node_count
@@ -208,8 +209,9 @@ class Climb:
         All lines are one search. An axis on which nothing better can be found for a pose may come out a little low.
         """
         observation, count = self.scorer.observation, len(self.poses)
-        bundle = _Bundle([self._lines(k) for k in axes], [observation.breaks(k, self.setup) for k in axes], count)
-        degree = max(node_count(*observation.smoothness(k, self.setup)) for k in axes)
+        breaks = [breaks_along(observation, k, self.setup) for k in axes]
+        bundle = _Bundle([self._lines(k) for k in axes], breaks, count)
+        degree = max(node_count(*smoothness_along(observation, k, self.setup)) for k in axes)
         position, value = maximise_along(bundle.forms, bundle.left, bundle.right, degree, bundle.pose)
         return [(axis, *bundle.best(i, position, value)) for i, axis in enumerate(axes)]
 

@@ -54,21 +54,21 @@ class Lines:
 
     def _split(self, parts: list[_LinePart]) -> tuple[Array, Array]:
         if len(parts) == 1:
-            return self._scorer.split(parts[0].seen, self._noise + np.sum(parts[0].loose ** 2, axis=0))
+            return self._scorer.split(parts[0].seen, self._noise + np.sum(parts[0].open_rests ** 2, axis=0))
         seen = np.stack([part.seen for part in parts], axis=2)
-        loose = np.stack([part.loose for part in parts])
-        covariances = np.einsum("ifbk,jfbk->bkij", loose, loose) + self._noise * np.eye(len(parts))
+        rests = np.stack([part.open_rests for part in parts])
+        covariances = np.einsum("ifbk,jfbk->bkij", rests, rests) + self._noise * np.eye(len(parts))
         return joint_forms(*self._scorer.products(seen, covariances), self._noise)
 
 
 class _LinePart(NamedTuple):
     """What one number of the readings sees.
 
-    seen : (b, k, r + w) its rows times [F, C Vᵀ]; loose : (functions, b, k) the rests of cells not visited, std
+    seen : (b, k, r + w) its rows times [F, C Vᵀ]; open_rests : (functions, b, k) stds of the rests of cells not visited
     """
 
     seen: Array
-    loose: Array
+    open_rests: Array
 
 
 class _Number:
@@ -82,13 +82,13 @@ class _Number:
         lines, levers = len(poses), len(nodes)
         at = np.repeat(poses, levers, axis=0)
         at[:, axis] = np.tile(nodes, lines)
-        towards = np.repeat(approaches, levers, axis=0)
-        rows = observation.rows(setup, at, towards, direction).rows
+        sides = np.repeat(approaches, levers, axis=0)
+        rows = observation.rows(setup, at, sides, direction).rows
         self._own = [
             _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers)))
             for basis, columns in _own_columns(observation, axis)
         ]
-        effects = observation.effects(setup, at, towards, direction)
+        effects = observation.effects(setup, at, sides, direction)
         self._rests = Rests(observation, axis, at, effects, levers, scorer.both)
         self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
 
@@ -107,7 +107,7 @@ class _Number:
             seen += _spread(levers, own, positions) @ own.vectors.reshape(len(seen), -1, seen.shape[2])
         every = np.arange(len(seen))
         self._rests.add(seen, np.broadcast_to(positions, seen.shape[:2]), every, levers)
-        return _LinePart(seen, self._rests.loose(positions[None], every, levers))
+        return _LinePart(seen, self._rests.open_rests(positions[None], every, levers))
 
     def at(self, positions: Array, line: NDArray[np.intp]) -> _LinePart:
         """Return what is seen at each line's own positions.  positions : (b, k); line : (b,)."""
@@ -120,7 +120,7 @@ class _Number:
                 mine = line == one
                 seen[mine] += spread[mine] @ own.vectors[one].reshape(-1, seen.shape[2])
         self._rests.add(seen, positions, line, levers)
-        return _LinePart(seen, self._rests.loose(positions, line, levers))
+        return _LinePart(seen, self._rests.open_rests(positions, line, levers))
 
 
 class SampledLines:

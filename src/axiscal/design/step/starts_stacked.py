@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
-from axiscal.measurement.candidates import even_points, knot_lattice, raster_positions
+from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.numerics.axis_pairs import Pairs
 from axiscal.numerics.remembered import remembered
+from axiscal.numerics.spread import even_points
 
 _PER_INTERVAL = 8
 _EVERY_POINT = 300_000

@@ -27,26 +27,26 @@ class Displacement:
     directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "length", "slope": "angle", "growth": "angle"})
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,)."""
         if unknown == "zero":
             return np.ones(nominal.count)
         return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀδp + zero + tan(slope) s + growth dᵀe s, (m,)."""
-        tilted = np.tan(own.get("slope", 0.0)) * nominal.travelled
-        grown = _grown(own.get("growth", 0.0) + setup.growth, direction, nominal)
-        shown: Array = actual.displacement @ direction + own.get("zero", 0.0) + tilted + grown
+        tilted = np.tan(unknowns.get("slope", 0.0)) * nominal.travelled
+        grown = _grown(unknowns.get("growth", 0.0) + setup.growth, direction, nominal)
+        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + grown
         return shown
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
         """Return the growth that is known, (m,)."""
         return _grown(setup.growth, np.array(setup.direction), nominal)
 

@@ -29,37 +29,37 @@ class Distance:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the unit vector from the station to the TCP, (m, 3)."""
         line = nominal.tcp - _found(setup)
         unit: Array = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), _LEAST)
         return unit
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, the unit vector's part of the tool, less that of a shift of the station, (m,)."""
         if unknown == "zero":
             return np.ones(nominal.count)
         if unknown in TOOL:
-            return tool_part(unknown, self.towards(setup, direction, nominal), nominal)
-        part: Array = -self.towards(setup, direction, nominal)[:, SHIFTS.index(unknown)]
+            return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
+        part: Array = -self.direction_of(setup, direction, nominal)[:, SHIFTS.index(unknown)]
         return part
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero, (m,)."""
         stated = _stated(setup)
-        shift = np.array([own.get(name, 0.0) for name in SHIFTS])
-        seen = np.linalg.norm(nominal.tcp + displaced(nominal, actual, own) - stated - shift, axis=1)
-        shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + own.get("zero", 0.0)
+        shift = np.array([unknowns.get(name, 0.0) for name in SHIFTS])
+        seen = np.linalg.norm(nominal.tcp + displaced(nominal, actual, unknowns) - stated - shift, axis=1)
+        shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + unknowns.get("zero", 0.0)
         return shown
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
         """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
         shift = _found(setup) - _stated(setup)
         now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))
-        beyond: Array = now - first + self.towards(setup, shift, nominal) @ shift
-        return beyond
+        part: Array = now - first + self.direction_of(setup, shift, nominal) @ shift
+        return part
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""

@@ -77,22 +77,22 @@ class Model(Protocol):
     directed: bool
     unknown_reads: Mapping[str, Reads]
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3).
 
         direction : (3,) the set-up's, or that of one number of a reading that has three
         """
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return what a unit of one of the set-up's unknowns adds to a reading, (m,)."""
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
-        """Return what a reading shows beyond its rows times the unknowns, where it is not linear in them, (m,)."""
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+        """Return what a reading shows beside its rows times the unknowns, where it is not linear in them, (m,)."""
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
@@ -106,15 +106,15 @@ class Angle:
     directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, (m,)."""
         return np.ones(nominal.count)
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 
@@ -130,9 +130,9 @@ def tool_part(unknown: str, towards: Array, nominal: Nominal) -> Array:
     return part
 
 
-def displaced(nominal: Nominal, actual: Actual, own: Mapping[str, float]) -> Array:
+def displaced(nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]) -> Array:
     """Return where the actual tool's point is from the nominal TCP, nothing linearised, (m, 3), m."""
-    tool = np.array([own.get(name, 0.0) for name in TOOL])
+    tool = np.array([unknowns.get(name, 0.0) for name in TOOL])
     held = rigid.rotation(actual.rotation) @ (nominal.tool @ tool)[:, :, None]
     displaced: Array = actual.displacement + held[:, :, 0]
     return displaced

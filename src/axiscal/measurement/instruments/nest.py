@@ -36,25 +36,25 @@ class Nest:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys(_ZEROS, "length"), **TOOL_READS})
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of the zero or of the tool along d, (m,)."""
         if unknown in TOOL:
             return tool_part(unknown, along(direction, nominal.count), nominal)
         return np.full(nominal.count, direction[_ZEROS.index(unknown)])
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀ(δp + R tool + zero), (m,)."""
-        zero = np.array([own.get(name, 0.0) for name in _ZEROS])
-        shown: Array = (displaced(nominal, actual, own) + zero) @ direction
+        zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
+        shown: Array = (displaced(nominal, actual, unknowns) + zero) @ direction
         return shown
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 

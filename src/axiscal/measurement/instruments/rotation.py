@@ -17,10 +17,10 @@ class Rotation(Angle):
     """One angle about the set-up's direction."""
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀε + zero, (m,)."""
-        shown: Array = actual.rotation @ direction + own.get("zero", 0.0)
+        shown: Array = actual.rotation @ direction + unknowns.get("zero", 0.0)
         return shown
 
     def check(self, setup: Setup, machine: Machine) -> None:

@@ -20,18 +20,18 @@ from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _ALONG = 1e-6
-_UNFELT = 1e-9
+_UNSEEN = 1e-9
 
 
 class Stepped(Angle):
     """One slope, as an angle about the set-up's direction."""
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return the angle of the chord, (m,); actual.displacement : of one foot against the other, per length."""
         slope = np.sum(across(nominal.machine, setup, nominal.poses) * actual.displacement, axis=1)
-        shown: Array = np.arctan(slope) + own.get("zero", 0.0)
+        shown: Array = np.arctan(slope) + unknowns.get("zero", 0.0)
         return shown
 
     def check(self, setup: Setup, machine: Machine) -> None:
@@ -41,8 +41,8 @@ class Stepped(Angle):
         if base >= axis.length:
             what = f"a base of {format_quantity(base, 'mm', 6)} is not shorter than the travel of {axis.name}"
             raise DescriptionError(what, f"Both feet stand within the travel, which is {axis.travel_text}")
-        towards = across(machine, setup, np.array([setup.park]))[0]
-        if abs(np.linalg.norm(towards) - 1) > _ALONG:
+        slope_seen = across(machine, setup, np.array([setup.park]))[0]
+        if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
             what = f"feet that are stepped along {axis.name} show its slope, and that is no turn about this direction"
             raise DescriptionError(
                 what, "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
@@ -63,12 +63,12 @@ def _refuse_unseen(setup: Setup, machine: Machine) -> None:
     errors, base = ErrorModel(machine), setup.base or 0.0
     levers = Way(errors, setup, base).levers(np.array([setup.park]))[:, 0]
     levelled = any(unknown.name == "zero" for unknown in setup.unknowns)
-    felt = [f for f, lever in zip(errors.functions, levers, strict=True) if abs(lever) > _UNFELT]
+    shown = [f for f, lever in zip(errors.functions, levers, strict=True) if abs(lever) > _UNSEEN]
     axis = machine.axes[setup.moves[0]].name
-    if all(function.kind == "location" and levelled for function in felt):
+    if all(function.kind == "location" and levelled for function in shown):
         what = f"the machine states no straightness error of {axis} that a slope about this direction could show"
         raise DescriptionError(what, f"Add one under [errors], such as E{'X' if axis[0] == 'Z' else 'Z'}{axis}")
-    for function in felt:
+    for function in shown:
         if function.rest > 0 and base < function.cell * (1 - 1e-9):
             short, long = format_quantity(base, "mm", 6), format_quantity(function.cell, "mm", 4)
             what = (

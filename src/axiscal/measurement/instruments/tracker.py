@@ -39,11 +39,11 @@ class Tracker:
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_UNKNOWNS)
 
-    def towards(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
 
-    def own(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of a zero or of the tool along d, or of the turn of the frame about the station, (m,)."""
         if unknown in TOOL:
             return tool_part(unknown, along(direction, nominal.count), nominal)
@@ -54,16 +54,16 @@ class Tracker:
         return turned
 
     def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, own: Mapping[str, float]
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀ( R(turn)(p + δp + R tool − station) + station + zero − p ), (m,)."""
-        turn = rigid.rotation(np.array([[own.get(name, 0.0) for name in _TURNS]]))[0]
-        zero = np.array([own.get(name, 0.0) for name in _ZEROS])
-        seen = (nominal.tcp + displaced(nominal, actual, own) - _station(setup)) @ turn.T + _station(setup) + zero
+        turn = rigid.rotation(np.array([[unknowns.get(name, 0.0) for name in _TURNS]]))[0]
+        zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
+        seen = (nominal.tcp + displaced(nominal, actual, unknowns) - _station(setup)) @ turn.T + _station(setup) + zero
         shown: Array = (seen - nominal.tcp) @ direction
         return shown
 
-    def beyond(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 

@@ -1,0 +1,133 @@
+"""All numbers of all readings as one linear map: what errors, unknowns of set-ups and drifts do to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.measurement.drift import Course
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+
+class Sharing(NamedTuple):
+    """The entries of a matrix (m, m) that are not nought: where, counted along its rows, and their values."""
+
+    where: NDArray[np.intp]
+    values: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ErrorPart:
+    """What one error does to the numbers.
+
+    rows : (m, k) G; distances : (k, k) of its control values
+    shared : (m, c) what a unit of the rest in each cell that was visited adds to them
+    """
+
+    function: ErrorFunction
+    rows: Array
+    distances: Array
+    shared: Array
+
+    def correlation(self, length: float | None) -> Array:
+        """R (k, k)."""
+        if length is None:
+            return np.eye(self.rows.shape[1])
+        return matern52(self.distances / length)
+
+    def by_length(self, length: float) -> Array:
+        """∂R/∂log ℓ (k, k)."""
+        return matern52_by_length(self.distances / length)
+
+    def sharing(self) -> Sharing:
+        """Return E (m, m), the products of the levers of numbers that share a cell; most share none."""
+        products = (self.shared @ self.shared.T).ravel()
+        where = np.flatnonzero(products)
+        return Sharing(where, products[where])
+
+
+class ReadingSet:
+    """All numbers of all readings.
+
+    reading : (m,) index of the reading of each number; values : (m,), what is not linear taken off
+    rows : (m, size) over errors and unknowns of set-ups; noise : (m,) variances
+    std_stated : (m,) whether a reading says how noisy it is itself
+    extra_variance : (m,) of what else widens a number
+    """
+
+    def __init__(self, observation: Observation, readings: Sequence[Reading]) -> None:
+        self._observation, self._readings = observation, readings
+        self._places = places_of(observation.setups, readings)
+        self.rows, variances, self.reading = rows_at(observation, self._places)
+        self.values = linear_values(observation, self._places, readings)
+        usual = np.array([setup.noise**2 for setup in observation.setups])[self._places.setups]
+        each = [noise if r.std is None else r.std**2 for r, noise in zip(readings, usual, strict=True)]
+        self.noise: Array = np.array(each)[self.reading]
+        stated = np.array([reading.std is not None for reading in readings], dtype=bool)
+        self.std_stated: NDArray[np.bool_] = stated[self.reading]
+        self._shared = [np.zeros((len(self.rows), f.cell_count)) for f in observation.errors.functions]
+        self.extra_variance = variances - usual[self.reading]  # such as of a side that nobody told
+        for setup, mine in self._places.by_setup():
+            self._share_rests(setup, mine)
+        self.extra_variance = np.maximum(self.extra_variance, 0.0)
+
+    def _share_rests(self, setup: int, mine: NDArray[np.intp]) -> None:
+        """Note which cells the numbers of a set-up share; what their rests add to the variances is taken off."""
+        poses, approaches = self._places.poses[mine], self._places.approaches[mine]
+        for number, direction in enumerate(directions_of(self._observation.setups[setup])):
+            at = self._first(mine) + number
+            for effect in self._observation.rest_effects(setup, poses, approaches, direction, everyone=True):
+                np.add.at(self._shared[effect.function], (at, effect.cells), effect.reach)
+                self.extra_variance[at] -= (
+                    effect.reach * self._observation.errors.functions[effect.function].rest
+                ) ** 2
+
+    def _first(self, readings: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return where the numbers of readings begin."""
+        return np.searchsorted(self.reading, readings)
+
+    def parts(self) -> list[ErrorPart]:
+        """Return what each error does to the numbers, without those that none of them depends on."""
+        result = []
+        for function, in_cells in zip(self._observation.errors.functions, self._shared, strict=True):
+            shared = in_cells[:, np.any(in_cells != 0, axis=0)]
+            if shared.size:
+                result.append(ErrorPart(function, self.rows[:, function.columns], distances(function.basis), shared))
+        return result
+
+    def unknowns(self) -> Array:
+        """Return U with U Uᵀ the covariance that unknowns and drifts of the set-ups give the numbers, (m, k)."""
+        start, setups = self._observation.errors.size, self._observation.setups
+        stds = np.array([unknown.std for setup in setups for unknown in setup.unknowns])
+        drifts = [self._drifts(setup, mine) for setup, mine in self._places.by_setup() if setups[setup].drift > 0]
+        return np.hstack([self.rows[:, start : start + len(stds)] * stds, *drifts])
+
+    def _drifts(self, setup: int, mine: NDArray[np.intp]) -> Array:
+        """Return the rows of the zeros of a set-up over the unknowns of its drift, (m, k); those of three apart."""
+        times = np.array([self._readings[i].time or 0.0 for i in mine])
+        course = _course(self._observation.setups[setup], np.sort(times).tolist())
+        parts = []
+        for number in range(len(directions_of(self._observation.setups[setup]))):
+            rows = np.zeros((len(self.values), len(course.columns)))
+            rows[self._first(mine) + number] = course.rows(times)
+            parts.append(rows)
+        return np.hstack(parts)
+
+
+def _course(setup: Setup, times: Sequence[float]) -> Course:
+    """Return the drift over times, in order, s."""
+    course = Course.begun(setup.drift, times[0], 0)
+    for time in times:
+        if course.needs_node(time):
+            course = course.with_node(time, len(course.columns))
+    return course

@@ -1,0 +1,61 @@
+"""Where the rows of a set-up stop being smooth along an axis, and how smooth they are in between."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.way import feet
+from axiscal.numerics import Array
+
+_COINCIDE = 1e-12
+"""Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""
+
+
+def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
+    """Return the coordinates between which a set-up's rows are smooth along an axis: knots, edges of visited cells.
+
+    Where it has feet they stand on these, aside of its position.
+    """
+    edges = _knots(observation, axis)
+    for index, cell in observation.cells:
+        function = observation.errors.functions[index]
+        if function.axis == axis:
+            edges.append(function.basis.knots[0] + function.cell * np.array([cell, cell + 1]))
+    return _between(observation, axis, setup, edges)
+
+
+def knots_along(observation: Observation, axis: int, setup: int) -> Array:
+    """Return the same without the edges of cells."""
+    return _between(observation, axis, setup, _knots(observation, axis))
+
+
+def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[int, float]:
+    """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
+
+    Rows are cubic; a lever arm adds one degree along a linear axis, and sine and cosine along a rotary one. Forms
+    are squares, and products of as many as a reading has numbers.
+    """
+    times = INSTRUMENTS[observation.setups[setup].instrument].values
+    if not observation.errors.machine.axes[axis].rotary:
+        angular = any(f.angular for f in observation.errors.functions)
+        return times * (8 if angular else 6), 0.0
+    return 6 * times, 2 * times * float(np.max(np.diff(breaks_along(observation, axis, setup))))
+
+
+def _knots(observation: Observation, axis: int) -> list[Array]:
+    return [f.basis.knots for f in observation.errors.functions if f.axis == axis]
+
+
+def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:
+    """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
+    mounted, shifts = observation.setups[setup], np.zeros(1)
+    low, high = mounted.span(observation.errors.machine.axes[axis], axis)
+    if mounted.base and axis in mounted.moves:
+        shifts = np.array([foot.shift for foot in feet(mounted.base)])
+    everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - shifts)
+    shortest = _COINCIDE * (high - low)
+    inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
+    apart = np.diff(inside, prepend=low) > shortest
+    return np.concatenate([[low], inside[apart], [high]])

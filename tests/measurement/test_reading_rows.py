@@ -1,0 +1,70 @@
+"""Rows of many readings at once, of set-ups mixed as they come, against those of each reading alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import places_of, rows_at, seen, times_of, visited_by
+from tests.generators.campaigns import drawn, mixed
+
+
+def _readings(count: int = 40) -> list[Reading]:
+    """Readings of probes and a nest whose zeros wander, some with a std of their own, later from sides nobody told."""
+    readings = drawn(mixed(), count)
+    readings = [replace(r, approach=(1, 1, -1)) if i < count // 3 else r for i, r in enumerate(readings)]
+    return [replace(r, std=4e-6) if i % 5 == 0 else r for i, r in enumerate(readings)]
+
+
+def test_a_map_is_widened_by_all_readings_as_by_each() -> None:
+    readings, one_by_one = _readings(), mixed().observation
+    for reading in readings:
+        one_by_one = visited_by(one_by_one, [reading])
+    together = visited_by(mixed().observation, readings)
+    assert together.size > mixed().observation.size
+    assert together.cells == one_by_one.cells
+    assert {zero: course.columns for zero, course in together.courses.items()} == {
+        zero: course.columns for zero, course in one_by_one.courses.items()
+    }
+    assert visited_by(together, readings) is together
+
+
+def test_numbers_of_all_readings_are_those_of_each_in_order() -> None:
+    readings = _readings()
+    for observation in (mixed().observation, visited_by(mixed().observation, readings)):
+        together = seen(observation, readings)
+        np.testing.assert_array_equal(together.reading, np.repeat(np.arange(40), [len(r.values) for r in readings]))
+        for i, reading in enumerate(readings):
+            alone, mine = seen(observation, [reading]), together.reading == i
+            np.testing.assert_allclose(together.rows[mine], alone.rows, rtol=1e-12, atol=1e-15)
+            np.testing.assert_allclose(together.variances[mine], alone.variances, rtol=1e-12)
+            np.testing.assert_allclose(together.values[mine], alone.values, rtol=1e-12)
+
+
+def test_a_row_times_the_unknowns_is_what_each_set_up_sees_alone() -> None:
+    """Filled in by hand: number after number, set-up after set-up."""
+    readings, observation = _readings(), mixed().observation
+    together = rows_at(observation, places_of(observation.setups, readings), times_of(readings))
+    at = 0
+    for reading in readings:
+        setup = [s.name for s in observation.setups].index(reading.setup)
+        poses, approaches = np.array([reading.pose]), np.array([reading.approach], dtype=float)
+        for row, variance in zip(
+            observation.numbers(setup, poses, approaches).rows[0],
+            np.diagonal(observation.numbers(setup, poses, approaches).covariances[0]),
+            strict=True,
+        ):
+            np.testing.assert_allclose(together.rows[at], row, rtol=1e-12, atol=1e-15)
+            assert abs(together.variances[at] - variance) <= 1e-12 * variance
+            at += 1
+    assert at == len(together.rows)
+
+
+def test_no_readings_have_no_rows() -> None:
+    observation = mixed().observation
+    nothing = seen(observation, [])
+    assert nothing.rows.shape == (0, observation.size)
+    assert len(nothing.variances) == len(nothing.values) == len(nothing.reading) == 0
+    assert visited_by(observation, []) is observation
