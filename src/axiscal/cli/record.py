@@ -9,8 +9,10 @@ import typer
 from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.leaving import Stand
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
+from axiscal.cli.second_thoughts import doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
@@ -57,9 +59,15 @@ def record(
             asked = campaign.skip(skip)
             message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}
         else:
+            before = doubted(campaign)
+            stood = Stand.of(campaign) if at is not None else None
             kept = _keep(campaign, text, std, at, setup, approach, accept)
             surprise, mind = _doubt(campaign)
-            message, document = _kept(campaign, kept) + mind, _kept_document(campaign, kept) | {"surprise": surprise}
+            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
+            said += [] if stood is None else [stood.left_for(campaign, kept)]
+            minded = [sentence for sentence in said if sentence]
+            message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
+            document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
     if json:
         say_document({"schema": "axiscal-record/1", **document})
     else:
@@ -78,7 +86,22 @@ def _doubt(campaign: Campaign) -> tuple[float | None, str]:
         return None, ""
     away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
     said = calibration.objection_to(doubt) if doubt.implausible else away
-    return round(doubt.surprise, 2), f"\nMind: {said} and is not relied on. {_REMEDY}"
+    return round(doubt.surprise, 2), f"{said} and is not relied on. {_REMEDY}"
+
+
+def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
+    """Return what is supposed of the sides from which the axes came, where nobody said."""
+    setup, machine = campaign.description.setup(reading.setup), campaign.description.machine
+    silent = [machine.axes[k].name for k in setup.moves if not reading.approach[k]]
+    if approach is not None or not silent:
+        return ""
+    turned = [e.axis for e in machine.errors if e.kind == "reversal" and e.axis in silent]
+    wider = f"; the reading counts as less sure, by half the reversal of {' and '.join(turned)}" if turned else ""
+    told = " ".join(f"{name}+" for name in silent)
+    return (
+        f"without --approach nothing is supposed of the side from which {' and '.join(silent)} came{wider}. "
+        f'If you know it, take this back (axiscal undo) and add it, as in --approach "{told}".'
+    )
 
 
 def _keep(

@@ -11,6 +11,7 @@ from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import RecordFile
 from axiscal.cli.printing import say
+from axiscal.exceptions import RecordError
 from axiscal.report.delivery import write_report
 from axiscal.report.summarising import Extras, summarise
 
@@ -28,9 +29,17 @@ def report(
       axiscal report mill.axiscal --out mill.html
     """
 
-    target = record.with_suffix(".html") if out is None else out
+    target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, calibration_of(campaign.engine), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target)
     say(f"The report is in {target}.")
+
+
+def _page(out: Path) -> Path:
+    """Return the file if its name is one of a page; raises RecordError for another kind of file."""
+    if out.suffix.lower() in (".html", ".htm"):
+        return out
+    what = f"the report is an HTML page, and {out.name} is not the name of one"
+    raise RecordError(what, f"Write it to {out.with_suffix('.html').name}; a browser prints it as PDF", out)

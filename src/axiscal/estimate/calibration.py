@@ -18,6 +18,7 @@ from axiscal.estimate.updating import absorbed, widened
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.implausible import Plausibility, nearest_first, objection
 from axiscal.inference.outliers import FEWEST, NOTHING, Doubt, Verdict, verdict
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -323,6 +324,13 @@ class Calibration:
         if settled._accuracy is None:
             settled._accuracy = settled._problem.yardstick.measure(settled._belief)
         return settled._accuracy
+
+    def promised(self, places: Sequence[Place]) -> Accuracy:
+        """Return how well the machine would be known after readings at these places, whatever they showed."""
+        values = {setup.name: INSTRUMENTS[setup.instrument].values for setup in self.stated.description.setups}
+        readings = [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * (values[p.setup] - 1)) for p in places]
+        after = Knowledge(self.observation, self.belief).read(readings)
+        return self.problem.yardstick.measure(after.belief)
 
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""

@@ -11,6 +11,7 @@ from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
 from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.zero_drift import paths
+from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
@@ -53,7 +54,7 @@ def _curve(
     return CurveSummary(
         name=function.name,
         axis=axis.name,
-        caption=words(function.name),
+        caption=words(function.name) + _turned(axis),
         position=shown,
         mean=to_unit(rows @ calibration.belief.mean[function.columns], unit).tolist(),
         std=to_unit(whole, unit).tolist(),
@@ -65,6 +66,13 @@ def _curve(
         from_readings=float(np.clip(1.0 - np.sum(whole**2) / np.sum(prior**2), 0.0, 1.0)),
         points=[part.point(calibration, function) for part in parts if part.bears_on(function)],
     )
+
+
+def _turned(axis: Axis) -> str:
+    """Return why a curve has not the sign of its readings: it names what the carriage does (ISO 230-1)."""
+    if not axis.workpiece_side:
+        return ""
+    return f"; {axis.name} carries the workpiece: readings show this with the other sign"
 
 
 def _spread(calibration: Calibration, function: ErrorFunction, rows: Array) -> tuple[Array, Array]:

@@ -1,0 +1,44 @@
+"""Readings that were believed until another one came: they are named as soon as that is so."""
+
+from __future__ import annotations
+
+from axiscal.campaign.building import calibration_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.measurement.place_texts import place_text, reading_unit
+from axiscal.units import format_quantity
+
+_SURPRISING = 3.0
+
+
+def doubted(campaign: Campaign) -> frozenset[int]:
+    """Return the indices of the readings that are doubted now."""
+    return frozenset(doubt.reading for doubt in calibration_of(campaign.engine).doubts)
+
+
+def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
+    """Return sentences about what the last reading changed: earlier readings doubted or believed, and its own surprise.
+
+    before : what was doubted before it
+    """
+    calibration, readings = calibration_of(campaign.engine), campaign.state.readings
+    last, now = len(readings) - 1, doubted(campaign)
+    said = [
+        f"with this one, reading {index + 1} is no longer relied on: {_shown(campaign, index)}. Read there again."
+        for index in sorted(now - before - {last})
+    ]
+    said += [f"with this one, reading {index + 1} is believed: {_shown(campaign, index)}." for index in before - now]
+    surprise = calibration.innovations[last]
+    size = (surprise.chi_square / surprise.degrees) ** 0.5
+    if last not in now and size >= _SURPRISING:
+        said.append(
+            f"it is {size:.1f} standard deviations from what was expected. It is believed so far; read there again "
+            "(axiscal undo, then axiscal record) if anything may have been wrong."
+        )
+    return said
+
+
+def _shown(campaign: Campaign, index: int) -> str:
+    reading, description = campaign.state.readings[index], campaign.description
+    setup = description.setup(reading.setup)
+    value = format_quantity(reading.value, reading_unit(setup))
+    return f'{value} at {place_text(description.machine.axes, reading.pose, setup.moves)} in "{setup.name}"'

@@ -1,0 +1,139 @@
+"""What `record` and `report` say at once: a set-up that is left, a side that nobody told, a reading that is doubted."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+
+MACHINE = """chain = "w-X'-b-Y-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[errors]
+EXX = { std = "20 um", knots = 5, length = "200 mm" }
+EYY = { std = "20 um", knots = 5, length = "200 mm" }
+EXX_reversal = { std = "6 um" }
+"""
+CAMPAIGN = """machine = "machine.toml"
+compensation_active = false
+[target]
+budget = "100 min"
+[[setups]]
+name = "along x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+approach = "both"
+setup_time = "30 min"
+reading_time = "2 min"
+[[setups]]
+name = "along y"
+instrument = "interferometer"
+direction = "y"
+moves = ["Y"]
+setup_time = "30 min"
+reading_time = "2 min"
+"""
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "mill.axiscal")]) == 0
+    return tmp_path / "mill.axiscal"
+
+
+def asked(record: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    """Ask for a reading and return its set-up."""
+    capsys.readouterr()
+    assert run(["next", str(record), "--json"]) == 0
+    return str(json.loads(capsys.readouterr().out)["question"]["setup"])
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    capsys.readouterr()
+    assert run(list(arguments)) == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_leaving_a_set_up_says_what_is_dropped_and_what_it_costs(
+    record: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first = asked(record, capsys)
+    run(["record", str(record), "1.0 um"])
+    asked(record, capsys)
+    other, at = ("along y", "Y=50 mm") if first == "along x" else ("along x", "X=50 mm")
+    told = said(capsys, "record", str(record), "2 um", "--at", at, "--setup", other, "--approach", f"{at[0]}+")
+    found = re.search(
+        rf'this leaves "{first}", where (\d+) planned readings? were still to come. (\d+) readings? there '
+        r"are dropped now.*ends at ([\d.]+) um RMS, and would have ended at ([\d.]+) um",
+        told,
+    )
+    assert found is not None, told
+    coming, dropped, now, was = map(float, found.groups())
+    assert 0 < dropped <= coming
+    assert now > was
+
+
+def test_a_reading_where_it_was_asked_for_leaves_nothing(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked(record, capsys)
+    assert "this leaves" not in said(capsys, "record", str(record), "1.0 um")
+    asked(record, capsys)
+    assert "this leaves" not in said(capsys, "record", str(record), "1.2 um")
+
+
+def test_a_place_without_a_side_says_what_is_supposed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told = said(capsys, "record", str(record), "1 um", "--at", "X=120 mm", "--setup", "along x")
+    assert "nothing is supposed of the side from which X came; the reading counts as less sure, by half the" in told
+    assert '--approach "X+"' in told
+    told = said(capsys, "record", str(record), "1 um", "--at", "X=180 mm", "--setup", "along x", "--approach", "X+")
+    assert "supposed" not in told
+
+
+def test_a_doubtful_reading_is_named_when_it_is_typed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for x in (20, 80, 140, 200, 260):
+        told = said(
+            capsys, "record", str(record), "1 um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
+        )
+        assert "deviations" not in told
+    told = said(capsys, "record", str(record), "60 um", "--at", "X=110 mm", "--setup", "along x", "--approach", "X+")
+    assert re.search(r"it is \d+\.\d standard deviations from what", told)
+
+
+def test_an_earlier_reading_that_a_later_one_contradicts_is_named_with_its_place(
+    record: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = ""
+    for x, value in ((20, 1), (150, 45), (152, 1), (80, 1), (260, 1), (148, 1), (140, 1), (160, 1)):
+        told += said(
+            capsys, "record", str(record), f"{value} um", "--at", f"X={x} mm", "--setup", "along x", "--approach", "X+"
+        )
+    assert re.search(r"reading 2 is no longer relied on: 45 um at X 150\D|45 um.*is not relied on|deviations", told)
+    assert run(["status", str(record)]) == 0
+
+
+@pytest.mark.parametrize("name", ["x.pdf", "report", "x.htm.txt"])
+def test_a_page_is_not_written_under_another_kind_of_name(
+    record: Path, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["report", str(record), "--out", str(tmp_path / name)]) == 1
+    assert "the report is an HTML page" in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / name).exists()
+    assert run(["report", str(record), "--out", str(tmp_path / "x.HTML")]) == 0
+
+
+def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_other(
+    record: Path, tmp_path: Path
+) -> None:
+    page = tmp_path / "x.html"
+    assert run(["report", str(record), "--out", str(page)]) == 0
+    captions = dict(re.findall(r"<figcaption><b>(E\w+)</b> <span>(.*?)</span>", page.read_text()))
+    assert "X carries the workpiece: readings show this with the other sign" in captions["EXX"]
+    assert "carries" not in captions["EYY"]
