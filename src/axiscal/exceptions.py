@@ -5,7 +5,12 @@ The command line turns any `AxiscalError` into one paragraph on stderr and exit 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+_MOST = 20
+"""So many faults of a file are said beside the first."""
 
 
 class AxiscalError(Exception):
@@ -31,6 +36,43 @@ class InputError(AxiscalError):
         placed = type(self).__new__(type(self))
         InputError.__init__(placed, self.what, self.remedy, file, line)
         return placed
+
+
+class Faults:
+    """All that is wrong in one file, so that nobody has to run again for each.
+
+    with faults.noted():
+        ...                    # what raises InputError here is kept, and the rest goes on
+    faults.refuse()            # raises the first with the others behind it, if there were any
+    """
+
+    def __init__(self) -> None:
+        self.found: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Keep an InputError that the block raises."""
+        try:
+            yield
+        except InputError as fault:
+            self.found.append(fault)
+
+    def refuse(self) -> None:
+        """Raise all faults as one, of the class of the first; nothing if there are none."""
+        if not self.found:
+            return
+        first, *others = self.found
+        if others:
+            shown = " ".join(_beside(first, other) for other in others[:_MOST])
+            more = f" And {len(others) - _MOST} more." if len(others) > _MOST else ""
+            first.args = (f"{first} Also: {shown}{more}",)
+        raise first
+
+
+def _beside(first: InputError, other: InputError) -> str:
+    """Return a fault as it is said behind another one: with its line alone where the file is the same."""
+    place = f"{first.file}, line "
+    return str(other).removeprefix(place) if other.file != first.file else str(other).replace(place, "line ", 1)
 
 
 def _sentence(text: str) -> str:

@@ -12,6 +12,7 @@ from axiscal.cli.printing import say, say_document
 from axiscal.error_model.gauge import machine_check
 from axiscal.error_model.undescribed import undescribed
 from axiscal.machine import builtin_names, load_machine
+from axiscal.machine.questions import questions
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
 
@@ -65,6 +66,7 @@ def check(
 
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
+    open_ones = questions(machine)
     if json:
         axes = [axis.name for axis in machine.axes]
         errors = [error.name for error in machine.errors]
@@ -75,6 +77,7 @@ def check(
                 "axes": axes,
                 "errors": errors,
                 "observability": [*hidden, *([absent] if absent else [])],
+                "questions": list(open_ones),
             }
         )
         return
@@ -82,6 +85,8 @@ def check(
     for axis in machine.axes:
         side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
         say(f"  {axis.name:3} {axis.travel_text}, {side}")
+    for question in open_ones:
+        say(f"Mind: {question}")
     say("What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.")
     for sentence in hidden:
         say(f"- {sentence}")

@@ -13,6 +13,7 @@ from axiscal.cli.texts import accuracy_text
 from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
+from axiscal.machine.questions import questions
 from axiscal.planning.feasibility import out_of_reach
 from axiscal.units import to_unit
 
@@ -42,7 +43,9 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 
 def tell_unasked(description: CampaignDescription) -> None:
-    """Ask whether a compensation is active while measuring, where campaign.toml does not say."""
+    """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
+    for question in questions(description.machine):
+        tell(f"Mind: {question}")
     if question := unasked(description):
         tell(f"Mind: {question}")
 

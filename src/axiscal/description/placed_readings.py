@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.exceptions import DescriptionError, InputError, ReadingError
+from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.machine import Axis, Machine
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -27,12 +27,13 @@ def placed_readings(
     raw: tuple[RawReading, ...], campaign: CampaignDescription, file: str | Path
 ) -> tuple[Reading, ...]:
     """Return readings of a file as readings of the campaign; raises ReadingError at the line that does not fit."""
-    readings = []
+    readings, faults = [], Faults()
     for row in raw:
         try:
             readings.append(_placed(row, campaign))
         except InputError as failure:
-            raise ReadingError(failure.what, failure.remedy, file, row.line) from None
+            faults.found.append(ReadingError(failure.what, failure.remedy, file, row.line))
+    faults.refuse()
     return tuple(readings)
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.target import coordinate
 from axiscal.document import Document, nearest, shown
-from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
 from axiscal.measurement.instruments.kind import TOOL
@@ -32,12 +32,17 @@ def read_setups(tables: list[SetupTable], machine: Machine, document: Document) 
     """Return the set-ups; raises DescriptionError or UnitError at the line that is wrong."""
     if not tables:
         raise document.fault(DescriptionError("there is no set-up", "Add a table [[setups]]"), "setups")
-    setups = tuple(_Reader(table, machine, document, number).setup() for number, table in enumerate(tables))
-    _refuse_same_name(setups, document)
-    return setups
+    faults, setups = Faults(), list[Setup]()
+    for number, table in enumerate(tables):
+        with faults.noted():
+            setups.append(_Reader(table, machine, document, number).setup())
+    with faults.noted():
+        _refuse_same_name(setups, document)
+    faults.refuse()
+    return tuple(setups)
 
 
-def _refuse_same_name(setups: tuple[Setup, ...], document: Document) -> None:
+def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
     seen: set[str] = set()
     for number, setup in enumerate(setups):
         if setup.name in seen:

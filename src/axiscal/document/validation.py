@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
 
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, nearest, quantity_text, shown
-from axiscal.exceptions import DescriptionError, InputError, UnitError
+from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.units import Dimension, parse_quantity
 
 if TYPE_CHECKING:
@@ -65,10 +65,16 @@ def read_model(document: Document, model: type[ModelT], error_class: type[InputE
     except ValidationError as faults:
         details = faults.errors(include_url=False)
     # A misspelt key is also a missing one: the misspelling is what its writer can see.
-    first = min(details, key=lambda detail: (detail["type"] == "missing", document.line(*detail["loc"]) or 0))
-    what, remedy = _wording(model, first)
-    failure = UnitError if first["type"] == "unit" else error_class
-    raise failure(what, remedy, document.path, document.line(*first["loc"]))
+    misspelt = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
+    said = [d for d in details if d["type"] != "missing" or d["loc"][:-1] not in misspelt]
+    said.sort(key=lambda detail: (detail["type"] == "missing", document.line(*detail["loc"]) or 0))
+    every = Faults()
+    for detail in said:
+        what, remedy = _wording(model, detail)
+        failure = UnitError if detail["type"] == "unit" else error_class
+        every.found.append(failure(what, remedy, document.path, document.line(*detail["loc"])))
+    every.refuse()
+    raise AssertionError(details)  # pydantic complained of something
 
 
 def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from axiscal.document import Document, nearest, read_model, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import COUNTINGS, Axis, Counting
 from axiscal.machine.chain import Link, parse_chain
 from axiscal.machine.entry import ErrorEntry
@@ -38,11 +38,16 @@ class Parts:
 
 def assemble(document: Document) -> Parts:
     """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError."""
-    tables = read_model(document, MachineFile)
-    axes = _axes(document, tables)
-    tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
-    entries = error_entries(document, tables.errors, {axis.name: axis for axis in axes})
-    return Parts(_name(document, tables), axes, tool, entries, tables.chain)
+    tables, faults = read_model(document, MachineFile), Faults()
+    name, tool = document.path.stem, 0.0
+    with faults.noted():
+        name = _name(document, tables)
+    axes = _axes(document, tables, faults)
+    with faults.noted():
+        tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
+    entries = error_entries(document, tables.errors, {axis.name: axis for axis in axes}, set(tables.axes), faults)
+    faults.refuse()
+    return Parts(name, axes, tool, entries, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:
@@ -53,14 +58,18 @@ def _name(document: Document, tables: MachineFile) -> str:
     return name
 
 
-def _axes(document: Document, tables: MachineFile) -> tuple[Axis, ...]:
-    """Return the axes in the order of the chain; every axis has a table, every table an axis."""
+def _axes(document: Document, tables: MachineFile, faults: Faults) -> tuple[Axis, ...]:
+    """Return the axes in the order of the chain; every axis has a table, every table an axis.
+
+    What is wrong within the table of an axis is noted, and the axis left out.
+    """
     try:
         links = parse_chain(tables.chain)
     except InputError as fault:
         raise document.fault(fault, "chain") from None
     _check_tables(document, tables, [link.name for link in links])
-    return tuple(_axis(document, link, tables.axes[link.name]) for link in links)
+    found = (_axis(document, link, tables.axes[link.name], faults) for link in links)
+    return tuple(axis for axis in found if axis is not None)
 
 
 def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> None:
@@ -77,24 +86,37 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
             raise document.fault(DescriptionError(what, f"Add [axes.{name}] with its travel"), "chain")
 
 
-def _axis(document: Document, link: Link, table: AxisTable) -> Axis:
+def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
+    """Return an axis; None where something in its table is wrong, which is noted, all of it."""
     keys: Keys = ("axes", link.name)
-    axis = Axis.named(link.name, link.workpiece_side, (0.0, 1.0))
-    speed, acceleration = axis.speed, axis.acceleration
+    axis, before = Axis.named(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
+    speed, acceleration, overrun, origin, turns, counting = axis.speed, axis.acceleration, None, axis.origin, None, None
     if table.speed is not None:
         dimension: Dimension = "rotation_speed" if axis.rotary else "speed"
-        speed = within(document, (*keys, "speed"), table.speed, dimension, 1e-9, 1e4)
+        with faults.noted():
+            speed = within(document, (*keys, "speed"), table.speed, dimension, 1e-9, 1e4)
     if table.acceleration is not None:
         dimension = "rotation_acceleration" if axis.rotary else "acceleration"
-        acceleration = within(document, (*keys, "acceleration"), table.acceleration, dimension, 1e-9, 1e6)
-    travel, origin = _travel(document, axis, table), _origin(document, axis, table)
-    overrun = None
-    if table.overrun is not None:
-        most = LARGEST_OVERRUN * (travel[1] - travel[0])
-        overrun = within(document, (*keys, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
-    turns = _turns(document, axis, table, travel)
-    counting = _counting(document, keys, table.direction)
+        with faults.noted():
+            acceleration = within(document, (*keys, "acceleration"), table.acceleration, dimension, 1e-9, 1e6)
+    with faults.noted():
+        origin = _origin(document, axis, table)
+    with faults.noted():
+        counting = _counting(document, keys, table.direction)
+    with faults.noted():
+        travel = _travel(document, axis, table)
+        overrun = _overrun(document, axis, table, travel)
+        turns = _turns(document, axis, table, travel)
+    if len(faults.found) > before:
+        return None
     return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns, counting)
+
+
+def _overrun(document: Document, axis: Axis, table: AxisTable, travel: tuple[float, float]) -> float | None:
+    if table.overrun is None:
+        return None
+    most = LARGEST_OVERRUN * (travel[1] - travel[0])
+    return within(document, ("axes", axis.name, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
 
 
 def _counting(document: Document, keys: Keys, text: str | None) -> Counting | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
 from axiscal.machine.limits import Keys, within
@@ -15,19 +15,42 @@ LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
 """m or rad."""
 
 
-def error_entries(document: Document, tables: dict[str, ErrorTable], axes: dict[str, Axis]) -> tuple[ErrorEntry, ...]:
-    """Return the prior of every error; each error is there once, whatever its spelling."""
+def error_entries(
+    document: Document, tables: dict[str, ErrorTable], axes: dict[str, Axis], described: set[str], faults: Faults
+) -> tuple[ErrorEntry, ...]:
+    """Return the prior of every error; each error is there once, whatever its spelling.  What is wrong is noted.
+
+    described : axes that have a table; errors of one that is not among `axes`, for it is wrong itself, are passed over
+    """
     if not tables:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
-        raise document.fault(DescriptionError("no error is named", remedy), "errors")
+        faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
     entries: dict[str, ErrorEntry] = {}
     for key, table in tables.items():
-        entry = _entry(document, key, table, axes)
-        if (first := entries.get(entry.name)) is not None:
-            what = f"{key} is {entry.name}, which is there already in line {first.line}"
-            raise document.fault(DescriptionError(what, "Keep one of them"), "errors", key)
-        entries[entry.name] = entry
+        with faults.noted():
+            if _of_wrong_axis(key, described - axes.keys()):
+                continue
+            _add(document, key, table, axes, entries)
     return tuple(entries.values())
+
+
+def _of_wrong_axis(key: str, wrong: set[str]) -> bool:
+    try:
+        name = parse_error_name(key)
+    except InputError:
+        return False
+    return name.axis in wrong or name.reference in wrong
+
+
+def _add(
+    document: Document, key: str, table: ErrorTable, axes: dict[str, Axis], entries: dict[str, ErrorEntry]
+) -> None:
+    """Add an entry; raises DescriptionError for one that is there already."""
+    entry = _entry(document, key, table, axes)
+    if (first := entries.get(entry.name)) is not None:
+        what = f"{key} is {entry.name}, which is there already in line {first.line}"
+        raise document.fault(DescriptionError(what, "Keep one of them"), "errors", key)
+    entries[entry.name] = entry
 
 
 def _entry(document: Document, key: str, table: ErrorTable, axes: dict[str, Axis]) -> ErrorEntry:

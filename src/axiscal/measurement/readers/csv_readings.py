@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from axiscal.exceptions import Faults
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
@@ -66,8 +67,13 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
     setup = table.one_of("setup", "setup")
     if not table.all_of("value") and not table.all_of("value_x"):
         table.one_of("value", "value_um")
+    faults, readings = Faults(), list[RawReading]()
+    for row in table.rows:
+        with faults.noted():
+            readings.append(_reading(table, row, setup))
+    faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
-    return tuple(replace(_reading(table, row, setup), time=t) for row, t in zip(table.rows, times, strict=True))
+    return tuple(replace(reading, time=t) for reading, t in zip(readings, times, strict=True))
 
 
 def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:

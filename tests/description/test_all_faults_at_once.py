@@ -1,0 +1,138 @@
+"""All that is wrong in a file is said in one run, and sizes that can hardly be meant are asked about."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
+from axiscal.machine.description import builtin_names, load_machine, machine_from_text
+from axiscal.machine.questions import questions
+
+GOOD = """chain = "w-X'-b-Y-t"
+[tool]
+length = "50 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+speed = "10 m/min"
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[errors]
+EXX = { std = "20 um" }
+EYY = { std = "20 um" }
+"""
+CAMPAIGN = """machine = "machine.toml"
+compensation_active = false
+[target]
+readings = 5
+[[setups]]
+name = "x"
+instrument = "probe"
+direction = "x"
+[[setups]]
+name = "y"
+instrument = "probe"
+direction = "y"
+"""
+
+
+def lines_of(text: str) -> list[int]:
+    return [int(number) for number in re.findall(r"\bline (\d+)", text)]
+
+
+def test_a_machine_with_five_faults_names_the_lines_of_all() -> None:
+    wrong = (
+        GOOD.replace('length = "50 mm"', 'length = "50 m"')
+        .replace('"300 mm"]', '"-300 mm"]')
+        .replace('speed = "10 m/min"', 'speed = "10 kg"')
+        .replace('EYY = { std = "20 um" }', 'EYY = { std = "20" }\nEQQ = { std = "20 um" }')
+    )
+    with pytest.raises(InputError) as refused:
+        machine_from_text(wrong, "mill.toml")
+    said = str(refused.value)
+    assert sorted(lines_of(said)) == [3, 5, 6, 11, 12]
+    assert said.count("mill.toml") == 1
+    assert said.count(" Also: ") == 1
+
+
+def test_unknown_keys_are_named_together_and_a_misspelt_one_is_not_also_missing() -> None:
+    wrong = GOOD.replace("speed =", "sped =").replace('EXX = { std = "20 um" }', 'EXX = { sdt = "20 um" }')
+    with pytest.raises(DescriptionError) as refused:
+        machine_from_text(wrong, "mill.toml")
+    said = str(refused.value)
+    assert '"sped"' in said
+    assert '"sdt"' in said
+    assert "is missing" not in said
+
+
+def test_an_error_of_an_axis_that_is_wrong_itself_is_no_second_fault() -> None:
+    with pytest.raises(InputError) as refused:
+        machine_from_text(GOOD.replace('"300 mm"]', '"-300 mm"]'), "mill.toml")
+    assert lines_of(str(refused.value)) == [5]
+    assert "Also" not in str(refused.value)
+
+
+def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "machine.toml").write_text(GOOD)
+    campaign, readings = tmp_path / "campaign.toml", tmp_path / "readings.csv"
+    campaign.write_text(
+        CAMPAIGN.replace('direction = "x"', 'direction = "q"').replace('direction = "y"', 'moves = ["Q"]')
+    )
+    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\n")
+    arguments = ["estimate", str(campaign), str(readings), "--out", str(tmp_path / "out")]
+    assert run(arguments) == 1
+    assert len(lines_of(" ".join(capsys.readouterr().err.split()))) == 2
+    campaign.write_text(CAMPAIGN)
+    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,10,ten,1\nx,20,10,\ny,30,10,many\n")
+    assert run(arguments) == 1
+    assert sorted(lines_of(" ".join(capsys.readouterr().err.split()))) == [3, 4, 5]
+    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,999,10,1\nz,20,10,2\n")
+    assert run(arguments) == 1
+    assert sorted(lines_of(" ".join(capsys.readouterr().err.split()))) == [3, 4]
+
+
+def test_no_more_than_twenty_are_said_beside_the_first() -> None:
+    faults = Faults()
+    for line in range(1, 40):
+        with faults.noted():
+            raise ReadingError("no number", "write one", "a.csv", line)
+    with pytest.raises(ReadingError) as refused:
+        faults.refuse()
+    assert len(lines_of(str(refused.value))) == 21
+    assert str(refused.value).endswith("And 18 more.")
+    Faults().refuse()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "asked"),
+    [
+        ('"300 mm"]', '"500 m"]', "The travel of X is 500 m"),
+        ('"300 mm"]', '"0.2 mm"]', "The travel of X is 0.0002 m"),
+        ('EXX = { std = "20 um" }', 'EXX = { std = "5 mm" }', "The std of EXX is 5 mm"),
+        ('length = "50 mm"', 'length = "5 m"', "The tool is 5 m long"),
+        ('speed = "10 m/min"', 'speed = "10 km/min"', "X moves at"),
+    ],
+)
+def test_sizes_that_can_hardly_be_meant_are_asked_about(
+    old: str, new: str, asked: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if "km/min" in new:
+        new = 'speed = "10000 m/min"'
+    (tmp_path / "machine.toml").write_text(GOOD.replace(old, new))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
+    (question,) = json.loads(capsys.readouterr().out)["questions"]
+    assert question.startswith(asked)
+    assert run(["machine", "check", str(tmp_path / "machine.toml")]) == 0
+    assert f"Mind: {asked}" in capsys.readouterr().out
+    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal")]) == 0
+    assert f"Mind: {asked}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_nothing_is_asked_about_the_built_in_machines(name: str) -> None:
+    assert questions(load_machine(name)) == ()
