@@ -22,7 +22,7 @@ from axiscal.demo.five_axis import SEED, description, hidden_machine
 from axiscal.estimate.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.planner import Planner
+from axiscal.planning.planner import next_places
 from axiscal.record.events import Asked
 
 
@@ -37,8 +37,8 @@ def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, 
         asked, taken = campaign.next(), time.process_time() - begun
         if isinstance(asked, Asked) and asked.place.setup == before.place.setup:
             begun = time.process_time()
-            taken_at = [reading.place for reading in campaign.state.readings]
-            campaign.engine.plan((), taken_at, campaign.state.plan)
+            known = campaign.known()
+            next_places(known.case, known.knowledge, known.readings, known.outliers, (), campaign.state.plan)
             renewed = time.process_time() - begun
             way = float(travel_seconds(machine, np.array(before.place.pose), np.array(asked.place.pose)))
             setup = campaign.description.setup(asked.place.setup)
@@ -50,7 +50,7 @@ def main() -> None:
     problem = Case(description())
     with (
         tempfile.TemporaryDirectory() as folder,
-        Campaign.create(Path(folder) / "demo.axiscal", problem.description, lambda _: Planner(problem)) as campaign,
+        Campaign.create(Path(folder) / "demo.axiscal", problem.description) as campaign,
     ):
         found = list(steps(campaign, SimulatedSource(hidden_machine(problem), SEED)))
     names = (

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
-from axiscal.measurement.place import Place
+from axiscal.estimate.estimate import concluded, estimated
+from axiscal.estimate.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.planner import Planner
+from axiscal.planning.planner import next_places
 from axiscal.report.findings import findings
 from axiscal.units import to_unit
 from benchmarks.trust.curves import IsoTest, Measured
@@ -46,42 +46,38 @@ def outcomes(case: Measured) -> list[Outcome]:
 
 
 def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> Outcome:
-    calibration = _planned(case, problem) if poses is None else _read(case, problem, poses)
-    concluded = calibration.concluded()
-    mean, std = predicted(concluded, case.places, np.zeros_like(case.places))
+    known = concluded(problem, _planned(case, problem) if poses is None else _read(case, poses))
+    mean, std = predicted(known, case.places, np.zeros_like(case.places))
     missed = case.truth - mean
     share = float(np.mean(np.abs(missed) <= BAND * std))
-    flags = tuple(sorted({finding.code for finding in findings(concluded)}))
+    flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), case.unit) for v in (missed, std))
     return Outcome(design, share, rms, spread, flags)
 
 
-def predicted(calibration: Calibration, poses: Array, approaches: Array) -> tuple[Array, Array]:
+def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
-    plain = calibration.problem.observation
+    plain = estimation.case.observation
     seen = plain.rows(0, poses, approaches)
     loose = seen.variances - plain.setups[0].noise ** 2
-    known = calibration.belief.factor[: plain.size]
-    mean: Array = seen.rows @ calibration.belief.mean[: plain.size]
+    known = estimation.knowledge.belief.factor[: plain.size]
+    mean: Array = seen.rows @ estimation.knowledge.belief.mean[: plain.size]
     return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)
 
 
-def _planned(case: Measured, problem: Case) -> Calibration:
-    calibration, taken = Planner(problem), list[Place]()
+def _planned(case: Measured, problem: Case) -> list[Reading]:
+    taken, known = list[Reading](), estimated(problem, ())
     while len(taken) < case.readings:
-        place = calibration.plan((), taken)[0]
+        place = next_places(known.case, known.knowledge, known.readings, known.outliers)[0]
         pose = tuple(_nearest(case, np.array([place.pose]))[0]) if case.places.shape[1] > 1 else place.pose
-        calibration.absorb(Reading("gauge", pose, place.approach, case.read(pose)))
-        taken.append(Place("gauge", pose))
-    return calibration
+        taken.append(Reading("gauge", pose, place.approach, case.read(pose)))
+        known = estimated(problem, taken, known)
+    return taken
 
 
-def _read(case: Measured, problem: Case, poses: Array) -> Calibration:
-    calibration = Calibration(problem)
-    for pose in poses:
-        at = tuple(map(float, pose))
-        calibration.absorb(Reading("gauge", at, tuple(0 for _ in at), case.read(at)))
-    return calibration
+def _read(case: Measured, poses: Array) -> list[Reading]:
+    places = [tuple(map(float, pose)) for pose in poses]
+    return [Reading("gauge", at, tuple(0 for _ in at), case.read(at)) for at in places]
 
 
 def _even(case: Measured, low: Array, high: Array) -> Array:
@@ -112,20 +108,17 @@ def _nearest(case: Measured, poses: Array) -> Array:
 def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
     """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
     described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
-    calibration = Calibration(Case(described))
-    for reading in test.readings:
-        calibration.absorb(reading)
-    concluded = calibration.concluded()
-    parts = [_pass(concluded, *test.passes[key], np.sign(key)) for key in test.passes]
+    known = concluded(Case(described), test.readings)
+    parts = [_pass(known, *test.passes[key], np.sign(key)) for key in test.passes]
     missed, std = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-    flags = tuple(sorted({finding.code for finding in findings(concluded)}))
+    flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), "um") for v in (missed, std))
     share = float(np.mean(np.abs(missed) <= BAND * std))
     return Outcome("as measured", share, rms, spread, flags), len(parts)
 
 
-def _pass(calibration: Calibration, x: Array, y: Array, direction: float) -> tuple[Array, Array]:
-    mean, std = predicted(calibration, x[:, None], np.full((len(x), 1), direction))
+def _pass(estimation: Estimation, x: Array, y: Array, direction: float) -> tuple[Array, Array]:
+    mean, std = predicted(estimation, x[:, None], np.full((len(x), 1), direction))
     missed: Array = y - mean
     return missed - missed.mean(), std
 

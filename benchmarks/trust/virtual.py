@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.prediction import tcp_prediction
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
@@ -68,42 +69,42 @@ def covered(name: str, wrong: float, machines: int) -> Coverage:
 
 def _one(problem: Case, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
     rng = np.random.default_rng((seed, 9))
-    calibration = read_evenly(problem, machine, rng, readings).concluded()
-    inside = [_curve(calibration, index, machine) for index in range(len(machine.curves))]
+    estimation = concluded(problem, read_evenly(problem, machine, rng, readings))
+    inside = [_curve(estimation, index, machine) for index in range(len(machine.curves))]
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
     approaches = rng.choice([-1.0, 1.0], poses.shape)
-    mean, std = tcp_prediction(calibration, poses, approaches)
+    mean, std = tcp_prediction(estimation, poses, approaches)
     moves = std > 0
     tcp = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
     said = (
-        any(finding.code in ("prior-misfit", "lack-of-fit") for finding in findings(calibration))
+        any(finding.code in ("prior-misfit", "lack-of-fit") for finding in findings(estimation))
         if seed < _JUDGED
         else np.nan
     )
     return float(np.mean(np.concatenate(inside))), float(tcp.mean()), float(said)
 
 
-def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> Calibration:
-    """Return a calibration fed readings of a virtual machine that fill the space, each set-up in turn."""
-    calibration, setups = Calibration(problem), problem.description.setups
+def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> list[Reading]:
+    """Return readings of a virtual machine that fill the space, each set-up in turn."""
+    taken, setups = list[Reading](), problem.description.setups
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
     for number in range(readings):
         setup = setups[number % len(setups)]
         share = (number + rng.uniform(0, 1)) / readings if len(low) == 1 else rng.uniform(0, 1, len(low))
         pose = tuple((low + (high - low) * share).tolist())
         approach = tuple(int(sign) for sign in rng.choice([-1, 1], len(low)))
-        calibration.absorb(Reading(setup.name, pose, approach, machine.read(setup, pose, approach, rng)))
-    return calibration
+        taken.append(Reading(setup.name, pose, approach, machine.read(setup, pose, approach, rng)))
+    return taken
 
 
-def _curve(calibration: Calibration, index: int, machine: VirtualMachine) -> Array:
+def _curve(estimation: Estimation, index: int, machine: VirtualMachine) -> Array:
     """Return at 101 positions whether one error's band holds its truth."""
-    function = calibration.problem.errors.functions[index]
+    function = estimation.case.errors.functions[index]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
     rows = function.basis.rows(positions)
-    variance = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
-    missed = machine.curves[index](positions) - rows @ calibration.belief.mean[function.columns]
+    variance = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
+    missed = machine.curves[index](positions) - rows @ estimation.knowledge.belief.mean[function.columns]
     held: Array = (np.abs(missed) <= BAND * np.sqrt(variance)).astype(float)
     return held
 
@@ -134,14 +135,14 @@ def gross(size: float, trials: int, readings: int = 30) -> Moved:
     shifts, naive, believed, bent = [], [], [], []
     for seed in range(trials):
         rng = np.random.default_rng((seed, 11))
-        clean = read_evenly(problem, simulator.drawn(seed), rng, readings)
-        bad, taken = int(rng.integers(readings)), clean.readings
+        taken = read_evenly(problem, simulator.drawn(seed), rng, readings)
+        bad = int(rng.integers(readings))
         wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
-        judged = _estimated(problem, wrong)
-        shifts.append(_shift(clean.concluded(), judged))
-        bent.append(_shift(_estimated(problem, [*wrong[:bad], *wrong[bad + 1 :]]), judged))
-        naive.append(_shift(*(_estimated(problem, _vouched_for(each)) for each in (taken, wrong))))
-        believed.append(not any(d.reading == bad and d.rejected for d in judged.doubts))
+        judged = concluded(problem, wrong)
+        shifts.append(_shift(concluded(problem, taken), judged))
+        bent.append(_shift(concluded(problem, [*wrong[:bad], *wrong[bad + 1 :]]), judged))
+        naive.append(_shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))))
+        believed.append(not any(d.reading == bad and d.rejected for d in judged.outliers))
     within, straight = (float(np.mean(np.array(each) <= 0.5)) for each in (shifts, bent))
     found = 1 - float(np.mean(believed))
     return Moved(size, max(shifts), float(np.median(shifts)), found, max(naive), within, max(bent), straight)
@@ -151,19 +152,12 @@ def _vouched_for(readings: Sequence[Reading]) -> list[Reading]:
     return [replace(reading, accepted=True) for reading in readings]
 
 
-def _estimated(problem: Case, readings: Sequence[Reading]) -> Calibration:
-    calibration = Calibration(problem)
-    for reading in readings:
-        calibration.absorb(reading)
-    return calibration.concluded()
-
-
-def _shift(clean: Calibration, other: Calibration) -> float:
+def _shift(clean: Estimation, other: Estimation) -> float:
     """Return the largest distance between two estimates, in units of the second one's σ."""
     largest = 0.0
-    for function in clean.problem.errors.functions:
+    for function in clean.case.errors.functions:
         rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
-        std = np.sqrt(np.sum((rows @ other.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
-        moved = rows @ (other.belief.mean[function.columns] - clean.belief.mean[function.columns])
+        std = np.sqrt(np.sum((rows @ other.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+        moved = rows @ (other.knowledge.belief.mean[function.columns] - clean.knowledge.belief.mean[function.columns])
         largest = max(largest, float(np.max(np.abs(moved) / std)))
     return largest

@@ -15,8 +15,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.planning.planner import Planner
 from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
 
@@ -34,7 +32,7 @@ def _description(*setups: str) -> CampaignDescription:
 def _record(path: Path, *setups: str) -> Path:
     description = _description(*setups)
     truth = Simulator(description.machine, description.setups).drawn(SEED)
-    with Campaign.create(path, description, lambda _: Planner(Case(description))) as campaign:
+    with Campaign.create(path, description) as campaign:
         campaign.run(SimulatedSource(truth, SEED), lambda _: None)
     return path
 

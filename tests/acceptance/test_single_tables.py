@@ -17,11 +17,9 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.compensation.effect import Control, left_by, table_control
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.case import Case
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.planner import Planner
 from axiscal.report.check_report import judgement_document, judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
 
@@ -56,7 +54,7 @@ HUGE = "1 mm"
 def checked(folder: Path) -> tuple[Check, VirtualMachine]:
     described = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
     truth = Simulator(described.machine, described.setups).drawn(8)
-    with Campaign.create(folder / "bench.axiscal", described, lambda _: Planner(Case(described))) as campaign:
+    with Campaign.create(folder / "bench.axiscal", described) as campaign:
         campaign.run(SimulatedSource(truth, 8), lambda _: None)
     with Campaign.open(folder / "bench.axiscal", write=False) as campaign:
         return Check.of(campaign, "csv"), truth

@@ -21,14 +21,12 @@ from axiscal.compensation.effect import Control, left_by, table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.planner import Planner
 from axiscal.report.check_report import judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
 
@@ -86,17 +84,15 @@ def simulator() -> Simulator:
 @pytest.fixture(scope="module")
 def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("verify") / "bench.axiscal"
-    with Campaign.create(path, description(), lambda _: Planner(problem())) as campaign:
+    with Campaign.create(path, description()) as campaign:
         campaign.run(SimulatedSource(simulator().drawn(SEED), SEED), lambda _: None)
     return path
 
 
 @pytest.fixture(scope="module")
 def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
-    with Campaign.open(record, lambda _: Planner(problem()), write=False) as campaign:
-        engine = campaign.engine
-        assert isinstance(engine, Calibration)
-        estimate = Estimate(problem().errors, engine.belief, description().target.volume)
+    with Campaign.open(record, write=False) as campaign:
+        estimate = campaign.known().estimate
         return estimate, tuple(campaign.state.readings), export(estimate, "csv", ExportOptions()).control
 
 
@@ -282,10 +278,8 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     assert all(f"from {p['approach']}" in shown for p in planned)
     assert f"Copy {plan} to found.csv and left.csv, and fill in value_um" in " ".join(shown.split())
     truth = simulator().drawn(SEED)
-    with Campaign.open(record, lambda _: Planner(problem()), write=False) as campaign:
-        engine = campaign.engine
-        assert isinstance(engine, Calibration)
-        estimate = Estimate(problem().errors, engine.concluded().belief, description().target.volume)
+    with Campaign.open(record, write=False) as campaign:
+        estimate = campaign.concluded().estimate
     control = table_control(estimate.machine, export(estimate, "linuxcnc", ExportOptions()).tables)
     files = [
         filled(plan, [r.value for r in readings(truth, places, c, 3)], tmp_path / name)

@@ -13,8 +13,8 @@ from axiscal.compensation.effect import Control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
@@ -59,10 +59,10 @@ def described() -> CampaignDescription:
 @cache
 def known() -> tuple[Estimate, Control]:
     """An estimate that has seen the machine in 60 readings, and its tables."""
-    calibration, rng = Calibration(Case(described())), np.random.default_rng(1)
-    for x in np.linspace(-0.2, 0.5, 60).tolist():
-        calibration.absorb(Reading("laser", (x,), (1,), float(-error(np.array(x)) + rng.normal(0, NOISE))))
-    estimate = calibration.concluded().estimate()
+    rng, places = np.random.default_rng(1), np.linspace(-0.2, 0.5, 60).tolist()
+    values = [float(-error(np.array(x)) + rng.normal(0, NOISE)) for x in places]
+    readings = [Reading("laser", (x,), (1,), value) for x, value in zip(places, values, strict=True)]
+    estimate = concluded(Case(described()), readings).estimate
     return estimate, export(estimate, "csv", ExportOptions()).control
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import read_campaign
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import estimated
+from axiscal.estimate.estimation import Estimation
 from axiscal.measurement.reading import Reading
 
 MACHINE = """
@@ -33,17 +34,16 @@ approach = "APPROACH"
 """
 
 
-def calibration(folder: Path, unknowns: str = '{ zero = "1 mm" }', approach: str = "+") -> Calibration:
+def case(folder: Path, unknowns: str = '{ zero = "1 mm" }', approach: str = "+") -> Case:
     (folder / "machine.toml").write_text(MACHINE)
     text = CAMPAIGN.replace("UNKNOWNS", unknowns).replace("APPROACH", approach)
     (folder / f"{approach}.toml").write_text(text)
-    return Calibration(Case(read_campaign(folder / f"{approach}.toml")))
+    return Case(read_campaign(folder / f"{approach}.toml"))
 
 
-def read(into: Calibration, sides: tuple[int, ...]) -> Calibration:
-    for number, x in enumerate(np.linspace(0.05, 0.65, 8)):
-        into.absorb(Reading("laser", (float(x),), (sides[number % len(sides)],), 1e-6 * number))
-    return into
+def read(stated: Case, sides: tuple[int, ...]) -> Estimation:
+    places = enumerate(np.linspace(0.05, 0.65, 8).tolist())
+    return estimated(stated, [Reading("laser", (x,), (sides[n % len(sides)],), 1e-6 * n) for n, x in places])
 
 
 @pytest.mark.parametrize(("unknowns", "counted"), [('{ zero = "1 mm" }', False), ("{}", True)])
@@ -52,34 +52,34 @@ def test_the_rms_is_that_of_samples_of_the_belief(
     tmp_path: Path, unknowns: str, counted: bool, sides: tuple[int, ...]
 ) -> None:
     """A constant shift is taken off where the dial's zero hides it, and only there."""
-    known = read(calibration(tmp_path, unknowns, "both"), sides)
-    errors, rng = known.problem.errors, np.random.default_rng(1)
+    known = read(case(tmp_path, unknowns, "both"), sides)
+    errors, rng = known.case.errors, np.random.default_rng(1)
     poses = rng.uniform(0, 0.7, (400, 1))
     approaches = rng.choice([-1.0, 1.0], (400, 1))
     rows = errors.rows(poses, approaches)[:, 0]
-    deviations = known.belief.sample(rng, 4000)[:, : errors.size] - known.belief.mean[: errors.size]
+    deviations = known.knowledge.belief.sample(rng, 4000)[:, : errors.size] - known.knowledge.belief.mean[: errors.size]
     found = deviations @ rows.T
     if not counted:
-        mean = known.problem.yardstick.moments.mean[0]
+        mean = known.case.yardstick.moments.mean[0]
         found = found - (deviations @ mean)[:, None]
-    assert known.accuracy().rms == pytest.approx(np.sqrt(np.mean(found**2)), rel=0.04)
+    assert known.accuracy.rms == pytest.approx(np.sqrt(np.mean(found**2)), rel=0.04)
 
 
 @pytest.mark.parametrize("sides", [(1, -1), (0,), (1, 0)])
 def test_readings_from_other_sides_than_allowed_are_judged_by_what_they_see(
     tmp_path: Path, sides: tuple[int, ...]
 ) -> None:
-    narrow = read(calibration(tmp_path, approach="+"), sides)
-    wide = read(calibration(tmp_path, approach="both"), sides)
-    assert narrow.accuracy() == pytest.approx(wide.accuracy(), rel=1e-9)
-    assert narrow.accuracy().rms >= narrow.problem.yardstick.unseen_rms
-    assert narrow.accuracy().seen <= narrow.accuracy().rms
-    assert narrow.problem.description.setups[0].approach == "+"
+    narrow = read(case(tmp_path, approach="+"), sides)
+    wide = read(case(tmp_path, approach="both"), sides)
+    assert narrow.accuracy == pytest.approx(wide.accuracy, rel=1e-9)
+    assert narrow.accuracy.rms >= narrow.case.yardstick.unseen_rms
+    assert narrow.accuracy.seen <= narrow.accuracy.rms
+    assert narrow.case.description.setups[0].approach == "+"
 
 
 def test_a_reversal_that_one_side_cannot_show_is_counted_but_does_not_stall(tmp_path: Path) -> None:
-    known = read(calibration(tmp_path, approach="+"), (1,))
-    figures = known.accuracy()
+    known = read(case(tmp_path, approach="+"), (1,))
+    figures = known.accuracy
     assert figures.rms > 1.4e-6
     assert figures.seen < np.sqrt(figures.rms**2 - 1.4e-6**2)
-    assert known.problem.yardstick.unseen_rms == pytest.approx(1.5e-6, rel=0.05)
+    assert known.case.yardstick.unseen_rms == pytest.approx(1.5e-6, rel=0.05)

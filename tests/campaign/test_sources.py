@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,7 +19,10 @@ from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.machine import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.setup import Setup
+from axiscal.simulation import Simulator
 
 AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
 SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")
@@ -28,31 +30,8 @@ LEVEL = replace(SETUP, name="level on the table", instrument="level")
 REQUEST = Request(7, SETUP, AXES, (0.12, math.radians(30)), (1, 0))
 
 
-class Drawn:
-    """A virtual machine whose readings tell which machine, where, and how noisy."""
-
-    def __init__(self, seed: int) -> None:
-        self.seed = seed
-
-    def read_all(
-        self,
-        setup: Setup,
-        pose: tuple[float, ...],
-        approach: tuple[int, ...],
-        rng: np.random.Generator,
-        seconds: float = 0.0,
-    ) -> tuple[float, ...]:
-        return (self.seed + pose[0] + float(rng.normal()),)
-
-
-class Simulation:
-    def drawn(self, seed: int) -> Drawn:
-        return Drawn(seed)
-
-    def from_curves(self, path: Path, seed: int) -> Drawn:
-        if not path.exists():
-            raise ReadingError("the file cannot be read", "check the name", path)
-        return Drawn(seed)
+MACHINE = Machine("table", AXES, 0.0, (ErrorEntry("EXX", 1e-5, knots=4),), "", "")
+SIMULATOR = Simulator(MACHINE, (SETUP,))
 
 
 Opened = Callable[[str], Source]
@@ -63,7 +42,7 @@ def opened() -> Iterator[Opened]:
     sources: list[Source] = []
 
     def open_one(text: str) -> Source:
-        sources.append(open_source(text, Simulation(), timeout=20))
+        sources.append(open_source(text, SIMULATOR, timeout=20))
         return sources[-1]
 
     yield open_one
@@ -253,8 +232,11 @@ def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) 
 
 
 def test_given_curves_are_read_by_the_simulation(opened: Opened, tmp_path: Path) -> None:
-    (tmp_path / "truth.csv").touch()
-    assert isinstance(opened(f"truth:{tmp_path}/truth.csv").read(REQUEST), Answer)
+    """X bears the workpiece: where this stands 50 um further along x, the tool stands 50 um short."""
+    (tmp_path / "truth.csv").write_text("error,position_mm,value_um\nEXX,0,50\nEXX,600,50\n")
+    answer = opened(f"truth:{tmp_path}/truth.csv").read(REQUEST)
+    assert isinstance(answer, Answer)
+    assert answer.value == pytest.approx(-50e-6, abs=6 * SETUP.noise)
 
 
 @pytest.fixture
@@ -275,10 +257,10 @@ def test_a_table_answers_in_its_order(table: Callable[[str], Source]) -> None:
 
 def test_a_resumed_run_goes_on_in_the_table(tmp_path: Path) -> None:
     (tmp_path / "r.csv").write_text("value_um\n1\n2\n3\n")
-    source = open_source(f"csv:{tmp_path}/r.csv", Simulation(), taken=2)
+    source = open_source(f"csv:{tmp_path}/r.csv", SIMULATOR, taken=2)
     assert source.read(REQUEST) == Answer(3e-6)
     with pytest.raises(SourceError, match="fewer readings than the 4"):
-        open_source(f"csv:{tmp_path}/r.csv", Simulation(), taken=4)
+        open_source(f"csv:{tmp_path}/r.csv", SIMULATOR, taken=4)
 
 
 def test_a_row_that_agrees_is_answered(table: Callable[[str], Source]) -> None:
@@ -330,7 +312,7 @@ def test_whatever_number_a_table_holds_is_answered(value: float, unit: str) -> N
 
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "r.csv").write_text(f"value_{unit}\n{value!r}\n")
-        answer = open_source(f"csv:{folder}/r.csv", Simulation()).read(REQUEST)
+        answer = open_source(f"csv:{folder}/r.csv", SIMULATOR).read(REQUEST)
     scale = {"um": 1e6, "mm": 1e3, "nm": 1e9}[unit]
     assert isinstance(answer, Answer)
     assert answer.value == pytest.approx(value / scale, rel=1e-15)

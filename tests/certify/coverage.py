@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.gain import Scorer
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import estimated
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.report.curves import constants, curves
 from axiscal.simulation import Simulator, VirtualMachine
@@ -69,14 +71,12 @@ class Trial:
         description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
         self.name, self.description = name, description
         self.visits = planned(Case(description), readings or usual)
-        self.calibration = Calibration(Case(description))
-        for visit in self.visits:
-            self.calibration.absorb(visit)
-        self.gain = _gain(self.calibration, self.visits)
-        self.functions = self.calibration.problem.errors.functions
-        self.poses, self.approaches = _spread_poses(self.calibration)
-        self.tcp_std = tcp_prediction(self.calibration, self.poses, self.approaches)[1]
-        self.stds = printed_stds(self.calibration)
+        self.estimation = estimated(Case(description), self.visits)
+        self.gain = _gain(self.estimation, self.visits)
+        self.functions = self.estimation.case.errors.functions
+        self.poses, self.approaches = _spread_poses(self.estimation)
+        self.tcp_std = tcp_prediction(self.estimation, self.poses, self.approaches)[1]
+        self.stds = printed_stds(self.estimation)
 
     def judged(self, machines: int, first: int = 0) -> list[Covered]:
         """Return the coverage of every error's band and of the TCP's over so many virtual machines."""
@@ -91,7 +91,7 @@ class Trial:
     def estimate(self, machine: VirtualMachine, seed: int) -> Array:
         """Return the coefficients estimated from a machine's readings."""
         coefficients: Array = self.gain @ self.values(machine, seed)
-        return coefficients[: self.calibration.problem.errors.size]
+        return coefficients[: self.estimation.case.errors.size]
 
     def values(self, machine: VirtualMachine, seed: int) -> Array:
         """Return what the set-ups read of a machine."""
@@ -113,28 +113,28 @@ class Trial:
             _share(curve(positions) - f.basis.rows(positions) @ estimate[f.columns], std)
             for f, curve, (positions, std) in zip(self.functions, machine.curves, self.stds, strict=True)
         ]
-        rows = self.calibration.problem.errors.rows(self.poses, self.approaches)
+        rows = self.estimation.case.errors.rows(self.poses, self.approaches)
         truth = machine.deviation(self.poses, self.approaches)
         return [*shares, _share(truth - rows @ estimate, self.tcp_std)]
 
 
 def planned(problem: Case, readings: int) -> list[Reading]:
     """Return readings one after another, each the best of the program's candidates; their values are not looked at."""
-    calibration, taken = Calibration(problem), list[Reading]()
+    known, taken = problem.knowledge, list[Reading]()
     for _ in range(readings):
-        scorer = Scorer.of(calibration.observation, calibration.belief, problem.yardstick.root)
+        scorer = Scorer.of(known.observation, known.belief, problem.yardstick.root)
         best = int(scorer.gains(problem.lattice).argmax())
         setup, pose = problem.description.setups[problem.lattice.setups[best]], problem.lattice.poses[best]
         approach = tuple(int(sign) for sign in problem.lattice.approaches[best])
         taken.append(Reading(setup.name, tuple(pose.tolist()), approach, 0.0))
-        calibration.absorb(taken[-1])
+        known = known.read(taken[-1:])
     return taken
 
 
-def printed_stds(calibration: Calibration) -> list[tuple[Array, Array]]:
+def printed_stds(estimation: Estimation) -> list[tuple[Array, Array]]:
     """Return positions and standard deviations of every error as the report prints them, in SI."""
-    shown = {curve.name: curve for curve in curves(calibration, (), None)}
-    single = {constant.name: constant for constant in constants(calibration, None)}
+    shown = {curve.name: curve for curve in curves(estimation, (), None)}
+    single = {constant.name: constant for constant in constants(estimation, None)}
 
     def of(function: ErrorFunction) -> tuple[Array, Array]:
         if function.name in single:
@@ -144,7 +144,7 @@ def printed_stds(calibration: Calibration) -> list[tuple[Array, Array]]:
         positions = [from_unit(x, curve.position_unit) for x in curve.position]
         return np.array(positions), np.array([from_unit(s, curve.value_unit) for s in curve.std])
 
-    return [of(function) for function in calibration.problem.errors.functions]
+    return [of(function) for function in estimation.case.errors.functions]
 
 
 def _share(error: Array, std: Array) -> float:
@@ -152,10 +152,10 @@ def _share(error: Array, std: Array) -> float:
     return float(held[std > 0].mean())
 
 
-def _gain(calibration: Calibration, visits: list[Reading]) -> Array:
+def _gain(estimation: Estimation, visits: list[Reading]) -> Array:
     """Return K with posterior mean = K values: C Hᵀ R⁻¹ with the posterior C."""
-    rows, variances, _, _ = calibration.rows_of(visits)
-    factor = calibration.belief.factor
+    rows, variances, _, _ = seen(estimation.knowledge.observation, visits)
+    factor = estimation.knowledge.belief.factor
     gain: Array = factor @ (rows @ factor).T / variances
     return gain
 
@@ -164,8 +164,8 @@ def _stacked(visits: list[Reading]) -> tuple[Array, Array]:
     return np.array([v.pose for v in visits]), np.array([v.approach for v in visits], dtype=float)
 
 
-def _spread_poses(calibration: Calibration) -> tuple[Array, Array]:
-    axes, rng = calibration.problem.errors.machine.axes, np.random.default_rng(1)
+def _spread_poses(estimation: Estimation) -> tuple[Array, Array]:
+    axes, rng = estimation.case.errors.machine.axes, np.random.default_rng(1)
     low, high = np.array([axis.travel for axis in axes]).T
     size = (_POSES, len(axes))
     return rng.uniform(low, high, size), rng.choice([-1.0, 1.0], size)

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
@@ -65,7 +64,7 @@ def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
     with Campaign.open(out / "campaign.axiscal") as kept:
         assert len(kept.state.readings) == 6
         assert kept.state.finished is None
-        assert np.max(np.abs(calibration_of(kept.engine).belief.mean[:21])) < 50e-6
+        assert np.max(np.abs(kept.concluded().knowledge.belief.mean[:21])) < 50e-6
 
 
 def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
@@ -79,9 +78,9 @@ def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
         assert run(["record", record, value]) == 0
         assert ("mm instead of um?" in capsys.readouterr().out) == (value == "2.5 mm")
     with Campaign.open(Path(record)) as campaign:
-        calibration = calibration_of(campaign.engine)
-        assert [(doubt.reading, doubt.rejected) for doubt in calibration.doubts] == [(2, True)]
-        assert np.max(np.abs(calibration.belief.mean[:21])) < 50e-6
+        estimation = campaign.concluded()
+        assert [(doubt.reading, doubt.rejected) for doubt in estimation.outliers] == [(2, True)]
+        assert np.max(np.abs(estimation.knowledge.belief.mean[:21])) < 50e-6
     assert run(["finish", record, "--out", str(tmp_path / "d")]) == 0
     warnings = json.loads((tmp_path / "d" / "result.json").read_text())["warnings"]
     (text,) = [warning["text"] for warning in warnings if "Reading 3" in warning["text"]]

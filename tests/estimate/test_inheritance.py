@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.estimate.changes import changes
@@ -44,27 +43,27 @@ def _curve(size: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> None:
     last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     with Campaign.open(last) as campaign:
-        old = calibration_of(campaign.engine)
+        old = campaign.concluded()
     for kept in (1.0, 0.8):
         description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
         with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size = calibration_of(campaign.engine), old.problem.errors.size
-            rest = old.problem.errors.functions[0].rest ** 2 * np.eye(size)
-            rest[old.problem.errors.names["EXX_reversal"].columns] = 0.0
-            expected = kept**2 * (old.belief.covariance[:size, :size] + rest)
-            expected += (1 - kept**2) * old.problem.errors.prior_covariance()
-            assert new.belief.mean[:size] == pytest.approx(kept * old.belief.mean[:size], abs=1e-12)
-            assert np.abs(new.belief.covariance[:size, :size] - expected).max() < 1e-17
+            new, size = campaign.concluded(), old.case.errors.size
+            rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
+            rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
+            expected = kept**2 * (old.knowledge.belief.covariance[:size, :size] + rest)
+            expected += (1 - kept**2) * old.case.errors.prior_covariance()
+            assert new.knowledge.belief.mean[:size] == pytest.approx(kept * old.knowledge.belief.mean[:size], abs=1e-12)
+            assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
 
 
 def test_the_record_needs_no_other_file(tmp_path: Path) -> None:
     last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     new = _record(tmp_path, _curve(8e-6), 'prior = "last.axiscal"', "new.axiscal")
     with Campaign.open(new) as campaign:
-        before = calibration_of(campaign.engine).belief.mean
+        before = campaign.concluded().knowledge.belief.mean
     last.unlink()
     with Campaign.open(new) as campaign:
-        assert calibration_of(campaign.engine).belief.mean == pytest.approx(before)
+        assert campaign.concluded().knowledge.belief.mean == pytest.approx(before)
 
 
 def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path: Path) -> None:
@@ -72,9 +71,9 @@ def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path:
     for size, expected in ((8e-6, []), (-8e-6, ["EXX"])):
         path = _record(tmp_path, _curve(size), 'prior = "last.axiscal"', f"new{expected}.axiscal")
         with Campaign.open(path) as campaign:
-            calibration = calibration_of(campaign.engine)
-            assert [change.name for change in changes(calibration)] == expected
-            said = [finding for finding in findings(calibration) if finding.code == "drift"]
+            estimation = campaign.concluded()
+            assert [change.name for change in changes(estimation)] == expected
+            said = [finding for finding in findings(estimation) if finding.code == "drift"]
             assert [finding.error for finding in said] == expected
 
 
@@ -97,16 +96,16 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
                 campaign.adopt(
                     tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
                 )
-            found[scales] = calibration_of(campaign.engine)
+            found[scales] = campaign.concluded()
     stated, learnt = found["stated"], found["estimate"]
-    size = stated.problem.errors.size
+    size = stated.case.errors.size
     assert learnt.fit is not None
     assert {scale.kind for scale in learnt.fit.scales.of} == {"noise", "rest"}
-    assert 1e-6 < learnt.problem.description.setups[0].noise < 2.5e-6
-    assert np.array_equal(learnt.problem.prior.covariance[:size, :size], stated.problem.prior.covariance[:size, :size])
-    assert np.array_equal(learnt.problem.prior.mean, stated.problem.prior.mean)
-    curve = learnt.problem.errors.names["EXX"]
-    widths = [np.linalg.norm(each.belief.factor[curve.columns]) for each in (stated, learnt)]
+    assert 1e-6 < learnt.case.description.setups[0].noise < 2.5e-6
+    assert np.array_equal(learnt.case.prior.covariance[:size, :size], stated.case.prior.covariance[:size, :size])
+    assert np.array_equal(learnt.case.prior.mean, stated.case.prior.mean)
+    curve = learnt.case.errors.names["EXX"]
+    widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
     assert widths[1] > widths[0]
     assert any("the noise of" in finding.text for finding in findings(learnt))
 

@@ -12,13 +12,15 @@ from hypothesis import strategies as st
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.absorbed import Absorbed, absorbed
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded, estimated
 from axiscal.estimate.history import path
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.updating import absorbed
+from axiscal.estimate.learnt import counts_to_learn_from, learnt
+from axiscal.estimate.located import located
+from axiscal.estimate.updating import blocks
 from axiscal.exceptions import ShapeError
-from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import drawn, mixed
 
@@ -29,18 +31,14 @@ def _turning(problem: Case, count: int) -> list[Reading]:
     return [replace(r, approach=(1, 1, -1)) if i < count // 3 else r for i, r in enumerate(readings)]
 
 
-def _one_by_one(
-    problem: Case, readings: Sequence[Reading], weights: Sequence[float]
-) -> tuple[Calibration, list[Accuracy]]:
-    again = Calibration(problem)
-    again._hindsight = True
-    again._trusted = again._trusted._replace(weights=tuple(weight or 1.0 for weight in weights))
-    again._implausible = {i: Doubt(i, 99.0, NOTHING, True) for i, weight in enumerate(weights) if weight == 0}
-    known = []
-    for reading in readings:
-        again.absorb(reading)
-        known.append(again.accuracy())
-    return again, known
+def _one_by_one(case: Case, readings: Sequence[Reading], weights: Sequence[float]) -> tuple[Absorbed, list[Accuracy]]:
+    known = Absorbed.nothing(case, Verdict((), tuple(weight or 1.0 for weight in weights)))
+    implausible = {i: Doubt(i, 99.0, NOTHING, True) for i, weight in enumerate(weights) if weight == 0}
+    accuracies = []
+    for count in range(1, len(readings) + 1):
+        known = absorbed(known, readings[:count], implausible)
+        accuracies.append(known.case.yardstick.measure(known.knowledge.belief))
+    return known, accuracies
 
 
 @pytest.mark.parametrize("together", [7, 400])
@@ -52,43 +50,46 @@ def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatc
     weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(60)]
     twin, seen_by_twin = _one_by_one(problem, readings, weights)
     known, surprises = list[Accuracy](), list[Innovations]()
-    for case, part in absorbed(problem, Knowledge(problem.observation, problem.prior), readings, weights):
+    for case, part in blocks(problem, problem.knowledge, readings, weights):
         known += part.accuracies(case.yardstick)
         surprises += part.innovations
     after = part.after
-    assert after.observation.cells == twin.observation.cells
-    spread = np.sqrt(np.diag(twin.belief.covariance))
-    np.testing.assert_array_less(np.abs(after.belief.mean - twin.belief.mean), 1e-8 * spread)
-    apart = (after.belief.covariance - twin.belief.covariance) / np.outer(spread, spread)
+    assert after.observation.cells == twin.knowledge.observation.cells
+    spread = np.sqrt(np.diag(twin.knowledge.belief.covariance))
+    np.testing.assert_array_less(np.abs(after.belief.mean - twin.knowledge.belief.mean), 1e-8 * spread)
+    apart = (after.belief.covariance - twin.knowledge.belief.covariance) / np.outer(spread, spread)
     assert np.max(np.abs(apart)) < 1e-9
     for mine, theirs in zip(surprises, twin.innovations, strict=True):
         np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)
         np.testing.assert_array_less(np.abs(mine.value - theirs.value), 1e-7 * theirs.std + 1e-9 * abs(theirs.value))
-    assert case.both == twin.problem.both == {"probe", "nest"}
+    assert case.both == twin.case.both == {"probe", "nest"}
     np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
 
 
 @pytest.mark.parametrize("scales", ["", 'scales = "estimate"'])
-def test_the_history_is_that_of_a_replay(scales: str) -> None:
-    problem = mixed(scales)
-    calibration, readings = Calibration(problem), _turning(problem, 24)
+def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
+    """Which readings are bad is known from the first one on, scales are learnt as readings come."""
+    case = mixed(scales)
+    readings = _turning(case, 24)
     readings[15] = replace(readings[15], value=2.0)
-    for reading in readings:
-        calibration.absorb(reading)
-    concluded = calibration.concluded()
-    replay = concluded.replay()
-    moments = path(concluded)
-    assert moments[0].accuracy == replay.accuracy()
-    assert moments[0].innovations is None
+    known = concluded(case, readings)
+    moments, learnt_at = path(known), counts_to_learn_from(case, 23)
+    twin, implausible = Absorbed.nothing(case, known.stages.absorbed.verdict), known.stages.judged.implausible
+    assert moments[0] == (case.yardstick.measure(case.prior), None, 0.0)
     assert len(moments) == 25
-    for moment, reading in zip(moments[1:], readings, strict=True):
-        replay.absorb(reading)
-        assert moment.seconds == replay.seconds
-        np.testing.assert_allclose(moment.accuracy, replay.accuracy(), rtol=1e-8)
+    assert bool(learnt_at) == bool(scales)
+    for count, moment in enumerate(moments[1:24], start=1):
+        if count in learnt_at:
+            twin = located(learnt(case, readings[:count], implausible), readings[:count], implausible)
+        twin = absorbed(twin, readings[:count], implausible)
+        assert moment.seconds == known.stages.timed.ends[count - 1]
+        np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-8)
         assert moment.innovations is not None
-        np.testing.assert_allclose(moment.innovations.std, replay.innovations[-1].std, rtol=1e-8)
-        sizes = moment.innovations.value - replay.innovations[-1].value
+        np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-8)
+        sizes = moment.innovations.value - twin.innovations[-1].value
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
+    np.testing.assert_allclose(moments[24].accuracy, known.accuracy, rtol=1e-8)
+    assert moments[24].seconds == known.seconds
 
 
 @given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))
@@ -140,16 +141,14 @@ def test_readings_that_cannot_be_are_refused() -> None:
 
 def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:
     """A bad one amid the others, which is found out by those that follow it."""
-    problem = mixed()
-    readings = drawn(problem, 40)
+    case = mixed()
+    readings = drawn(case, 40)
     readings[12] = replace(readings[12], value=readings[12].value + 90e-6)
-    at_once, one_by_one = Calibration(problem), Calibration(problem)
-    for reading in readings:
-        at_once.absorb(reading)
-        one_by_one.absorb(reading)
-        assert one_by_one.accuracy().rms > 0.0
-    assert [(doubt.reading, doubt.rejected) for doubt in at_once.doubts] == [(12, True)]
-    np.testing.assert_allclose(at_once.doubts, one_by_one.doubts, rtol=1e-9)
-    np.testing.assert_allclose(at_once.accuracy(), one_by_one.accuracy(), rtol=1e-9)
+    at_once, one_by_one = estimated(case, readings), estimated(case, ())
+    for count in range(1, 41):
+        one_by_one = estimated(case, readings[:count], one_by_one)
+    assert [(doubt.reading, doubt.rejected) for doubt in at_once.outliers] == [(12, True)]
+    np.testing.assert_allclose(at_once.outliers, one_by_one.outliers, rtol=1e-9)
+    np.testing.assert_allclose(at_once.accuracy, one_by_one.accuracy, rtol=1e-9)
     for mine, theirs in zip(at_once.innovations, one_by_one.innovations, strict=True):
         np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)

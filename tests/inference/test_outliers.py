@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded, estimated
+from axiscal.estimate.estimation import Estimation
 from axiscal.inference.implausible import unit_guess
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
@@ -48,15 +48,12 @@ def _readings(seed: int, count: int = 30) -> list[Reading]:
     return [taken((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
 
 
-def _calibrated(readings: list[Reading]) -> Calibration:
-    calibration = Calibration(Case(_description()))
-    for reading in readings:
-        calibration.absorb(reading)
-    return calibration
+def _calibrated(readings: list[Reading]) -> Estimation:
+    return estimated(Case(_description()), readings)
 
 
-def _estimated(readings: list[Reading]) -> Calibration:
-    return _calibrated(readings).concluded()
+def _estimated(readings: list[Reading]) -> Estimation:
+    return concluded(Case(_description()), readings)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -65,17 +62,17 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(see
     bad = int(np.random.default_rng(seed).integers(2, 28))
     wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
     before, after = _estimated(clean), _estimated(wrong)
-    assert [d.reading for d in after.doubts if d.rejected] == [bad]
-    for function in before.problem.errors.functions:
+    assert [d.reading for d in after.outliers if d.rejected] == [bad]
+    for function in before.case.errors.functions:
         rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
-        std = np.sqrt(np.sum((rows @ after.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
-        size = before.problem.errors.size
-        moved = rows @ (after.belief.mean[:size] - before.belief.mean[:size])[function.columns]
+        std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+        size = before.case.errors.size
+        moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
         assert np.all(np.abs(moved) <= 0.5 * std)
 
 
 def test_readings_that_agree_are_all_believed() -> None:
-    assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).doubts)
+    assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).outliers)
 
 
 def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
@@ -104,20 +101,20 @@ def test_values_a_thousand_times_too_small_are_guessed_to_be_in_another_unit() -
 def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
     readings = _readings(2)
     readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)
-    assert not any(doubt.reading == 9 for doubt in _estimated(readings).doubts)
+    assert not any(doubt.reading == 9 for doubt in _estimated(readings).outliers)
 
 
 def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
     pair = [Reading("laser", (0.5,), (1,), 0.0), Reading("laser", (0.5,), (1,), 1e-4)]
     spread = [Reading("laser", (x,), (1,), 5e-5) for x in (0.0, 0.1, 0.9, 1.0)]
-    assert _estimated(pair + spread).doubts == ()
+    assert _estimated(pair + spread).outliers == ()
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
     bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
     wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(_readings(seed))]
-    refused = {doubt.reading for doubt in _estimated(wrong).doubts if doubt.rejected}
+    refused = {doubt.reading for doubt in _estimated(wrong).outliers if doubt.rejected}
     assert bad <= refused
     assert len(refused) <= 5
 
@@ -135,38 +132,38 @@ def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsy
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].accepted
         last = len(campaign.state.readings) - 1
-        assert last not in {doubt.reading for doubt in calibration_of(campaign.engine).doubts}
+        assert last not in {doubt.reading for doubt in campaign.concluded().outliers}
 
 
 def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
     readings = _readings(1, 6)
     readings[2] = replace(readings[2], value=2.5e-3)
     for count in range(3, 7):
-        for calibration in (_calibrated(readings[:count]), _estimated(readings[:count])):
-            assert [(d.reading, d.weight < 1e-6, d.implausible) for d in calibration.doubts] == [(2, True, True)]
+        for estimation in (_calibrated(readings[:count]), _estimated(readings[:count])):
+            assert [(d.reading, d.weight < 1e-6, d.implausible) for d in estimation.outliers] == [(2, True, True)]
             clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2])
-            size = clean.problem.errors.size
-            assert np.allclose(calibration.belief.mean[:size], clean.belief.mean[:size], atol=1e-9)
+            size = clean.case.errors.size
+            assert np.allclose(estimation.knowledge.belief.mean[:size], clean.knowledge.belief.mean[:size], atol=1e-9)
 
 
 def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
     readings = _readings(1, 6)
     readings[2] = replace(readings[2], value=2.5e-3, accepted=True)
-    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).doubts)
+    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).outliers)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
     large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
-    for calibration in (_calibrated(large), _estimated(large)):
-        assert not any(doubt.implausible for doubt in calibration.doubts)
-        assert calibration.misfit() < 5
+    for estimation in (_calibrated(large), _estimated(large)):
+        assert not any(doubt.implausible for doubt in estimation.outliers)
+        assert estimation.misfit() < 5
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
     large = [replace(reading, value=10 * reading.value) for reading in _readings(seed, 40)]
-    assert not any(doubt.implausible for doubt in _estimated(large).doubts)
+    assert not any(doubt.implausible for doubt in _estimated(large).outliers)
 
 
 def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:
@@ -175,10 +172,8 @@ def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:
     readings = _readings(4, 12)
     readings[0] = replace(readings[0], value=readings[0].value + 2.5e-3)
     readings[5] = replace(readings[5], value=readings[5].value - 1.3e-3)
-    calibration = Calibration(Case(description))
-    for reading in readings:
-        calibration.absorb(reading)
-    assert sorted(d.reading for d in calibration.concluded().doubts if d.implausible) == [0, 5]
+    estimation = concluded(Case(description), readings)
+    assert sorted(d.reading for d in estimation.outliers if d.implausible) == [0, 5]
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.history import path
 from axiscal.inference.outliers import FREEDOM, verdict
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
@@ -68,21 +69,15 @@ def test_the_weights_are_those_of_student_t_noise() -> None:
     assert np.array(found.weights) == pytest.approx(expected, abs=2e-3)
 
 
-def test_a_replay_ends_where_the_estimate_does() -> None:
-    problem = mixed()
-    readings = drawn(problem)
+def test_the_history_ends_where_the_estimate_does() -> None:
+    """Two bad readings amid the others are known from the first one on."""
+    case = mixed()
+    readings = drawn(case)
     readings[4] = replace(readings[4], value=readings[4].value + 90e-6)
     readings[6] = replace(readings[6], value=readings[6].value + 0.1)
-    calibration = Calibration(problem)
-    for reading in readings:
-        calibration.absorb(reading)
-    concluded = calibration.concluded()
-    again = concluded.replay()
-    for reading in readings:
-        again.absorb(reading)
-        assert again.accuracy().rms > 0.0
-    assert again.doubts == concluded.doubts
-    assert {doubt.reading for doubt in again.doubts if doubt.rejected} == {4, 6}
-    assert again.belief.mean == pytest.approx(concluded.belief.mean, abs=1e-12)
-    assert again.accuracy().rms == pytest.approx(concluded.accuracy().rms, rel=1e-9)
-    assert again.seconds == pytest.approx(concluded.seconds)
+    known = concluded(case, readings)
+    assert {doubt.reading for doubt in known.outliers if doubt.rejected} == {4, 6}
+    moments = path(known)
+    assert moments[5].accuracy.rms == pytest.approx(moments[4].accuracy.rms, rel=1e-9)
+    assert moments[-1].accuracy.rms == pytest.approx(known.accuracy.rms, rel=1e-9)
+    assert moments[-1].seconds == pytest.approx(known.seconds)

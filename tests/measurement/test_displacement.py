@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Actual, Nominal
@@ -50,13 +50,11 @@ EXX = {{ std = "50 um", knots = 5, length = "300 mm" }}
 def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: float, chain: str, std: str) -> None:
     """Along −x the carriage that goes too far reads −58.5 um/m; corrected the other way it would be 41 um."""
     text = CAMPAIGN.format(direction=direction, std=std)
-    calibration = Calibration(Case(campaign_from_texts(text, "c.toml", MACHINE.format(chain=chain), "m.toml")))
-    for x in np.linspace(-0.19, 0.49, 15).tolist():
-        calibration.absorb(Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)))
-    concluded = calibration.concluded()
-    errors = concluded.problem.errors
-    assert np.max(np.abs(concluded.belief.mean[: errors.size])) < 1e-9
-    assert not any(doubt.rejected for doubt in concluded.doubts)
+    case = Case(campaign_from_texts(text, "c.toml", MACHINE.format(chain=chain), "m.toml"))
+    places = np.linspace(-0.19, 0.49, 15).tolist()
+    estimation = concluded(case, [Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)) for x in places])
+    assert np.max(np.abs(estimation.estimate.mean)) < 1e-9
+    assert not any(doubt.rejected for doubt in estimation.outliers)
 
 
 TURNED = """name = "turned"

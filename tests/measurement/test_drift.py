@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.zero_drift import paths
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.inference.evidence import Evidence
@@ -102,20 +102,17 @@ def _readings(
     return [taken(i) for i in range(40)]
 
 
-def _estimated(description: CampaignDescription, readings: list[Reading]) -> Calibration:
-    calibration = Calibration(Case(description))
-    for reading in readings:
-        calibration.absorb(reading)
-    return calibration.concluded()
+def _estimated(description: CampaignDescription, readings: list[Reading]) -> Estimation:
+    return concluded(Case(description), readings)
 
 
-def _covered(calibration: Calibration, machine: VirtualMachine) -> float:
+def _covered(estimation: Estimation, machine: VirtualMachine) -> float:
     held = []
-    for function, curve in zip(calibration.problem.errors.functions, machine.curves, strict=True):
+    for function, curve in zip(estimation.case.errors.functions, machine.curves, strict=True):
         positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
         rows = function.basis.rows(positions)
-        variance = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
-        missed = curve(positions) - rows @ calibration.belief.mean[function.columns]
+        variance = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
+        missed = curve(positions) - rows @ estimation.knowledge.belief.mean[function.columns]
         held.append(np.abs(missed) <= 1.96 * np.sqrt(variance))
     return float(np.mean(np.concatenate(held)))
 
@@ -139,10 +136,10 @@ def test_a_stated_drift_is_found_and_the_bands_hold_which_they_do_not_without() 
 def test_the_report_says_how_large_a_stated_drift_was() -> None:
     description = _description()
     machine = Simulator(description.machine, description.setups).drawn(1)
-    calibration = _estimated(description, _readings(machine, description, 1))
-    (said,) = [finding.text for finding in findings(calibration) if finding.code == "drift"]
+    estimation = _estimated(description, _readings(machine, description, 1))
+    (said,) = [finding.text for finding in findings(estimation) if finding.code == "drift"]
     assert 'The zero of "laser" had moved by' in said
-    drift = next(c for c in constants(calibration, machine) if c.name == "laser: drift")
+    drift = next(c for c in constants(estimation, machine) if c.name == "laser: drift")
     assert drift.truth is not None
     assert abs(drift.mean - drift.truth) < 4 * drift.std
     assert drift.std < drift.prior_std / 3
@@ -205,12 +202,12 @@ def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
     text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
     description = campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill")
     machine = Simulator(description.machine, description.setups).drawn(1)
-    setup, rng, calibration = description.setups[0], np.random.default_rng(1), Calibration(Case(description))
+    setup, rng, readings = description.setups[0], np.random.default_rng(1), list[Reading]()
     middle = tuple(sum(axis.travel) / 2 for axis in description.machine.axes)
     for i in range(12):
         value, *others = machine.read_all(setup, middle, (1, 1, 1), rng, 600.0 * i)
-        calibration.absorb(Reading("r", middle, (1, 1, 1), value, others=tuple(others), time=600.0 * i))
-    found = paths(calibration.concluded(), setup)
+        readings.append(Reading("r", middle, (1, 1, 1), value, others=tuple(others), time=600.0 * i))
+    found = paths(concluded(Case(description), readings), setup)
     truth = np.array(machine.drifts["r"](6600.0)) - machine.drifts["r"](0.0)
     assert len(found) == 3
     assert all(abs(path.mean[-1] - moved) < 4 * path.std[-1] for path, moved in zip(found, truth, strict=True))
@@ -235,11 +232,11 @@ def test_the_loop_reads_markers_within_its_readings_and_finds_the_drift_of_a_vir
     simulator = Simulator(description.machine, description.setups)
     with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
         campaign.run(open_source("sim:4", simulator), lambda _: None)
-        readings, calibration = campaign.state.readings, calibration_of(campaign.engine)
+        readings, estimation = campaign.state.readings, campaign.concluded()
     assert len(readings) == 30
     assert sum(reading.pose == readings[0].pose for reading in readings) >= 3
     assert all(reading.time is None for reading in readings)  # no clock: what is planned counts
-    (path,) = paths(calibration, description.setups[0])
+    (path,) = paths(estimation, description.setups[0])
     moved = simulator.drawn(4).drifts["laser"]
     truth = moved(float(path.times[-1]))[0] - moved(float(path.times[0]))[0]
     assert abs(path.mean[-1] - truth) < 4 * path.std[-1]

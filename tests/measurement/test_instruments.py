@@ -12,8 +12,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.estimation import Estimation
+from axiscal.estimate.judged import Judged, judged, judged_at_once
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings
@@ -30,45 +32,48 @@ def _description(*setups: str) -> CampaignDescription:
     return campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill")
 
 
-def _fed(description: CampaignDescription, seed: int, count: int) -> tuple[Calibration, VirtualMachine]:
-    """Return the concluded calibration after so many readings of a virtual machine, in each set-up in turn."""
+def _fed(description: CampaignDescription, seed: int, count: int) -> tuple[Estimation, VirtualMachine]:
+    """Return what so many readings of a virtual machine make known, in each set-up in turn."""
     machine, rng = Simulator(description.machine, description.setups).drawn(seed), np.random.default_rng(seed)
-    calibration = Calibration(Case(description))
+    readings = list[Reading]()
     low, high = np.array([axis.travel for axis in description.machine.axes]).T
     for number in range(count):
         setup = description.setups[number % len(description.setups)]
         pose = tuple(map(float, rng.uniform(low, high)))
         value, *others = machine.read_all(setup, pose, (1, 1, 1), rng)
-        calibration.absorb(Reading(setup.name, pose, (1, 1, 1), value, others=tuple(others)))
-    return calibration.concluded(), machine
+        readings.append(Reading(setup.name, pose, (1, 1, 1), value, others=tuple(others)))
+    return concluded(Case(description), readings), machine
 
 
 @pytest.mark.parametrize("instrument", ["tracer", "ballbar", "tracker"])
 def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> None:
-    calibration, machine = _fed(_description(f'instrument = "{instrument}"\n{STATION}'), 5, 40)
-    columns = calibration.problem.observation.unknowns_of(0)
-    found, std = calibration.belief.mean[columns], np.sqrt(np.diagonal(calibration.belief.covariance)[columns])
-    hidden = [machine.offsets["0"][unknown.name] for unknown in calibration.problem.description.setups[0].unknowns]
+    estimation, machine = _fed(_description(f'instrument = "{instrument}"\n{STATION}'), 5, 40)
+    columns = estimation.case.observation.unknowns_of(0)
+    found, std = (
+        estimation.knowledge.belief.mean[columns],
+        np.sqrt(np.diagonal(estimation.knowledge.belief.covariance)[columns]),
+    )
+    hidden = [machine.offsets["0"][unknown.name] for unknown in estimation.case.description.setups[0].unknowns]
     assert np.all(np.abs(found - hidden) < 4 * std)
-    assert not any(doubt.rejected for doubt in calibration.doubts)
+    assert not any(doubt.rejected for doubt in estimation.outliers)
 
 
 def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
     """Linearised once, 5 mm beside a line of 1 m is an error of 12 um; where it stands, the noise is left."""
-    calibration, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
-    numbers = calibration.rows_of(calibration.readings)
-    left = numbers.values - numbers.rows @ calibration.belief.mean
+    estimation, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
+    numbers = seen(estimation.knowledge.observation, estimation.readings)
+    left = numbers.values - numbers.rows @ estimation.knowledge.belief.mean
     assert np.sqrt(np.mean(np.square(left))) < 2 * 0.3e-6
 
 
 def test_several_instruments_see_one_machine() -> None:
     kinds = ('instrument = "rtest"', f'instrument = "tracker"\n{STATION}', 'instrument = "level"\ndirection = "y"')
-    calibration, machine = _fed(_description(*kinds), 3, 60)
+    estimation, machine = _fed(_description(*kinds), 3, 60)
     poses = np.array([[0.1, 0.1, -0.1], [0.3, 0.2, -0.2], [0.5, 0.3, -0.3]])
-    errors, rng = calibration.problem.errors, np.ones((3, 3))
+    errors, rng = estimation.case.errors, np.ones((3, 3))
     rows, size = errors.rows(poses, rng), errors.size
-    left = np.diff(machine.deviation(poses, rng) - rows @ calibration.belief.mean[:size], axis=0)
-    spread = np.linalg.norm(np.diff(rows, axis=0) @ calibration.belief.factor[:size], axis=2)
+    left = np.diff(machine.deviation(poses, rng) - rows @ estimation.knowledge.belief.mean[:size], axis=0)
+    spread = np.linalg.norm(np.diff(rows, axis=0) @ estimation.knowledge.belief.factor[:size], axis=2)
     assert np.all(np.abs(left) < 4 * spread + 2e-6)
 
 
@@ -155,8 +160,6 @@ def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading
     errors = tuple(replace(entry, std=3 * entry.std) for entry in stated.machine.errors)
     worse = replace(stated, machine=replace(stated.machine, errors=errors))
     readings = _fed(worse, seed, 25)[0].readings
-    calibration = Calibration(Case(stated))
-    for reading in readings:
-        calibration.absorb(reading)
-        assert calibration.objection() is None
-    assert not calibration.implausible(readings)
+    case = Case(stated)
+    assert not judged(readings, Judged.none(case)).implausible
+    assert not judged_at_once(case, readings).implausible

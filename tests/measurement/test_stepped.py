@@ -16,8 +16,8 @@ from axiscal.description.placed_readings import placed_pose
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model.model import ErrorFunction, ErrorModel
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded
 from axiscal.estimate.knowledge import Knowledge
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import Machine
@@ -262,11 +262,12 @@ def test_it_sees_neither_offset_nor_inclination_of_a_way() -> None:
 def test_a_survey_gives_the_straightness_back() -> None:
     description = _described(LEVEL)
     machine, rng = Simulator(description.machine, description.setups).drawn(4), np.random.default_rng(4)
-    calibration, setup = Calibration(Case(description)), description.setups[0]
+    setup, readings = description.setups[0], list[Reading]()
     for place in np.linspace(0.05, 0.75, 15):
         pose = (float(place), 0.15)
-        calibration.absorb(Reading("survey", pose, (1, 0), machine.read(setup, pose, (1, 0), rng)))
-    belief, function = calibration.concluded().belief, calibration.problem.errors.names["EZX"]
+        readings.append(Reading("survey", pose, (1, 0), machine.read(setup, pose, (1, 0), rng)))
+    estimation = concluded(Case(description), readings)
+    belief, function = estimation.knowledge.belief, estimation.case.errors.names["EZX"]
     places = np.linspace(0.0, 0.8, 81)
     rows = np.zeros((81, len(belief.mean)))
     rows[:, function.columns] = function.basis.rows(places)

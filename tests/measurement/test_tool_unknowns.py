@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import estimated
 from axiscal.estimate.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
@@ -74,15 +74,15 @@ def _missed(unknowns: str) -> tuple[float, float]:
     described = _described("dmu60", f'instrument = "rtest"\n{unknowns}')
     machine = Simulator(described.machine, described.setups).drawn(0)
     machine = replace(machine, offsets={"it": {"zero_x": 2e-4, "tool_z": -_LONGER}})
-    calibration, rng = Calibration(Case(described)), np.random.default_rng(0)
+    readings, rng = list[Reading](), np.random.default_rng(0)
     ahead = (1,) * len(described.machine.axes)
     for pose in _poses(described.machine, 30, 2):
         value, *others = machine.read_all(described.setups[0], tuple(pose), ahead, rng)
-        calibration.absorb(Reading("it", tuple(map(float, pose)), ahead, value, others=tuple(others)))
-    at = _poses(described.machine, 200, 3)
-    mean, _ = tcp_prediction(calibration, at, np.ones_like(at))
+        readings.append(Reading("it", tuple(map(float, pose)), ahead, value, others=tuple(others)))
+    known, at = estimated(Case(described), readings), _poses(described.machine, 200, 3)
+    mean, _ = tcp_prediction(known, at, np.ones_like(at))
     left = machine.deviation(at, np.ones_like(at)) - mean
-    return float(np.sqrt(np.mean(np.sum((left - left.mean(axis=0)) ** 2, axis=1)))), calibration.accuracy().rms
+    return float(np.sqrt(np.mean(np.sum((left - left.mean(axis=0)) ** 2, axis=1)))), known.accuracy.rms
 
 
 def test_where_nothing_turns_the_tool_is_one_with_the_zero_and_no_unknown() -> None:

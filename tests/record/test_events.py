@@ -137,7 +137,7 @@ PLACE = Place("laser", (0.0,), (1,))
 PLAN = Planned((PLACE, Place("laser", (0.5,), (1,))), "7 rejected")
 
 
-def test_a_plan_survives_the_record_and_one_of_before_has_no_grounds() -> None:
+def test_a_plan_survives_the_record_and_one_of_before_rests_on_nothing() -> None:
     assert decode(*encode(PLAN)) == PLAN
     assert decode("planned", '{"places": []}') == Planned(())
 
@@ -158,4 +158,4 @@ def test_a_plan_survives_the_record_and_one_of_before_has_no_grounds() -> None:
 def test_what_was_not_planned_asks_for_the_plan_to_be_renewed(events: list[Event], renew: bool) -> None:
     state = fold(stored([CREATED, *events]))
     assert state.renew == renew
-    assert state.grounds == "7 rejected"
+    assert state.plan_basis == "7 rejected"

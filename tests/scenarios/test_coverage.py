@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import estimated
 from axiscal.machine import builtin_names
 from tests.certify.coverage import CLAIMED, MACHINES, SLACK, Covered, Trial
 
@@ -56,11 +56,10 @@ def test_the_gain_matrix_is_the_estimate_of_a_campaign() -> None:
     trial = Trial("three-axis-mill", readings=12)
     machine = trial.drawn(3)
     values = trial.values(machine, 3)
-    calibration = Calibration(Case(trial.description))
-    for visit, value in zip(trial.visits, values, strict=True):
-        calibration.absorb(replace(visit, value=float(value)))
-    std = np.linalg.norm(calibration.belief.factor, axis=1)
-    assert np.abs((calibration.belief.mean - trial.gain @ values) / std).max() < 1e-8
+    readings = [replace(visit, value=float(value)) for visit, value in zip(trial.visits, values, strict=True)]
+    estimation = estimated(Case(trial.description), readings)
+    std = np.linalg.norm(estimation.knowledge.belief.factor, axis=1)
+    assert np.abs((estimation.knowledge.belief.mean - trial.gain @ values) / std).max() < 1e-8
 
 
 def test_values_are_those_that_a_source_would_give() -> None:

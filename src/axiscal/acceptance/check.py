@@ -18,7 +18,6 @@ from axiscal.acceptance.verification import (
     with_displacements,
     without_zeros,
 )
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Request
 from axiscal.compensation import registry
@@ -27,7 +26,7 @@ from axiscal.compensation.offer import Export
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import TargetError
 from axiscal.measurement.place import Places
@@ -50,7 +49,7 @@ class Check:
     """The campaign's estimate, and the tables of one controller that come from it."""
 
     description: CampaignDescription
-    calibration: Calibration
+    estimation: Estimation
     used: tuple[Reading, ...]
     estimate: Estimate
     tables: Export
@@ -58,10 +57,10 @@ class Check:
     @classmethod
     def of(cls, campaign: Campaign, controller: str) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
-        calibration = calibration_of(campaign.engine)
-        estimate = calibration.estimate()
+        estimation = campaign.concluded()
+        estimate = estimation.estimate
         tables = registry.export(estimate, controller, ExportOptions())
-        return cls(campaign.description, calibration, tuple(campaign.state.readings), estimate, tables)
+        return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
     def planned(self, count: int | None = None) -> Places:
         """Return where to read, places that were not read before; raises ReadingError when there are not as many.
@@ -69,7 +68,7 @@ class Check:
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
         """
-        setups, lattice = self.description.setups, self.calibration.problem.lattice
+        setups, lattice = self.description.setups, self.estimation.case.lattice
         candidates = with_displacements(setups, lattice)
         usable = np.unique(candidates.setups).tolist()
         first = needed(self.estimate, setups, usable, self.parts, self._used_places())
@@ -83,7 +82,7 @@ class Check:
     @property
     def parts(self) -> tuple[Part, ...]:
         """The tables, each by itself, those first that correct most."""
-        machine, lattice = self.description.machine, self.calibration.problem.lattice
+        machine, lattice = self.description.machine, self.estimation.case.lattice
         places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
         parts, setups = parts_of(self.estimate, self.tables), self.description.setups
         return tuple(sorted(parts, key=lambda part: -float(np.std(taken(machine, part, setups, places)))))

@@ -17,21 +17,31 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from axiscal.campaign.building import build
-from axiscal.campaign.engine import Build, Engine, Known
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimate.case import Case
+from axiscal.estimate.estimate import concluded, estimated
+from axiscal.estimate.estimation import Estimation
+from axiscal.estimate.inheritance import case_of
+from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimate.timed import Timed, elapsed, timed
 from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.planning.plan_basis import plan_basis
+from axiscal.planning.planner import next_places
 from axiscal.record.events import (
     Asked,
     Created,
     Event,
     Finished,
+    Gap,
     Planned,
     Recorded,
     Skipped,
@@ -40,23 +50,14 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.store import Record
-from axiscal.units import to_unit
+
+Planner = Callable[
+    [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
+]
+"""From what is known to the readings to come, as `next_places`."""
 
 PATIENCE = 25
 """So many skipped readings in a row are taken for a source that does not work."""
-
-FUTILE = 50
-OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
-DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
-_HARDLY = 0.99
-_GROSS = 5.0
-
-
-@dataclass(frozen=True, slots=True)
-class Ended:
-    """There is nothing more to ask, and why."""
-
-    because: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ class Status:
     """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would."""
 
     state: State
-    accuracy: Known
+    accuracy: Accuracy
     seconds: float
     reached: str | None
 
@@ -75,34 +76,38 @@ class Milestone:
 
     number: int
     reading: Reading | None
-    accuracy: Known
+    accuracy: Accuracy
     seconds: float
 
 
 class Campaign:
-    """An open campaign record with its description and its belief; a context manager."""
+    """An open campaign record with its description and what is known; a context manager.
 
-    def __init__(self, record: Record, description: CampaignDescription, build: Build) -> None:
-        self._record, self.description, self._build = record, description, build
+    planner : says where to read next
+    """
+
+    def __init__(self, record: Record, description: CampaignDescription, planner: Planner = next_places) -> None:
+        self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
-        self._engine: Engine | None = None
-        self._absorbed: list[Reading] = []
+        self._case: Case | None = None
+        self._known: Estimation | None = None
+        self._concluded: Estimation | None = None
         self._begun: str | None = None
 
     @classmethod
-    def create(cls, path: str | Path, description: CampaignDescription, build: Build = build) -> Self:
+    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = next_places) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         machine = description.machine
         sources = description.machine_source, description.source
         created = Created(machine.text, description.text, *sources, versions(), description.prior_text)
-        return cls(Record.create(path, created), description, build)
+        return cls(Record.create(path, created), description, planner)
 
     @classmethod
-    def open(cls, path: str | Path, build: Build = build, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, planner: Planner = next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = Record.open(path, write=write)
         try:
-            return cls(record, _description(record), build)
+            return cls(record, _description(record), planner)
         except BaseException:
             record.close()
             raise
@@ -119,16 +124,23 @@ class Campaign:
             self._begun = self._record.events()[0].at
         return self._begun
 
-    @property
-    def engine(self) -> Engine:
-        """The belief after all readings, and the planner."""
-        readings = list(self.state.readings)
-        if self._engine is None or readings[: len(self._absorbed)] != self._absorbed:
-            self._engine, self._absorbed = self._build(self.description), []
-        for reading in readings[len(self._absorbed) :]:
-            self._engine.absorb(reading)
-            self._absorbed.append(reading)
-        return self._engine
+    def case(self) -> Case:
+        """Return what the description makes of the mathematics."""
+        if self._case is None:
+            self._case = case_of(self.description)
+        return self._case
+
+    def known(self) -> Estimation:
+        """Return what the readings make known while others are to follow."""
+        self._known = estimated(self.case(), self.state.readings, self._known)
+        return self._known
+
+    def concluded(self) -> Estimation:
+        """Return what the readings make known if they are all."""
+        known = self._concluded
+        if known is None or known.stages.timed.given != self.state.readings:
+            known = self._concluded = concluded(self.case(), self.state.readings)
+        return known
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
@@ -146,7 +158,7 @@ class Campaign:
         place, number = self.state.plan[0], len(self.state.readings) + len(self.state.skipped) + 1
         asked = Asked(number, place)
         if not beyond and self._over_budget(self._seconds_until(asked)):
-            return Ended(_BUDGET)
+            return Ended(BUDGET)
         self._append(asked)
         return asked
 
@@ -157,15 +169,21 @@ class Campaign:
         not depend on values.
         """
         if not self._plan_stands():
-            engine, planned = self.engine, self.state.plan
-            places = tuple(engine.plan(self.state.skipped, self._taken(), planned))
-            if places or planned:
-                self._append(Planned(places, engine.grounds()))
+            known, left = self.known(), self.state.plan
+            places = self._planner(
+                known.case, known.knowledge, known.readings, known.outliers, self.state.skipped, left
+            )
+            if places or left:
+                self._append(Planned(places, self._plan_basis()))
         return self.state.plan
 
     def _plan_stands(self) -> bool:
         state = self.state
-        return bool(state.plan) and not state.renew and self.engine.grounds() == state.grounds
+        return bool(state.plan) and not state.renew and self._plan_basis() == state.plan_basis
+
+    def _plan_basis(self) -> str:
+        known = self.known()
+        return plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -238,35 +256,24 @@ class Campaign:
     def reached(self) -> str | None:
         """Return the target that is reached, in words; None if there is none."""
         target = self.description.target
-        if target.readings is not None and len(self.state.readings) >= target.readings:
-            count = len(self.state.readings)
-            return f"{count} reading{'' if count == 1 else 's'} taken"
-        if target.rms is not None:
-            known = self.engine.accuracy()
-            if known.seen <= known.attainable(target.rms):
-                return self._trusted("rms target reached" + _unless_hidden(known.rms, target.rms))
-        if target.worst is not None:
-            known = self.engine.accuracy()
-            if known.worst_seen <= known.attainable(target.worst):
-                return self._trusted("worst target reached" + _unless_hidden(known.worst, target.worst))
-        return _BUDGET if self._over_budget(self._seconds()) else None
-
-    def _trusted(self, reached: str) -> str:
-        """Return that a target is reached, unless the readings contradict the model by which it seems to be."""
-        return DOES_NOT_FIT if self.engine.misfit() > _GROSS else reached
+        if (said := count_reached(target, len(self.state.readings))) is not None:
+            return said
+        if target.rms is not None or target.worst is not None:
+            said = accuracy_reached(target, self.known())
+        return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
     def status(self) -> Status:
         """Return where the campaign stands."""
         reached = None if self.state.finished is not None else self.reached()
-        return Status(self.state, self.engine.accuracy(), self._seconds(), reached)
+        return Status(self.state, self.known().accuracy, self._times().seconds, reached)
 
     def history(self) -> tuple[Milestone, ...]:
-        """Return how well the machine was known after each reading, from a belief built anew."""
-        engine, places = self._build(self.description), self._taken()
-        milestones = [Milestone(0, None, engine.accuracy(), 0.0)]
-        for number, reading in enumerate(self.state.readings, start=1):
-            engine.absorb(reading)
-            milestones.append(Milestone(number, reading, engine.accuracy(), engine.elapsed(places[:number])))
+        """Return how well the machine was known after each reading, from the first one on."""
+        readings, known = self.state.readings, estimated(self.case(), ())
+        milestones = [Milestone(0, None, known.accuracy, 0.0)]
+        for number, reading in enumerate(readings, start=1):
+            known = estimated(self.case(), readings[:number], known)
+            milestones.append(Milestone(number, reading, known.accuracy, known.seconds))
         return tuple(milestones)
 
     def adopt(self, readings: tuple[Reading, ...]) -> None:
@@ -288,7 +295,7 @@ class Campaign:
         watch(path[0])
         in_a_row = 0
         with noted_interrupts() as interrupts:
-            while not isinstance(asked := Ended(OUT_OF_REACH) if self._futile(path) else self.next(), Ended):
+            while not isinstance(asked := self._next_of_run(path), Ended):
                 with interrupts.waiting():
                     answer = source.read(self.request(asked))
                 if isinstance(answer, Skip):
@@ -303,6 +310,10 @@ class Campaign:
                     self._refuse_implausible()
                 interrupts.heed()
             return self.finish(asked.because)
+
+    def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
+        hopeless = futile(self.description.target, [milestone.accuracy for milestone in path])
+        return Ended(OUT_OF_REACH) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
@@ -340,13 +351,11 @@ class Campaign:
         return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _seconds_until(self, asked: Asked) -> float:
-        return self.engine.elapsed([*self._taken(), asked.place])
+        return elapsed(self.case(), self._times(), [asked.place])
 
-    def _taken(self) -> list[Place]:
-        return [reading.place for reading in self.state.readings]
-
-    def _seconds(self) -> float:
-        return self.engine.elapsed(self._taken())
+    def _times(self) -> Timed:
+        before = Timed() if self._known is None else self._known.stages.timed
+        return timed(self.case(), self.state.readings, before)
 
     def _over_budget(self, seconds: float) -> bool:
         budget = self.description.target.budget
@@ -354,15 +363,9 @@ class Campaign:
 
     def _milestone(self) -> Milestone:
         readings = self.state.readings
-        return Milestone(len(readings), readings[-1] if readings else None, self.engine.accuracy(), self._seconds())
-
-    def _futile(self, path: Sequence[Milestone]) -> bool:
-        """Whether only an accuracy could stop the campaign, and many readings have hardly improved it."""
-        target = self.description.target
-        if len(path) <= FUTILE or target.readings is not None or target.budget is not None or self.reached():
-            return False
-        before, now = path[-1 - FUTILE].accuracy, path[-1].accuracy
-        return now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
+        return Milestone(
+            len(readings), readings[-1] if readings else None, self.known().accuracy, self._times().seconds
+        )
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
@@ -370,26 +373,18 @@ class Campaign:
             raise RecordError(what, "Take the end back with `axiscal undo`, or start a new campaign", self.path)
 
     def _refuse_implausible(self) -> None:
-        if (objection := self.engine.objection()) is not None:
+        known, last = self.known(), len(self.state.readings) - 1
+        doubt = next((doubt for doubt in known.outliers if doubt.implausible and doubt.reading == last), None)
+        if doubt is not None:
             remedy = (
                 "It is kept and not relied on. Mend the source; if it is right, undo it and record it with --accept"
             )
-            raise SourceError(objection, remedy)
+            raise SourceError(known.objection_to(doubt), remedy)
 
     def _refuse_endless(self, in_a_row: int, answer: Skip) -> None:
         if in_a_row >= PATIENCE:
             what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
             raise SourceError(what, "Mend it, then go on with --resume")
-
-
-_BUDGET = "time budget used"
-
-
-def _unless_hidden(whole: float, target: float) -> str:
-    """Say by how much the target is missed because of what no allowed reading can see."""
-    if whole <= target:
-        return ""
-    return f" in what readings can tell; with what they cannot tell it is {to_unit(whole, 'um'):.3g} um"
 
 
 def _description(record: Record) -> CampaignDescription:

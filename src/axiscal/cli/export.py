@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
@@ -83,10 +82,10 @@ def export(
     options = _options(spacing, number, unit, template, name, mesh, flip, pivots, points, measuring_system)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        calibration = calibration_of(campaign.engine)
-        options = informed(options, calibration.problem.description, to)
-        offered = registry.export(calibration.estimate(), to, options)
-        offered = warned(offered, [finding.text for finding in findings(calibration)])
+        estimation = campaign.concluded()
+        options = informed(options, estimation.case.description, to)
+        offered = registry.export(estimation.estimate, to, options)
+        offered = warned(offered, [finding.text for finding in findings(estimation)])
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import count_text
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.planning.promise import promised
 from axiscal.units import format_quantity
 
 _COSTS = 1.01
@@ -59,4 +59,5 @@ def _in(places: Sequence[Place], setup: str) -> int:
 
 
 def _promise(campaign: Campaign, places: Sequence[Place]) -> float:
-    return calibration_of(campaign.engine).promised(places).rms
+    known = campaign.concluded()
+    return promised(known.case, known.knowledge, places).rms

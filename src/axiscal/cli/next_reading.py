@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import Campaign, Ended
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Ended
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import question_document, question_text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
@@ -18,7 +17,7 @@ RECORD = "campaign.axiscal"
 def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
     """Write tables, result and report of a finished campaign to a folder and print them; raises OSError, TableError."""
 
-    summary = deliver(campaign, calibration_of(campaign.engine), out, extras or Extras(compared=True))
+    summary = deliver(campaign, campaign.concluded(), out, extras or Extras(compared=True))
     if as_json:
         say_document(result_json(summary))
         return

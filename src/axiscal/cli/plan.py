@@ -14,7 +14,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimate.case import Case
-from axiscal.estimate.inheritance import problem_of
+from axiscal.estimate.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
@@ -84,7 +84,7 @@ def plan(
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if gcode is not None:
         dialect(gcode)
-    case = problem_of(read_campaign(campaign, target_needed=False))
+    case = case_of(read_campaign(campaign, target_needed=False))
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     if prove:
         refuse_unless_provable(case)

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
@@ -31,7 +30,7 @@ def predict(
 
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
-        found = predict_poses(calibration_of(campaign.engine), wanted, poses)
+        found = predict_poses(campaign.concluded(), wanted, poses)
     if json:
         rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
         say_document({"schema": "axiscal-predict/1", "poses": rows})

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
@@ -53,6 +52,6 @@ def tell_unasked(description: CampaignDescription) -> None:
 def tell_out_of_reach(campaign: Campaign) -> None:
     """Say if the target cannot be reached with the set-ups."""
 
-    said = out_of_reach(calibration_of(campaign.engine).problem)
+    said = out_of_reach(campaign.concluded().case)
     if said is not None:
         tell(f"Mind: {said}")

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.leaving import Stand
@@ -80,12 +79,12 @@ _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
 
-    last, calibration = len(campaign.state.readings) - 1, calibration_of(campaign.engine)
-    doubt = next((doubt for doubt in calibration.doubts if doubt.reading == last), None)
+    last, estimation = len(campaign.state.readings) - 1, campaign.concluded()
+    doubt = next((doubt for doubt in estimation.outliers if doubt.reading == last), None)
     if doubt is None:
         return None, ""
     away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
-    said = calibration.objection_to(doubt) if doubt.implausible else away
+    said = estimation.objection_to(doubt) if doubt.implausible else away
     return round(doubt.surprise, 2), f"{said} and is not relied on. {_REMEDY}"
 
 

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import RecordFile
 from axiscal.cli.printing import say
@@ -31,7 +30,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, calibration_of(campaign.engine), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.concluded(), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target)
     say(f"The report is in {target}.")

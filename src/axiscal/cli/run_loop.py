@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import DOES_NOT_FIT, OUT_OF_REACH, Campaign
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.outputs import RECORD, write_outputs

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.units import format_quantity
@@ -12,7 +11,7 @@ _SURPRISING = 3.0
 
 def doubted(campaign: Campaign) -> frozenset[int]:
     """Return the indices of the readings that are doubted now."""
-    return frozenset(doubt.reading for doubt in calibration_of(campaign.engine).doubts)
+    return frozenset(doubt.reading for doubt in campaign.concluded().outliers)
 
 
 def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
@@ -20,14 +19,13 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
 
     before : what was doubted before it
     """
-    calibration, readings = calibration_of(campaign.engine), campaign.state.readings
-    last, now = len(readings) - 1, doubted(campaign)
+    last, now = len(campaign.state.readings) - 1, doubted(campaign)
     said = [
         f"with this one, reading {index + 1} is no longer relied on: {_shown(campaign, index)}. Read there again."
         for index in sorted(now - before - {last})
     ]
     said += [f"with this one, reading {index + 1} is believed: {_shown(campaign, index)}." for index in before - now]
-    surprise = calibration.innovations[last]
+    surprise = campaign.concluded().innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     if last not in now and size >= _SURPRISING:
         said.append(

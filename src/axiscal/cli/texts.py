@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.campaign.campaign import Campaign, Ended
-from axiscal.campaign.engine import Known
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Ended
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
 from axiscal.measurement.setup import Setup
@@ -46,7 +47,7 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
     return {"schema": "axiscal-next/1", "question": campaign.request(asked).message(), "stop": None}
 
 
-def accuracy_text(known: Known, rms: float | None, worst: float | None) -> str:
+def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:
     """Return the accuracy with the targets, where there are any."""
     parts = [("RMS", known.rms, rms), ("worst", known.worst, worst)]
     return ", ".join(

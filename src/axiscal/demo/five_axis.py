@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimation import Estimation
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
-from axiscal.planning.planner import Planner
 from axiscal.record.events import Asked
 from axiscal.report.delivery import deliver, reached
 from axiscal.report.summarising import Extras
@@ -47,23 +46,23 @@ def run_demo(
     Raises RecordError if there is a campaign already.
     """
     truth = hidden_machine(problem)
-    with Campaign.create(out / "campaign.axiscal", problem.description, lambda _: Planner(problem)) as campaign:
+    with Campaign.create(out / "campaign.axiscal", problem.description) as campaign:
         first = campaign.next()
         if isinstance(first, Asked):
             planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
-        calibration = calibration_of(campaign.engine)
-        extras = Extras(truth=truth, truth_check=truth_check(calibration, truth), compared=True)
-        return deliver(campaign, calibration, out, extras)
+        estimation = campaign.concluded()
+        extras = Extras(truth=truth, truth_check=truth_check(estimation, truth), compared=True)
+        return deliver(campaign, estimation, out, extras)
 
 
-def truth_check(calibration: Calibration, truth: VirtualMachine) -> TruthCheck:
+def truth_check(estimation: Estimation, truth: VirtualMachine) -> TruthCheck:
     """Return the accuracy promised and the accuracy reached over the volume, and the RMS error as found."""
-    before, after = as_found_and_left(calibration, truth)
-    return TruthCheck(to_unit(calibration.accuracy().rms, "um"), to_unit(after, "um"), to_unit(before, "um"))
+    before, after = as_found_and_left(estimation, truth)
+    return TruthCheck(to_unit(estimation.accuracy.rms, "um"), to_unit(after, "um"), to_unit(before, "um"))
 
 
-def as_found_and_left(calibration: Calibration, truth: VirtualMachine) -> tuple[float, float]:
+def as_found_and_left(estimation: Estimation, truth: VirtualMachine) -> tuple[float, float]:
     """Return the RMS deviation of the machine, and what the estimate does not know of it, m."""
-    blank = Calibration(calibration.problem)
-    return reached(blank, truth.deviation), reached(calibration, truth.deviation)
+    blank = replace(estimation.estimate, belief=estimation.case.prior)
+    return reached(blank, truth.deviation), reached(estimation.estimate, truth.deviation)

@@ -17,7 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.building import calibration_of
 from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.sources.linuxcnc import Build, LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
@@ -26,13 +25,12 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.planner import Planner
 from axiscal.report.delivery import write_files
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
@@ -94,20 +92,20 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     problem, (_, build, options) = Case(description(name)), EXAMPLES[name]
     truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
-    with Campaign.create(record, problem.description, lambda _: Planner(problem)) as campaign:
+    with Campaign.create(record, problem.description) as campaign:
         source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed), build=build)
         try:
             campaign.run(source, _unwatched)
         finally:
             source.close()
-        calibration, readings = calibration_of(campaign.engine), len(campaign.state.readings)
-    tables = export(calibration.estimate(), "linuxcnc", options)
+        estimation, readings = campaign.concluded(), len(campaign.state.readings)
+    tables = export(estimation.estimate, "linuxcnc", options)
     write_files(tables, out / "tables" / name)
-    return _verified(calibration, tables, truth, build, readings)
+    return _verified(estimation, tables, truth, build, readings)
 
 
-def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, build: Build, readings: int) -> Loop:
-    estimate = calibration.estimate()
+def _verified(estimation: Estimation, tables: Export, truth: VirtualMachine, build: Build, readings: int) -> Loop:
+    estimate = estimation.estimate
     poses, approaches = _positions(estimate)
     seen: list[Array] = []
     told: list[str] = []
@@ -116,7 +114,7 @@ def _verified(calibration: Calibration, tables: Export, truth: VirtualMachine, b
             seen.append(machine.seen.deviation(poses, approaches))
             told += machine.errors
     left = left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches)
-    std = calibration.accuracy().rms
+    std = estimation.accuracy.rms
     expected = float(np.hypot(rms(left), std))
     return Loop(readings, rms(seen[0]), rms(seen[1]), expected, rms(seen[1] - left), std, tuple(told))
 

@@ -14,6 +14,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
+from axiscal.estimate.knowledge import Knowledge
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
@@ -110,6 +111,11 @@ class Case:
             mean[: self.errors.size] = self.inherited.mean
             covariance[: self.errors.size, : self.errors.size] = self.inherited.covariance
         return Belief(mean, covariance)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What is known before the first reading."""
+        return Knowledge(self.observation, self.prior)
 
     @cached_property
     def lattice(self) -> Places:

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
-from axiscal.estimate.inheritance import last_calibration
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.estimation import Estimation
+from axiscal.estimate.inheritance import last_estimation
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 
@@ -33,37 +34,34 @@ class Change:
     rotary: bool
 
 
-def changes(calibration: Calibration) -> Iterator[Change]:
+def changes(estimation: Estimation) -> Iterator[Change]:
     """Yield the errors whose readings then and now, each evaluated alone, do not agree.
 
     Both share the stated prior, so that their difference is less uncertain than the sum taken here: a change is missed
     rather than made up.
     """
-    text = calibration.problem.description.prior_text
+    text = estimation.case.description.prior_text
     if not text:
         return
-    before, now = last_calibration(text), _alone(calibration)
-    for function in now.problem.errors.functions:
-        if function.name in before.problem.errors.names:
+    before, now = last_estimation(text), _alone(estimation)
+    for function in now.case.errors.functions:
+        if function.name in before.case.errors.names:
             change = _change(before, now, function)
             if change.chance < _CHANCE:
                 yield change
 
 
-def _alone(calibration: Calibration) -> Calibration:
+def _alone(estimation: Estimation) -> Estimation:
     """Return what today's readings say without the last campaign."""
-    alone = Calibration(Case(replace(calibration.problem.description, prior_text="")))
-    for reading in calibration.readings:
-        alone.absorb(reading)
-    return alone.concluded()
+    return concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
 
 
-def _change(before: Calibration, now: Calibration, function: ErrorFunction) -> Change:
+def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:
     """Compare all control values together: what no reading tells, such as the constant, is wide and does not count."""
-    axis = now.problem.errors.machine.axes[function.axis]
+    axis = now.case.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
     (old, old_covariance), (new, new_covariance) = (
-        _curve(each, each.problem.errors.names[function.name], knots) for each in (before, now)
+        _curve(each, each.case.errors.names[function.name], knots) for each in (before, now)
     )
     difference = new - old
     chi_square = float(difference @ np.linalg.lstsq(old_covariance + new_covariance, difference)[0])
@@ -73,9 +71,9 @@ def _change(before: Calibration, now: Calibration, function: ErrorFunction) -> C
     return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
 
 
-def _curve(calibration: Calibration, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
+def _curve(estimation: Estimation, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
     rows = function.basis.rows(positions)
-    factor = rows @ calibration.belief.factor[function.columns]
+    factor = rows @ estimation.knowledge.belief.factor[function.columns]
     covariance: Array = factor @ factor.T + function.rest**2 * np.eye(len(rows))
-    return rows @ calibration.belief.mean[function.columns], covariance
+    return rows @ estimation.knowledge.belief.mean[function.columns], covariance

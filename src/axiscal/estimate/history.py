@@ -1,14 +1,18 @@
-"""How a campaign went, told when it is over: which readings are bad is known from the first one on."""
+"""How a campaign went, said when it is over: which readings are bad is known from the first one on."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
-from axiscal.estimate.calibration import Calibration
-from axiscal.measurement.reading import Reading
+from axiscal.estimate.absorbed import Absorbed
+from axiscal.estimate.estimation import Estimation
+from axiscal.estimate.learnt import counts_to_learn_from, learnt
+from axiscal.estimate.located import located
+from axiscal.estimate.updating import blocks
+from axiscal.numerics.threads import one_thread
 
 
 class Moment(NamedTuple):
@@ -19,35 +23,43 @@ class Moment(NamedTuple):
     seconds: float
 
 
-def path(calibration: Calibration) -> list[Moment]:
+@one_thread()
+def path(final: Estimation) -> list[Moment]:
     """Return what was known before the first reading and after each.
 
-    calibration : a concluded one
-    As `Calibration.replay` tells it reading by reading; but between two counts from which scales are learnt anew they
-    are taken together.
+    final : a concluded one
+    Scales are learnt as readings come, what the last one taught is known; those between two counts from which scales
+    are learnt anew are taken together.
     """
-    again, readings = calibration.replay(), calibration.readings
-    moments = [Moment(again.accuracy(), None, 0.0)]
-    while (count := len(again.readings)) < len(readings):
-        undisturbed = again.undisturbed(len(readings) - count)
-        if undisturbed:
-            moments += _together(again, readings[count : count + undisturbed])
-        elif count + 1 < len(readings):
-            moments.append(_alone(again, readings[count]))
-        else:  # what the last one taught is known
-            return [*moments, Moment(calibration.accuracy(), calibration.innovations[-1], calibration.seconds)]
-    return moments
+    known = Absorbed.nothing(final.stated, final.stages.absorbed.verdict)
+    found: list[_Known] = [(_accuracy(known), None)]
+    readings, implausible, last = final.readings, final.stages.judged.implausible, _before_the_last(final)
+    for due in counts_to_learn_from(final.stated, last):
+        found += _together(final, known, due - 1)
+        known = located(learnt(final.stated, readings[:due], implausible), readings[:due], implausible)
+        found.append((_accuracy(known), known.innovations[-1]))
+    found += _together(final, known, last)
+    if last < len(readings):
+        found.append((final.accuracy, final.innovations[-1]))
+    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
 
 
-def _alone(again: Calibration, reading: Reading) -> Moment:
-    again.absorb(reading)
-    return Moment(again.accuracy(), again.innovations[-1], again.seconds)
+_Known = tuple[Accuracy, Innovations | None]
 
 
-def _together(again: Calibration, readings: Sequence[Reading]) -> list[Moment]:
-    seconds = []
-    for reading in readings:
-        again.absorb(reading)
-        seconds.append(again.seconds)
-    known = again.known_after_each()
-    return [Moment(*each) for each in zip(known, again.innovations[-len(known) :], seconds, strict=True)]
+def _before_the_last(final: Estimation) -> int:
+    """Return the number of readings, without the last one where it alone shows scales or places as they are now."""
+    moved = final.case.description.setups != final.stated.description.setups
+    return max(len(final.readings) - 1, 0) if moved or final.stated.variable else len(final.readings)
+
+
+def _together(final: Estimation, known: Absorbed, stop: int) -> Iterator[_Known]:
+    """Yield what is known after each reading since, up to a count."""
+    start = len(known.innovations)
+    weights = known.weights(start, stop, final.stages.judged.implausible)
+    for case, part in blocks(known.case, known.knowledge, final.readings[start:stop], weights):
+        yield from zip(part.accuracies(case.yardstick), part.innovations, strict=True)
+
+
+def _accuracy(known: Absorbed) -> Accuracy:
+    return known.case.yardstick.measure(known.knowledge.belief)

@@ -12,8 +12,9 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case, Inherited
+from axiscal.estimate.estimate import concluded
+from axiscal.estimate.estimation import Estimation
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -21,8 +22,8 @@ from axiscal.record.events import Created, Recorded
 from axiscal.record.payload import PayloadError, decode
 
 
-def problem_of(description: CampaignDescription) -> Case:
-    """Return the problem of a campaign, with the prior that an earlier campaign leaves it."""
+def case_of(description: CampaignDescription) -> Case:
+    """Return the case of a campaign, with the prior that an earlier campaign leaves it."""
     if not description.prior_text:
         return Case(description)
     stated = Case(description)
@@ -44,13 +45,10 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     return campaign_from_texts(*texts, prior_text=created.prior_text), readings
 
 
-def last_calibration(text: str) -> Calibration:
-    """Return the concluded calibration of the campaign in a heritage text; raises RecordError if it is none."""
+def last_estimation(text: str) -> Estimation:
+    """Return what the campaign in a heritage text came to know; raises RecordError if it is none."""
     description, readings = last_campaign(text)
-    last = Calibration(problem_of(description))
-    for reading in readings:
-        last.absorb(reading)
-    return last.concluded()
+    return concluded(case_of(description), readings)
 
 
 def inherited(text: str, errors: ErrorModel) -> Inherited:
@@ -58,20 +56,20 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 
     Its curves are read at the knots of today's.
     """
-    last = last_calibration(text)
-    before = last.problem.errors
+    last = last_estimation(text)
+    before, belief = last.case.errors, last.knowledge.belief
     known = [function for function in errors.functions if function.name in before.names]
     across, extra = np.zeros((errors.size, before.size)), np.zeros(errors.size)
     for function in known:
         other = before.names[function.name]
         across[function.columns, other.columns] = other.basis.rows(function.basis.control_positions)
         extra[function.columns] = other.rest**2
-    factor = across @ last.belief.factor[: before.size]
+    factor = across @ belief.factor[: before.size]
     covariance: Array = factor @ factor.T + np.diag(extra)
     for function in errors.functions:
         if function not in known:
             covariance[function.columns, function.columns] = function.covariance
-    return Inherited(across @ last.belief.mean[: before.size], covariance)
+    return Inherited(across @ belief.mean[: before.size], covariance)
 
 
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:

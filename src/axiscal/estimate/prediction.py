@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.poses import RawPose
@@ -28,27 +28,27 @@ class PosePrediction:
 
 
 @one_thread()
-def predict_poses(calibration: Calibration, wanted: Sequence[RawPose], file: Path) -> list[PosePrediction]:
+def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path) -> list[PosePrediction]:
     """Return the prediction at each pose; axes that a pose leaves out stand at the middle of their travel.
 
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.
     """
-    machine = calibration.problem.description.machine
+    machine = estimation.case.description.machine
     placed = [_placed(raw, machine, file) for raw in wanted]
     poses = np.array([pose for pose, _ in placed]).reshape(len(placed), len(machine.axes))
     approaches = np.array([approach for _, approach in placed]).reshape(poses.shape)
-    mean, std = tcp_prediction(calibration, poses, approaches)
+    mean, std = tcp_prediction(estimation, poses, approaches)
     return [
         PosePrediction(to_unit(m, "um").tolist(), to_unit(s, "um").tolist()) for m, s in zip(mean, std, strict=True)
     ]
 
 
-def tcp_prediction(calibration: Calibration, poses: Array, approaches: Array) -> tuple[Array, Array]:
+def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m.
 
     poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
     """
-    errors, belief = calibration.problem.errors, calibration.belief
+    errors, belief = estimation.case.errors, estimation.knowledge.belief
     rows, levers = errors.rows(poses, approaches), errors.levers(poses)
     known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
     rests = np.array([function.rest for function in errors.functions])

@@ -1,4 +1,4 @@
-"""Many readings taken into what is known at once: the same as one after the other, and what was known after each."""
+"""Many readings taken into case and knowledge at once, in blocks."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from axiscal.estimate.knowledge import AT_ONCE, Block, Knowledge, block
 from axiscal.measurement.reading import Reading
 
 
-def absorbed(
+def blocks(
     case: Case, knowledge: Knowledge, readings: Sequence[Reading], weights: Sequence[float]
 ) -> Iterator[tuple[Case, Block]]:
     """Yield what readings make of case and knowledge, some hundreds at a time.
 
     weights : how much each counts; 0 is predicted and not used
     """
-    for widened_case, start, stop in _parts(case, readings):
+    for after, start, stop in _parts(case, readings):
         part = block(knowledge, readings[start:stop], np.array(weights[start:stop]))
         knowledge = part.after
-        yield widened_case, part
+        yield after, part
 
 
 def _parts(case: Case, readings: Sequence[Reading]) -> Iterator[tuple[Case, int, int]]:

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimate.calibration import Calibration
-from axiscal.estimate.inheritance import problem_of
+from axiscal.estimate.inheritance import case_of
+from axiscal.estimate.judged import judged_at_once
+from axiscal.estimate.timed import Timed, timed
 from axiscal.exceptions import ReadingError
 from axiscal.inference.implausible import unit_guess
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -20,7 +21,8 @@ _FEWEST = 3
 
 def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescription, file: str | Path) -> None:
     """Raise ReadingError at the first implausible reading where most of them are: the file has another unit."""
-    doubts = Calibration(problem_of(campaign)).implausible(readings)
+    case = case_of(campaign)
+    doubts = judged_at_once(case, timed(case, readings, Timed()).readings).implausible.values()
     if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
         return
     first = readings[min(doubt.reading for doubt in doubts)]

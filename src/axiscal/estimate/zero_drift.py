@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.estimation import Estimation
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -25,10 +25,10 @@ class Path:
     prior: Array
 
 
-def paths(calibration: Calibration, setup: Setup) -> list[Path]:
+def paths(estimation: Estimation, setup: Setup) -> list[Path]:
     """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""
-    observation, belief = calibration.observation, calibration.belief
-    times = np.array(sorted({r.time for r in calibration.readings if r.setup == setup.name and r.time is not None}))
+    observation, belief = estimation.knowledge.observation, estimation.knowledge.belief
+    times = np.array(sorted({r.time for r in estimation.readings if r.setup == setup.name and r.time is not None}))
     found = []
     for (index, _), course in observation.courses.items():
         if observation.setups[index].name == setup.name:

@@ -7,7 +7,8 @@ times larger, makes no reading implausible. A belief about the unknowns alone do
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -54,68 +55,79 @@ def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
     return f"{text}stated std and the other readings allow{', ' if guess else ''}{guess}"
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Plausibility:
-    """What readings of a campaign may be.
+    """What readings of a campaign may be, after some of them.
 
-    covariance, mean : (size, size), (size,) of the errors as stated and as expected; slack : factor on their std
+    mean, covariance : (size,), (size, size) of the errors as expected; unknowns : belief about those of the set-ups
+    first : time of the first reading of each set-up, s; sizes : of the readings so far, standard deviations
     """
 
-    def __init__(self, observation: Observation, covariance: Array, mean: Array, slack: float = 1.0) -> None:
-        self._observation, self._mean = observation, mean
-        self._covariance = slack**2 * covariance
-        self._stds = [unknown.std for setup in observation.setups for unknown in setup.unknowns]
-        self._unknowns = Belief(np.zeros(len(self._stds)), np.diag(np.square(self._stds))) if self._stds else None
-        self._setups = {setup.name: setup for setup in observation.setups}
-        self._first: dict[str, float] = {}
-        self.sizes: list[float] = []
+    observation: Observation
+    mean: Array
+    covariance: Array
+    unknowns: Belief | None
+    first: Mapping[str, float]
+    sizes: tuple[float, ...] = ()
 
-    def take(self, readings: Sequence[Reading]) -> list[float]:
-        """Return how many standard deviations away readings are, and learn the set-ups' unknowns from one by one."""
-        numbers = seen(self._observation, readings)
+    @classmethod
+    def stated(cls, observation: Observation, covariance: Array, mean: Array, slack: float = 1.0) -> Plausibility:
+        """Return what the first readings may be.  slack : factor on the stds of the errors"""
+        stds = [unknown.std for setup in observation.setups for unknown in setup.unknowns]
+        unknowns = Belief(np.zeros(len(stds)), np.diag(np.square(stds))) if stds else None
+        return cls(observation, mean, slack**2 * covariance, unknowns, {})
+
+    def after(self, readings: Sequence[Reading]) -> Plausibility:
+        """Return what readings may be after these, how far away each was, and what they say of set-ups' unknowns."""
+        known, numbers = self, seen(self.observation, readings)
         first = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
-        return [self._taken(r, numbers, slice(*ends)) for r, ends in zip(readings, pairwise(first), strict=True)]
+        for reading, ends in zip(readings, pairwise(first), strict=True):
+            known = known._after(reading, numbers, slice(*ends))
+        return known
 
-    def _taken(self, reading: Reading, numbers: Seen, mine: slice) -> float:
-        errors = len(self._mean)
-        rows, own = np.split(numbers.rows[mine], [errors], axis=1)
-        own = own[:, : len(self._stds)]
-        variances = numbers.variances[mine] + np.einsum("mi,ij,mj->m", rows, self._covariance, rows)
+    def _after(self, reading: Reading, numbers: Seen, mine: slice) -> Plausibility:
+        rows, own = np.split(numbers.rows[mine], [len(self.mean)], axis=1)
+        variances = numbers.variances[mine] + np.einsum("mi,ij,mj->m", rows, self.covariance, rows)
         variances += self._bent(reading) + self._drifted(reading)
-        values = numbers.values[mine] - rows @ self._mean
+        values, unknowns = numbers.values[mine] - rows @ self.mean, self.unknowns
         expected, spread = np.zeros(len(values)), variances
-        if self._unknowns is not None:
-            known = self._unknowns.predict(own)
+        if unknowns is not None:
+            own = own[:, : unknowns.size]
+            known = unknowns.predict(own)
             expected, spread = known.mean, variances + known.std**2
         size = float(np.max(np.abs(values - expected) / np.sqrt(spread)))
-        if self._unknowns is not None and (reading.accepted or size <= IMPLAUSIBLE * _WIDEST):
-            self._unknowns = self._unknowns.update(own, values, variances)
-        self.sizes.append(size)
-        return size
-
-    @property
-    def limit(self) -> float:
-        """Above this a reading is implausible: more, where most readings are larger than the prior says."""
-        if len(self.sizes) < _ENOUGH:
-            return IMPLAUSIBLE
-        usual = 1.4826 * float(np.median(self.sizes))
-        return IMPLAUSIBLE * min(max(usual, 1.0), _WIDEST)
+        if unknowns is not None and (reading.accepted or size <= IMPLAUSIBLE * _WIDEST):
+            unknowns = unknowns.update(own, values, variances)
+        first = self.first if reading.time is None else {reading.setup: reading.time, **self.first}
+        return replace(self, unknowns=unknowns, first=first, sizes=(*self.sizes, size))
 
     def _drifted(self, reading: Reading) -> float:
         """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
-        setup = self._setups[reading.setup]
+        setup = self._setup(reading)
         if setup.drift == 0 or reading.time is None:
             return 0.0
-        apart = abs(reading.time - self._first.setdefault(setup.name, reading.time))
+        apart = abs(reading.time - self.first.get(setup.name, reading.time))
         return float(wandering(setup.drift, [apart])[0, 0])
 
     def _bent(self, reading: Reading) -> float:
         """Return the variance by which a distance bends while its station is not located, m²."""
-        setup = self._setups[reading.setup]
+        setup = self._setup(reading)
         wide = sum(unknown.std**2 for unknown in setup.unknowns if unknown.name in SHIFTS)
         return float((wide / (2 * _NEAREST)) ** 2)
 
+    def _setup(self, reading: Reading) -> Setup:
+        return next(setup for setup in self.observation.setups if setup.name == reading.setup)
 
-def nearest_first(readings: list[Reading]) -> list[int]:
+
+def limit(sizes: Sequence[float]) -> float:
+    """Return the size above which the last reading is implausible: more where most are larger than the prior says."""
+    if len(sizes) < _ENOUGH:
+        return IMPLAUSIBLE
+    usual = 1.4826 * float(np.median(sizes))
+    return IMPLAUSIBLE * min(max(usual, 1.0), _WIDEST)
+
+
+def nearest_first(readings: Sequence[Reading]) -> list[int]:
     """Return the indices of readings, those nearest to the middle of their set-up first."""
     middle = {
         name: np.median([r.values for r in readings if r.setup == name], axis=0) for name in {r.setup for r in readings}

@@ -91,7 +91,7 @@ def not_to_the_letter(problem: Case, limits: Limits, plan: Plan) -> str | None:
 def _refuse_too_noisy(problem: Case, target: float) -> None:
     """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
     yardstick = problem.yardstick
-    asked = posed(problem, problem.observation, problem.prior, candidates=_CANDIDATES)
+    asked = posed(problem, problem.knowledge, candidates=_CANDIDATES)
     pool = Pool(asked.observation, asked.lattice)
     state = Covariance.of(problem.observation, problem.prior, yardstick.root)
     relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), float(MOST))

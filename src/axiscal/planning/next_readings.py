@@ -14,10 +14,13 @@ from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
 from axiscal.design.plan.task import Limits, Task
 from axiscal.estimate.case import Case
+from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimate.timed import Timed, timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
+from axiscal.measurement.reading import Reading
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.record.events import Gap
@@ -29,21 +32,15 @@ _SMALL = 120
 
 
 def planned_places(
-    case: Case,
-    observation: Observation,
-    belief: Belief,
-    gaps: Sequence[Gap],
-    taken: Sequence[Place],
-    seconds: float,
-    left: Sequence[Place] = (),
+    case: Case, knowledge: Knowledge, readings: Sequence[Reading], gaps: Sequence[Gap], left: Sequence[Place] = ()
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
 
-    gaps : places that could not be read, which are planned around; taken, seconds : so far
+    readings : so far; gaps : places that could not be read, which are planned around
     left : of an earlier plan, to begin with
     """
-    problem = posed(case, observation, belief, gaps, taken)
-    limits = limits_left(case.description.target, len(taken), seconds)
+    problem = posed(case, knowledge, gaps, readings)
+    limits = limits_left(case.description.target, len(readings), timed(case, readings, Timed()).seconds)
     if not len(problem.lattice):
         return ()
     patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
@@ -91,23 +88,29 @@ def _columns(case: Case, places: Sequence[Place]) -> Places:
 
 def posed(
     case: Case,
-    observation: Observation,
-    belief: Belief,
+    knowledge: Knowledge,
     gaps: Sequence[Gap] = (),
-    taken: Sequence[Place] = (),
+    readings: Sequence[Reading] = (),
     candidates: int = _CANDIDATES,
 ) -> Task:
     """Return what is to be planned: the belief so far, and candidates outside the gaps."""
     machine, setups, here = case.description.machine, case.description.setups, None
-    if taken:
-        last = taken[-1]
+    if readings:
+        last = readings[-1]
         here = Places.one(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
     lattice = spread(machine, setups, candidates)
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
         keep[mine] = ~at_gap(case, int(setup), lattice.poses[mine], gaps)
-    return Task(observation, belief, root_of(case, belief), case.yardstick, lattice.within(keep), here)
+    return Task(
+        knowledge.observation,
+        knowledge.belief,
+        root_of(case, knowledge.belief),
+        case.yardstick,
+        lattice.within(keep),
+        here,
+    )
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

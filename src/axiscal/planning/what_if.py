@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.updating import absorbed
+from axiscal.estimate.updating import blocks
 from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
@@ -93,7 +92,7 @@ def traditional(case: Case, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
     known, seconds = [case.yardstick.measure(case.prior)], [0.0]
-    for seen_by, part in absorbed(case, Knowledge(case.observation, case.prior), readings, [1.0] * len(readings)):
+    for seen_by, part in blocks(case, case.knowledge, readings, [1.0] * len(readings)):
         known += part.accuracies(seen_by.yardstick)
     for before, reading in zip([None, *readings], readings, strict=False):
         seconds.append(seconds[-1] + case.seconds_of(before, reading))

@@ -34,11 +34,11 @@ class Created:
 class Planned:
     """The readings to come, in their order; what was planned before is no longer.
 
-    grounds : what the plan rests on beside the places of the readings before it, as the engine says
+    basis : what the plan rests on beside the places of the readings before it, in words
     """
 
     places: tuple[Place, ...]
-    grounds: str = ""
+    basis: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ class State:
     skipped : what could not be measured
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
-    plan : places that have been planned and not been asked for yet; grounds : what they were planned on
+    plan : places that have been planned and not been asked for yet; plan_basis : what they were planned on
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
     last : number of the last event
@@ -135,7 +135,7 @@ class State:
     pending: Asked | None = None
     finished: str | None = None
     plan: tuple[Place, ...] = ()
-    grounds: str = ""
+    plan_basis: str = ""
     renew: bool = False
     undo: tuple[Undoable, ...] = ()
     last: int = 0
@@ -163,7 +163,7 @@ class _Folding:
         self._pending: Asked | None = None
         self._finished: str | None = None
         self._plan: list[Place] = []
-        self._grounds = ""
+        self._plan_basis = ""
         self._renew = False
         self._undo: list[Undoable] = []
         self._last = 0
@@ -176,7 +176,7 @@ class _Folding:
             self._pending,
             self._finished,
             tuple(self._plan),
-            self._grounds,
+            self._plan_basis,
             self._renew,
             tuple(self._undo),
             self._last,
@@ -188,7 +188,7 @@ class _Folding:
         if isinstance(event, Created):
             self._created = event
         elif isinstance(event, Planned):
-            self._plan, self._grounds, self._renew = list(event.places), event.grounds, False
+            self._plan, self._plan_basis, self._renew = list(event.places), event.basis, False
         elif isinstance(event, Asked):
             self._ask(event)
         elif isinstance(event, Undone):

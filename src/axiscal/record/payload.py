@@ -40,7 +40,7 @@ def _fields(event: Event) -> dict[str, object]:
     """Return what the record keeps of an event."""
     match event:
         case Planned():
-            return {"places": [_place_fields(place) for place in event.places], "grounds": event.grounds}
+            return {"places": [_place_fields(place) for place in event.places], "grounds": event.basis}
         case Asked():
             return {"reading": event.reading, **_place_fields(event.place)}
         case Recorded(reading):

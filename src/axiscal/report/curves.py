@@ -9,12 +9,13 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.zero_drift import paths
 from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.report.summary import ConstantSummary, CurvePoint, CurveSummary
 from axiscal.simulation import VirtualMachine
@@ -25,12 +26,12 @@ _BEARS_ON = 0.1
 _SEEN = 0.5
 
 
-def curves(calibration: Calibration, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
+def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    parts = _partial_residuals(calibration, readings)
+    parts = _partial_residuals(estimation, readings)
     return [
-        _curve(calibration, function, parts, truth)
-        for function in calibration.problem.errors.functions
+        _curve(estimation, function, parts, truth)
+        for function in estimation.case.errors.functions
         if function.basis.size > 1
     ]
 
@@ -41,14 +42,14 @@ def value_unit(function: ErrorFunction) -> str:
 
 
 def _curve(
-    calibration: Calibration, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+    estimation: Estimation, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
 ) -> CurveSummary:
-    axis = calibration.problem.errors.machine.axes[function.axis]
+    axis = estimation.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
-    whole, seen = _spread(calibration, function, rows)
-    before = calibration.problem.prior.factor[function.columns]
+    whole, seen = _spread(estimation, function, rows)
+    before = estimation.case.prior.factor[function.columns]
     prior = np.sqrt(np.sum((rows @ before) ** 2, axis=1) + function.rest**2)
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
@@ -56,7 +57,7 @@ def _curve(
         axis=axis.name,
         caption=words(function.name) + _turned(axis),
         position=shown,
-        mean=to_unit(rows @ calibration.belief.mean[function.columns], unit).tolist(),
+        mean=to_unit(rows @ estimation.knowledge.belief.mean[function.columns], unit).tolist(),
         std=to_unit(whole, unit).tolist(),
         std_seen=to_unit(seen, unit).tolist(),
         prior_std=to_unit(prior, unit).tolist(),
@@ -64,7 +65,7 @@ def _curve(
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
         from_readings=float(np.clip(1.0 - np.sum(whole**2) / np.sum(prior**2), 0.0, 1.0)),
-        points=[part.point(calibration, function) for part in parts if part.bears_on(function)],
+        points=[part.point(estimation, function) for part in parts if part.bears_on(function)],
     )
 
 
@@ -75,10 +76,10 @@ def _turned(axis: Axis) -> str:
     return f"; {axis.name} carries the workpiece: readings show this with the other sign"
 
 
-def _spread(calibration: Calibration, function: ErrorFunction, rows: Array) -> tuple[Array, Array]:
+def _spread(estimation: Estimation, function: ErrorFunction, rows: Array) -> tuple[Array, Array]:
     """Return the whole standard deviation, and the one without what no allowed reading sees."""
-    known = np.sum((rows @ calibration.belief.factor[function.columns]) ** 2, axis=1)
-    hidden = np.sum((rows @ calibration.problem.yardstick.unseen[function.columns]) ** 2, axis=1)
+    known = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ estimation.case.yardstick.unseen[function.columns]) ** 2, axis=1)
     rest = function.rest**2
     return np.sqrt(known + rest), np.sqrt(np.maximum(known - hidden, 0.0) + rest)
 
@@ -90,21 +91,21 @@ def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> 
     return np.zeros_like(positions)
 
 
-def constants(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
+def constants(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    own = [_constant(calibration, f, truth) for f in calibration.problem.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(calibration, truth) + _drifts(calibration, truth)
+    own = [_constant(estimation, f, truth) for f in estimation.case.errors.functions if f.basis.size == 1]
+    return own + _setup_unknowns(estimation, truth) + _drifts(estimation, truth)
 
 
-def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:
+def _constant(estimation: Estimation, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
-    std = float(np.linalg.norm(calibration.belief.factor[column]))
+    std = float(np.linalg.norm(estimation.knowledge.belief.factor[column]))
     prior = float(np.sqrt(function.covariance[0, 0]))
-    hidden = float(np.linalg.norm(calibration.problem.yardstick.unseen[column]))
+    hidden = float(np.linalg.norm(estimation.case.yardstick.unseen[column]))
     return ConstantSummary(
         name=function.name,
         words=words(function.name),
-        mean=to_unit(float(calibration.belief.mean[column]), unit),
+        mean=to_unit(float(estimation.knowledge.belief.mean[column]), unit),
         std=to_unit(std, unit),
         prior_std=to_unit(prior, unit),
         unit=unit,
@@ -113,19 +114,19 @@ def _constant(calibration: Calibration, function: ErrorFunction, truth: VirtualM
     )
 
 
-def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
+def _setup_unknowns(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
     result = []
-    for index, setup in enumerate(calibration.problem.description.setups):
-        columns = calibration.observation.unknowns_of(index)
+    for index, setup in enumerate(estimation.case.description.setups):
+        columns = estimation.knowledge.observation.unknowns_of(index)
         for column, unknown in zip(range(columns.start, columns.stop), setup.unknowns, strict=True):
-            unit = calibration.problem.unit_of(setup, unknown)
+            unit = estimation.case.unit_of(setup, unknown)
             known = None if truth is None else truth.offsets.get(setup.name, {}).get(unknown.name, 0.0)
             result.append(
                 ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
                     words=f"{unknown.name} of the set-up",
-                    mean=to_unit(float(calibration.belief.mean[column]), unit),
-                    std=to_unit(float(np.linalg.norm(calibration.belief.factor[column])), unit),
+                    mean=to_unit(float(estimation.knowledge.belief.mean[column]), unit),
+                    std=to_unit(float(np.linalg.norm(estimation.knowledge.belief.factor[column])), unit),
                     prior_std=to_unit(unknown.std, unit),
                     unit=unit,
                     truth=None if known is None else to_unit(known, unit),
@@ -134,12 +135,12 @@ def _setup_unknowns(calibration: Calibration, truth: VirtualMachine | None) -> l
     return result
 
 
-def _drifts(calibration: Calibration, truth: VirtualMachine | None) -> list[ConstantSummary]:
+def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
     """Return how far the zeros that may wander have come from the first reading of their set-up to the last."""
     result = []
-    for setup in calibration.problem.description.setups:
+    for setup in estimation.case.description.setups:
         unit = reading_unit(setup)
-        for number, path in enumerate(paths(calibration, setup)):
+        for number, path in enumerate(paths(estimation, setup)):
             name = f"{setup.name}: drift" + (f"_{'xyz'[number]}" if len(directions_of(setup)) > 1 else "")
             first, last = path.times[0], path.times[-1]
             moved = truth.drifts.get(setup.name) if truth is not None else None
@@ -177,13 +178,13 @@ class _Part:
         """Whether the reading was expected to depend on this error noticeably."""
         return _share(self.row, function) > _BEARS_ON * self.whole
 
-    def point(self, calibration: Calibration, function: ErrorFunction) -> CurvePoint:
+    def point(self, estimation: Estimation, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
         position = self.reading.pose[function.axis]
         basis = function.basis.rows(np.array([position]))[0]
         lever = float(self.row[function.columns] @ basis / (basis @ basis))
-        value = float(basis @ calibration.belief.mean[function.columns]) + self.left / lever
-        unit, axis = value_unit(function), calibration.problem.errors.machine.axes[function.axis]
+        value = float(basis @ estimation.knowledge.belief.mean[function.columns]) + self.left / lever
+        unit, axis = value_unit(function), estimation.case.errors.machine.axes[function.axis]
         return CurvePoint(
             position=to_unit(position, axis.unit),
             value=to_unit(value, unit),
@@ -194,11 +195,11 @@ class _Part:
         )
 
 
-def _partial_residuals(calibration: Calibration, readings: Sequence[Reading]) -> list[_Part]:
-    functions, mean = calibration.problem.errors.functions, calibration.belief.mean
-    refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
+def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
+    functions, mean = estimation.case.errors.functions, estimation.knowledge.belief.mean
+    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
     parts = []
-    numbers = calibration.rows_of(readings)
+    numbers = seen(estimation.knowledge.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))

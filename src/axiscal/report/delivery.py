@@ -18,7 +18,8 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, effect_sentence
 from axiscal.compensation.on_top import informed
 from axiscal.error_model.volume import Box
-from axiscal.estimate.calibration import Calibration
+from axiscal.estimate.estimation import Estimation
+from axiscal.estimate.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
@@ -32,14 +33,14 @@ _POSES = 2000
 
 
 @one_thread()
-def deliver(campaign: Campaign, calibration: Calibration, out: Path, extras: Extras) -> Summary:
+def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Summary:
     """Write tables, result and report of a campaign, and return what they say.  Raises OSError.
 
     A table that a control cannot hold is not written; the report says why.
     """
-    summary = summarise(campaign, calibration, extras)
+    summary = summarise(campaign, estimation, extras)
     warnings = [warning.text for warning in summary.warnings]
-    offers = [offer for name in CONTROLLERS for offer in _tables(calibration, name, out / "tables", warnings)]
+    offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, out / "tables", warnings)]
     summary = replace(summary, tables=offers)
     document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
     write_whole(out / "result.json", document + "\n")
@@ -54,12 +55,12 @@ def write_report(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary))
 
 
-def _tables(calibration: Calibration, controller: str, folder: Path, warnings: Sequence[str]) -> list[TableOffer]:
+def _tables(estimation: Estimation, controller: str, folder: Path, warnings: Sequence[str]) -> list[TableOffer]:
     """Write the files for one control and return what they hold and leave, or why there are none."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        options = informed(ExportOptions(), calibration.problem.description, controller)
-        offered = registry.export(calibration.estimate(), controller, options)
+        options = informed(ExportOptions(), estimation.case.description, controller)
+        offered = registry.export(estimation.estimate, controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(warned(offered, warnings), folder / controller)
@@ -83,9 +84,8 @@ def write_files(offered: Export, folder: Path) -> None:
         write_whole(folder / name, text)
 
 
-def reached(calibration: Calibration, truth: Deviation) -> float:
+def reached(estimate: Estimate, truth: Deviation) -> float:
     """Return the RMS over the volume of the true deviation less the estimated one, its constant part taken off, m."""
-    estimate = calibration.estimate()
     poses, approaches = tour(_poses(estimate.box), estimate.box)
     return rms(truth(poses, approaches) - estimate.deviation(poses, approaches))
 

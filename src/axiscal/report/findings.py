@@ -8,9 +8,9 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.undescribed import undescribed
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
 from axiscal.estimate.changes import changes
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.misfit import Misfit, misfits
@@ -41,10 +41,10 @@ def observability(problem: Case) -> list[str]:
     return [*(part.text for part in problem.hidden), *([absent] if absent else [])]
 
 
-def residual_check(calibration: Calibration) -> ResidualCheck | None:
+def residual_check(estimation: Estimation) -> ResidualCheck | None:
     """Return the chi-square of the innovations of all readings that are believed; None before the first."""
-    refused = {doubt.reading for doubt in calibration.doubts if doubt.rejected}
-    believed = [each for i, each in enumerate(calibration.innovations) if i not in refused]
+    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    believed = [each for i, each in enumerate(estimation.innovations) if i not in refused]
     if not believed:
         return None
     total = sum(each.chi_square for each in believed)
@@ -52,16 +52,16 @@ def residual_check(calibration: Calibration) -> ResidualCheck | None:
     return ResidualCheck(total, count, chi_square_tail(count, total))
 
 
-def findings(calibration: Calibration) -> list[Finding]:
+def findings(estimation: Estimation) -> list[Finding]:
     """Return the warnings of an estimate."""
     return [
-        *_unobservable(calibration),
-        *_outliers(calibration),
-        *_scales(calibration),
-        *_aliasing(calibration),
-        *_misfit(calibration),
-        *_drift(calibration),
-        *_changes(calibration),
+        *_unobservable(estimation),
+        *_outliers(estimation),
+        *_scales(estimation),
+        *_aliasing(estimation),
+        *_misfit(estimation),
+        *_drift(estimation),
+        *_changes(estimation),
     ]
 
 
@@ -75,24 +75,24 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
     return [Finding("drift", None, said.format(s.name)) for s in setups if s.drift > 0 and s.name in silent]
 
 
-def _unobservable(calibration: Calibration) -> Iterator[Finding]:
-    yardstick = calibration.problem.yardstick
-    if yardstick.unseen_rms > _MATTERS * calibration.accuracy().rms:
+def _unobservable(estimation: Estimation) -> Iterator[Finding]:
+    yardstick = estimation.case.yardstick
+    if yardstick.unseen_rms > _MATTERS * estimation.accuracy.rms:
         size = to_unit(yardstick.unseen_rms, "um")
         text = f"No allowed reading can bring the RMS below {size:.3g} um: see what could not be seen."
         yield Finding("unobservable", None, text)
 
 
-def _outliers(calibration: Calibration) -> Iterator[Finding]:
-    doubted = {doubt.reading: doubt for doubt in calibration.doubts}
-    surprises = [float(np.max(np.abs(each.value / each.std))) for each in calibration.innovations]
+def _outliers(estimation: Estimation) -> Iterator[Finding]:
+    doubted = {doubt.reading: doubt for doubt in estimation.outliers}
+    surprises = [float(np.max(np.abs(each.value / each.std))) for each in estimation.innovations]
     misfit = sum(size > _OUTLIER for size in surprises) > max(
         2.0, _MANY * len(surprises)
     )  # then it is not the readings
-    for index, (reading, surprise) in enumerate(zip(calibration.readings, surprises, strict=True)):
+    for index, (reading, surprise) in enumerate(zip(estimation.readings, surprises, strict=True)):
         doubt = doubted.get(index)
         if doubt is not None and doubt.implausible:
-            said = calibration.objection_to(doubt)
+            said = estimation.objection_to(doubt)
             text = f"{said[:1].upper()}{said[1:]}: it is not used; take it again, or record it with --accept."
             yield Finding("outlier", None, text)
         elif doubt is not None:
@@ -105,36 +105,36 @@ def _outliers(calibration: Calibration) -> Iterator[Finding]:
             yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}; take it again.')
 
 
-def _scales(calibration: Calibration) -> Iterator[Finding]:
+def _scales(estimation: Estimation) -> Iterator[Finding]:
     """Say which stated figures do not fit: those that were learnt, and those that should be."""
-    if calibration.stated.inherited is not None:
-        yield from _noises(calibration)
+    if estimation.stated.inherited is not None:
+        yield from _noises(estimation)
         return
-    learnt = {(scale.kind, scale.owner) for scale in calibration.fit.scales.of} if calibration.fit else set()
-    for misfit in misfits(calibration.stated.observation, _trusted(calibration)):
+    learnt = {(scale.kind, scale.owner) for scale in estimation.fit.scales.of} if estimation.fit else set()
+    for misfit in misfits(estimation.stated.observation, _trusted(estimation)):
         if misfit.kind == "rough":
-            yield _rough(misfit, calibration, ("rest", misfit.owner) in learnt)
+            yield _rough(misfit, estimation, ("rest", misfit.owner) in learnt)
         else:
-            yield _off(misfit, calibration, ("noise" if misfit.kind == "noise" else "std", misfit.owner) in learnt)
+            yield _off(misfit, estimation, ("noise" if misfit.kind == "noise" else "std", misfit.owner) in learnt)
 
 
-def _noises(calibration: Calibration) -> Iterator[Finding]:
+def _noises(estimation: Estimation) -> Iterator[Finding]:
     """Say which noises were learnt that are not as stated."""
-    found = calibration.fit
-    for setup in calibration.stated.description.setups if found else ():
+    found = estimation.fit
+    for setup in estimation.stated.description.setups if found else ():
         noise = found.scales.value("noise", setup.name) if found else None
         if noise is not None and not 1 / _OTHER < noise / setup.noise < _OTHER:
-            yield _off(Misfit(setup.name, "noise", setup.noise, noise), calibration, True)
+            yield _off(Misfit(setup.name, "noise", setup.noise, noise), estimation, True)
 
 
-def _trusted(calibration: Calibration) -> list[Reading]:
-    doubted = {doubt.reading for doubt in calibration.doubts}
-    return [reading for index, reading in enumerate(calibration.readings) if index not in doubted]
+def _trusted(estimation: Estimation) -> list[Reading]:
+    doubted = {doubt.reading for doubt in estimation.outliers}
+    return [reading for index, reading in enumerate(estimation.readings) if index not in doubted]
 
 
-def _rough(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
-    function = calibration.problem.errors.names[misfit.owner]
-    axis = calibration.problem.errors.machine.axes[function.axis]
+def _rough(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
+    function = estimation.case.errors.names[misfit.owner]
+    axis = estimation.case.errors.machine.axes[function.axis]
     detail = f"{to_unit(misfit.detail, axis.unit):.3g} {axis.unit}"
     unit = value_unit(function)
     size = f"about {to_unit(misfit.rest, unit):.2g} {unit} of it"
@@ -145,24 +145,24 @@ def _rough(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
     return Finding("lack-of-fit", misfit.owner, text + ".")
 
 
-def _off(misfit: Misfit, calibration: Calibration, learnt: bool) -> Finding:
-    unit, what = _named(misfit, calibration)
+def _off(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
+    unit, what = _named(misfit, estimation)
     stated, found = (f"{to_unit(value, unit):.2g} {unit}" for value in (misfit.stated, misfit.found))
     end = "the bands use what the readings say" if learnt else 'review it, or let scales = "estimate" learn it'
     text = f"The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
     return Finding("prior-misfit", None if misfit.kind == "noise" else misfit.owner, text)
 
 
-def _named(misfit: Misfit, calibration: Calibration) -> tuple[str, str]:
+def _named(misfit: Misfit, estimation: Estimation) -> tuple[str, str]:
     if misfit.kind == "noise":
-        setup = calibration.problem.description.setup(misfit.owner)
+        setup = estimation.case.description.setup(misfit.owner)
         return reading_unit(setup), f'the noise of "{misfit.owner}"'
-    function = calibration.problem.errors.names[misfit.owner]
+    function = estimation.case.errors.names[misfit.owner]
     return value_unit(function), f"the std of {misfit.owner} ({words(misfit.owner)})"
 
 
-def _aliasing(calibration: Calibration) -> Iterator[Finding]:
-    for alias in aliases(calibration.problem.description.machine, calibration.readings):
+def _aliasing(estimation: Estimation) -> Iterator[Finding]:
+    for alias in aliases(estimation.case.description.machine, estimation.readings):
         yield Finding("aliasing", alias.error, _alias_text(alias))
 
 
@@ -181,8 +181,8 @@ def _alias_text(alias: Alias) -> str:
     return f"{where}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
 
 
-def _misfit(calibration: Calibration) -> Iterator[Finding]:
-    check = residual_check(calibration)
+def _misfit(estimation: Estimation) -> Iterator[Finding]:
+    check = residual_check(estimation)
     if check is None or min(check.probability, 1 - check.probability) > _MISFIT:
         return
     size = np.sqrt(check.chi_square / check.degrees)
@@ -195,11 +195,11 @@ def _misfit(calibration: Calibration) -> Iterator[Finding]:
     yield Finding("prior-misfit", None, text + guess)
 
 
-def _drift(calibration: Calibration) -> Iterator[Finding]:
+def _drift(estimation: Estimation) -> Iterator[Finding]:
     """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    told = [reading for reading in _trusted(calibration) if _side_known(reading, calibration.stated)]
-    for setup in calibration.stated.description.setups:
-        found = _stated_drift(calibration, setup) if setup.drift > 0 else _shown_drift(trend(told, setup), setup)
+    told = [reading for reading in _trusted(estimation) if _side_known(reading, estimation.stated)]
+    for setup in estimation.stated.description.setups:
+        found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(told, setup), setup)
         if found:
             yield Finding("drift", None, found)
 
@@ -211,10 +211,10 @@ def _side_known(reading: Reading, problem: Case) -> bool:
     return all(reading.approach[axis] != 0 for axis in reverses.intersection(moves))
 
 
-def _stated_drift(calibration: Calibration, setup: Setup) -> str:
+def _stated_drift(estimation: Estimation, setup: Setup) -> str:
     """Return by how much a zero has drifted that may, and whether that is more than stated; empty if it hardly has."""
     unit, said = reading_unit(setup), ""
-    for number, path in enumerate(paths(calibration, setup)):
+    for number, path in enumerate(paths(estimation, setup)):
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
         if abs(far) > _SHOWS * std:
@@ -248,9 +248,9 @@ def _rate_text(rate: float, unit: str) -> str:
     return f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
 
 
-def _changes(calibration: Calibration) -> Iterator[Finding]:
+def _changes(estimation: Estimation) -> Iterator[Finding]:
     """Say which curves have changed since the campaign whose result is the prior."""
-    for change in changes(calibration):
+    for change in changes(estimation):
         unit, place = ("urad" if change.angular else "um"), "deg" if change.rotary else "mm"
         text = (
             f"{change.name} ({words(change.name)}) has changed since the last campaign: by up to "

@@ -9,8 +9,8 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
-from axiscal.estimate.calibration import Calibration
 from axiscal.estimate.case import Case
+from axiscal.estimate.estimation import Estimation
 from axiscal.estimate.history import Moment, path
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
@@ -54,18 +54,18 @@ class Extras:
     warnings: Sequence[Finding] = ()
 
 
-def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> Summary:
+def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
     """Return the summary of a campaign.
 
-    calibration : after all its readings
+    estimation : after all its readings
     """
-    problem, description = calibration.problem, campaign.description
-    rows = _history(campaign, calibration)
+    problem, description = estimation.case, campaign.description
+    rows = _history(campaign, estimation)
     if extras.compared:
         usual = traditional(problem, len(campaign.state.readings)).rms
         pairs = zip(rows, usual, strict=True)
         rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
-    target, drawn = description.target, curves(calibration, campaign.state.readings, extras.truth)
+    target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
         title=f"Calibration of {description.machine.name}",
         machine=description.machine.name,
@@ -82,16 +82,16 @@ def summarise(campaign: Campaign, calibration: Calibration, extras: Extras) -> S
         history=rows,
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
-        constants=constants(calibration, extras.truth),
+        constants=constants(estimation, extras.truth),
         observability=observability(problem),
-        rejected=_rejections(calibration, rows),
-        warnings=[*extras.warnings, *findings(calibration)],
+        rejected=_rejections(estimation, rows),
+        warnings=[*extras.warnings, *findings(estimation)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         truth=extras.truth_check,
         iso230=extras.iso230,
-        reading_residual=residual_check(calibration),
+        reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
     )
@@ -101,21 +101,21 @@ def _reversal(curve: CurveSummary) -> bool:
     return curve.name.endswith("_reversal")
 
 
-def _history(campaign: Campaign, calibration: Calibration) -> list[HistoryRow]:
+def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
     """Return how well the machine was known after each reading, and how much each surprised."""
-    refused = {doubt.reading + 1 for doubt in calibration.doubts if doubt.rejected}
-    tools = _tool_points(calibration.problem, campaign.state.readings)
-    first, *moments = path(calibration)
-    rows = [_row(calibration.problem, None, 0, first, None)]
+    refused = {doubt.reading + 1 for doubt in estimation.outliers if doubt.rejected}
+    tools = _tool_points(estimation.case, campaign.state.readings)
+    first, *moments = path(estimation)
+    rows = [_row(estimation.case, None, 0, first, None)]
     for number, (reading, moment, tool) in enumerate(
         zip(campaign.state.readings, moments, tools, strict=True), start=1
     ):
-        row = _row(calibration.problem, reading, number, moment, tool)
+        row = _row(estimation.case, reading, number, moment, tool)
         rows.append(replace(row, rejected=number in refused))
     return rows
 
 
-def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Rejection]:
+def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:
     """Return the readings that were not believed."""
     return [
         Rejection(
@@ -126,7 +126,7 @@ def _rejections(calibration: Calibration, rows: Sequence[HistoryRow]) -> list[Re
             f"{doubt.surprise:.3g} standard deviations from what the other readings say",
             row.unit,
         )
-        for doubt in calibration.doubts
+        for doubt in estimation.outliers
         if doubt.rejected and (row := rows[doubt.reading + 1])
     ]
 

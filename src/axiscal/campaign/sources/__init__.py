@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from axiscal.campaign.sources.simulated import Simulator
 from axiscal.campaign.sources.source import Answer, Request, Skip, Source
 from axiscal.exceptions import SourceError
 
-__all__ = ["Answer", "Request", "Simulator", "Skip", "Source", "open_source"]
+if TYPE_CHECKING:
+    from axiscal.simulation import Simulator
+
+__all__ = ["Answer", "Request", "Skip", "Source", "open_source"]
 
 TRUTH_SEED = 0
 """Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
@@ -59,13 +62,10 @@ def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
 def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
     from axiscal.campaign.sources.linuxcnc import LinuxcncSource
     from axiscal.campaign.sources.simulated import SimulatedSource
-    from axiscal.simulation import VirtualMachine
 
     from_file = rest.endswith(".csv")
     number = TRUTH_SEED if from_file else _seed(rest, "linuxcnc") if named else 0
     truth = simulator.from_curves(Path(rest), number) if from_file else simulator.drawn(number)
-    if not isinstance(truth, VirtualMachine):
-        raise SourceError("LinuxCNC can only move virtual machines of axiscal", _KINDS)
     return LinuxcncSource(truth, lambda machine: SimulatedSource(machine, number))
 
 

@@ -2,41 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, Request
-from axiscal.measurement.setup import Setup
 
 if TYPE_CHECKING:
-    import numpy as np
-
-
-class VirtualMachine(Protocol):
-    """A machine with a hidden truth."""
-
-    def read_all(
-        self,
-        setup: Setup,
-        pose: tuple[float, ...],
-        approach: tuple[int, ...],
-        rng: np.random.Generator,
-        seconds: float = 0.0,
-    ) -> tuple[float, ...]:
-        """Return what the set-up would show, in m or rad: truth, the set-up's own unknowns, and noise from `rng`.
-
-        seconds : since the campaign began
-        """
-
-
-class Simulator(Protocol):
-    """Makes virtual machines for one campaign."""
-
-    def drawn(self, seed: int) -> VirtualMachine:
-        """Return a machine whose errors are drawn from the prior."""
-
-    def from_curves(self, path: Path, seed: int) -> VirtualMachine:
-        """Return a machine whose errors are the curves of a file; raises InputError for a file that has none."""
+    from axiscal.simulation import VirtualMachine
 
 
 class SimulatedSource:

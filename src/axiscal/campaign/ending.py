@@ -1,0 +1,65 @@
+"""When a campaign has come to its end: a target is reached, or none will be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.description.target import Target
+from axiscal.estimate.estimation import Estimation
+from axiscal.units import to_unit
+
+FUTILE = 50
+OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
+DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
+BUDGET = "time budget used"
+_HARDLY = 0.99
+_GROSS = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """There is nothing more to ask, and why."""
+
+    because: str
+
+
+def count_reached(target: Target, count: int) -> str | None:
+    """Return in words that so many readings are all that were wanted; None where they are not."""
+    if target.readings is None or count < target.readings:
+        return None
+    return f"{count} reading{'' if count == 1 else 's'} taken"
+
+
+def accuracy_reached(target: Target, known: Estimation) -> str | None:
+    """Return in words which accuracy is reached; None where none is."""
+    now = known.accuracy
+    wanted = ("rms", target.rms, now.seen, now.rms), ("worst", target.worst, now.worst_seen, now.worst)
+    for name, limit, seen, whole in wanted:
+        if limit is not None and seen <= now.attainable(limit):
+            return _unless_misfit(f"{name} target reached" + _unless_hidden(whole, limit), known)
+    return None
+
+
+def futile(target: Target, path: Sequence[Accuracy]) -> bool:
+    """Whether only an accuracy could stop the campaign, and many readings have hardly improved it.
+
+    path : how well the machine was known before the first reading and after each
+    """
+    if len(path) <= FUTILE or target.readings is not None or target.budget is not None:
+        return False
+    before, now = path[-1 - FUTILE], path[-1]
+    return now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
+
+
+def _unless_misfit(reached: str, known: Estimation) -> str:
+    """Return that a target is reached, unless the readings contradict the model by which it seems to be."""
+    return DOES_NOT_FIT if known.misfit() > _GROSS else reached
+
+
+def _unless_hidden(whole: float, target: float) -> str:
+    """Say by how much the target is missed because of what no allowed reading can see."""
+    if whole <= target:
+        return ""
+    return f" in what readings can tell; with what they cannot tell it is {to_unit(whole, 'um'):.3g} um"

@@ -1,0 +1,88 @@
+"""What readings make known of a machine: the last stage, and what is asked of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.belief import Innovations
+from axiscal.estimate.absorbed import Absorbed
+from axiscal.estimate.case import Case
+from axiscal.estimate.judged import Judged
+from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimate.learnt import Learnt
+from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimate.map_grid import map_grid
+from axiscal.estimate.timed import Timed
+from axiscal.inference.fit import Fit
+from axiscal.inference.implausible import objection
+from axiscal.inference.outliers import FEWEST, Doubt
+from axiscal.measurement.reading import Reading
+from axiscal.numerics.threads import one_thread
+
+_TRIMMED = 0.1
+
+
+class Stages(NamedTuple):
+    """How an estimation was found, which the next one begins with."""
+
+    timed: Timed
+    judged: Judged
+    learnt: Learnt
+    absorbed: Absorbed
+
+
+@dataclass(frozen=True, eq=False)
+class Estimation:
+    """stated : the case as described; case : with scales as learnt, and stations and sides as found
+
+    readings : each with its time; seconds : of machine time that they take; innovations : what each surprised by
+    outliers : the readings that are not believed, first those that cannot be, then those that others contradict
+    fit : the scales, None where none were learnt; learnt_from : number of readings that they were learnt from
+    """
+
+    stated: Case
+    case: Case
+    knowledge: Knowledge
+    readings: tuple[Reading, ...]
+    seconds: float
+    innovations: tuple[Innovations, ...]
+    outliers: tuple[Doubt, ...]
+    fit: Fit | None
+    learnt_from: int
+    stages: Stages
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How well the machine is known."""
+        with one_thread():
+            return self.case.yardstick.measure(self.knowledge.belief)
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """What tables are made of: the belief about the machine, over the volume of the target."""
+        description = self.case.description
+        grid = map_grid(description.machine, description.setups, self.readings)
+        return Estimate(self.case.errors, self.knowledge.belief, description.target.volume, grid)
+
+    def misfit(self) -> float:
+        """Return how many times as much as the model says the readings scatter about their predictions.
+
+        The root mean square of the standardised innovations without the largest tenth; implausible readings apart.
+        """
+        apart = {doubt.reading for doubt in self.outliers if doubt.implausible}
+        believed = [each for index, each in enumerate(self.innovations) if index not in apart]
+        if len(believed) < FEWEST:
+            return 1.0
+        sizes = np.sort([np.sqrt(each.chi_square / each.degrees) for each in believed])
+        return float(np.sqrt(np.mean(sizes[: len(sizes) - ceil(_TRIMMED * len(sizes))] ** 2)))
+
+    def objection_to(self, doubt: Doubt) -> str:
+        """Return in words what an implausible reading is."""
+        reading = self.readings[doubt.reading]
+        return objection(doubt, reading, self.stated.description.setup(reading.setup))

@@ -1,0 +1,43 @@
+"""Fifth stage: the readings since the scales were learnt, and whether one of them shows that another one is bad."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from axiscal.estimate.absorbed import MANY, Absorbed, absorbed
+from axiscal.estimate.learnt import weighed
+from axiscal.inference.outliers import Doubt
+from axiscal.measurement.reading import Reading
+
+_AHEAD = 64
+"""So many are taken before it is looked whether one of them surprises."""
+_SURPRISING = 2.0
+"""Standard deviations from which a new reading makes all be looked at: one in twenty does by chance."""
+
+
+def reviewed(before: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
+    """Return what is known after readings; where one surprises, how much each counts is found anew.
+
+    readings : all, the first of which are in what was known before
+    """
+    known, count = before, len(readings)
+    while (start := len(known.innovations)) < count:
+        stop = start + (_AHEAD if count - start >= MANY else 1)
+        known = _looked_at(absorbed(known, readings[:stop], implausible), start, readings, implausible)
+    return known
+
+
+def _looked_at(known: Absorbed, start: int, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
+    """Return the same, or what is known up to the first reading that changes how much another one counts.
+
+    start : so many readings have been looked at
+    """
+    for count in range(start + 1, len(known.innovations) + 1):
+        if np.sqrt(known.innovations[count - 1].chi_square) < _SURPRISING:
+            continue
+        found = weighed(known.case, readings[:count], implausible)
+        if found.fates != known.verdict.fates:
+            return absorbed(Absorbed.nothing(known.case, found), readings[:count], implausible)
+    return known
