@@ -23,6 +23,7 @@ from axiscal.machine.names import parse_error_name
 from axiscal.measurement.drift import MEMORY
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.owners import Owned
 from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -167,8 +168,10 @@ class Simulator:
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
         """Return the unknowns of the set-ups and the drifts of their zeros."""
-        rng = np.random.default_rng((seed, 2))
-        offsets = {s.name: {u.name: u.std * rng.standard_normal() for u in s.unknowns} for s in self.setups}
+        rng, owned = np.random.default_rng((seed, 2)), Owned.by(self.setups)
+        values = np.array([unknown.std * rng.standard_normal() for unknown in owned.unknowns])
+        pairs = zip(self.setups, owned.columns, strict=True)
+        offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
         return offsets, {s.name: _wandering(s.drift, rng) for s in self.setups if s.drift > 0}
 

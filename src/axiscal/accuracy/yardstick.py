@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.accuracy.alignment import Alignment
 from axiscal.accuracy.criterion import Gram, Root
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
@@ -58,6 +59,7 @@ class Yardstick:
 
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
+    sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
     """
 
     errors: ErrorModel
@@ -65,6 +67,8 @@ class Yardstick:
     moments: VolumeMoments
     unseen: Array
     zeroed: tuple[bool, bool, bool] = (False, False, False)
+    sample: Array | None = None
+    alignment: Alignment | None = None
 
     @cached_property
     def _shift(self) -> Array:
@@ -128,18 +132,24 @@ class Yardstick:
 
     @cached_property
     def _poses(self) -> tuple[Array, Array]:
-        low, high = np.array(self.box).T
-        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
-        poses = np.concatenate([corners(self.box), inner])
+        poses = self._places
         if not any(f.kind == "reversal" for f in self.errors.functions):
             return poses, np.ones_like(poses)
         return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
 
     @cached_property
+    def _places(self) -> Array:
+        if self.sample is not None:
+            return self.sample[:_INNER_POINTS]
+        low, high = np.array(self.box).T
+        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
+        return np.concatenate([corners(self.box), inner])
+
+    @cached_property
     def rows(self) -> Array:
         """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size)."""
         rows: Array = self.errors.rows(*self._poses) - self._shift
-        return rows
+        return rows if self.alignment is None else rows - self.alignment.taken_off(self._poses[0])
 
     @cached_property
     def _here(self) -> Array:

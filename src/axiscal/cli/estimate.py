@@ -43,7 +43,7 @@ def estimate(
       axiscal estimate campaign.toml readings.csv --out results
     """
 
-    description = read_campaign(campaign, target_needed=False)
+    description = read_campaign(campaign, target_needed=False, asking=False)
     raw = read_any(readings)
     placed = placed_readings(raw, description, readings)
     refuse_implausible(placed, description, readings)

@@ -13,6 +13,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
 _ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
+_LONGEST_DOUBT = 0.1
+"""m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,16 +50,17 @@ class CampaignDescription:
         raise DescriptionError(f"there is no set-up {shown(name)}", f"The set-ups are {known}", self.source)
 
 
-def read_campaign(path: str | Path, *, target_needed: bool = True) -> CampaignDescription:
+def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:
     """Return the campaign in a file, with its machine (a file beside it, or a built-in name).
 
     target_needed : refuse a campaign that nothing would ever stop
+    asking : readings are to be asked for, and set-ups that do not say where they can be read are refused
     Raises DescriptionError or UnitError with file, line, value and remedy.
     """
     document = Document.read(path)
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
-    return _described(document, load_machine(source), source, target_needed, _prior_text(document))
+    return _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)
 
 
 def _prior_text(document: Document) -> str:
@@ -79,10 +82,13 @@ def campaign_from_texts(
     target_needed: bool = False,
     prior_text: str = "",
 ) -> CampaignDescription:
-    """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does."""
+    """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
+
+    One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
+    """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source)
-    return _described(document, machine, machine_source, target_needed, prior_text)
+    return _described(document, machine, machine_source, target_needed, prior_text, asking=False)
 
 
 def _machine_name(document: Document) -> str:
@@ -95,16 +101,19 @@ def _machine_name(document: Document) -> str:
 
 
 def _described(
-    document: Document, machine: Machine, machine_source: str, target_needed: bool, prior_text: str
+    document: Document, machine: Machine, machine_source: str, target_needed: bool, prior_text: str, asking: bool
 ) -> CampaignDescription:
+    from axiscal.description.artefacts import read_artefacts
     from axiscal.description.campaign_schema import CampaignTable
-    from axiscal.description.setups import read_setups
+    from axiscal.description.setups import Surroundings, read_setups
     from axiscal.description.target import read_target
     from axiscal.document import read_model
 
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
-    setups = read_setups(table.setups, machine, document)
+    artefacts = read_artefacts(table.artefacts, document)
+    tool = _tool_length(table.tool_length, document)
+    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking))
     if target_needed and target.empty:
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
@@ -126,6 +135,13 @@ def _active(given: bool | str | list[str] | None, document: Document) -> bool | 
         fault = DescriptionError(f"compensation_active = {shown(given)} names no file", _ACTIVE)
         raise document.fault(fault, "compensation_active")
     return names
+
+
+def _tool_length(value: float, document: Document) -> float:
+    if not 0 <= value <= _LONGEST_DOUBT:
+        remedy = 'Give how well it is known, such as tool_length = "5 um"; "0 um" where the zero was set with it'
+        raise document.fault(DescriptionError("this is no std of a tool's length", remedy), "tool_length")
+    return value
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

@@ -6,7 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from axiscal.document import Length, QuantityText, Time
+from axiscal.description.artefact_schema import ArtefactTable
+from axiscal.document import Angle, Length, QuantityText, Time
 
 
 class Table(BaseModel):
@@ -23,6 +24,10 @@ class TargetTable(Table):
     readings: int | None = Field(None, examples=["40"])
     budget: Time | None = Field(None, examples=['"90 min"'])
     volume: dict[str, list[QuantityText]] = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
+    part: dict[str, QuantityText | list[QuantityText]] | None = Field(
+        None, examples=['{ radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }']
+    )
+    aligned: bool | None = Field(None, examples=["true"])
     criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
 
 
@@ -52,6 +57,21 @@ class SetupTable(Table):
     raster: dict[str, QuantityText] = Field(default={}, examples=['{ X = "10 mm" }'])
     approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
     drift: QuantityText | None = Field(None, examples=['"2 um/h"'])
+    artefact: str | None = Field(None, examples=['"three spheres"'])
+    ball: str | list[str] | None = Field(None, examples=['["low", "high"]'])
+    mounted: int = Field(1, ge=1, examples=["2"])
+    reach: dict[str, list[QuantityText]] = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
+    along: list[list[QuantityText]] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
+    length: QuantityText | None = Field(None, examples=['"150 mm"'])
+    stroke: QuantityText | None = Field(None, examples=['"1 mm"'])
+    plane: str | list[str | list[float | int]] | None = Field(None, examples=['"xy"'])
+    arc: list[QuantityText] | None = Field(None, examples=['["0 deg", "360 deg"]'])
+    turning: dict[str, float | int] | None = Field(None, examples=["{ C = 1.0 }"])
+    retract: Length | None = Field(None, examples=['"50 mm"'])
+    sides: Literal["mean", "touched"] | None = Field(None, examples=['"mean"'])
+    range: list[QuantityText] | None = Field(None, examples=['["1 m", "8 m"]'])
+    sight: Angle | None = Field(None, examples=['"60 deg"'])
+    faces: str | list[float | int] | None = Field(None, examples=['"z"'])
 
 
 class CampaignTable(Table):
@@ -62,5 +82,7 @@ class CampaignTable(Table):
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
+    tool_length: Length = Field(5e-6, examples=['"5 um"'])
+    artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.lacking import lack_of
+from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
+from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.target import coordinate
+from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.machine import Axis, Machine
+from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.instruments.rotation import Rotation
@@ -24,18 +29,36 @@ _REFERENCE = 293.15
 _ALONG = 0.99
 _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
+_NEVER_ANYWHERE = ("sphere",)
+_SHORTEST_REACH = 4.0
+"""A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
-_LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 
 
-def read_setups(tables: list[SetupTable], machine: Machine, document: Document) -> tuple[Setup, ...]:
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What set-ups are described in.
+
+    artefacts : by name; tool_length : std of how much longer the tool is than stated, m
+    asking : readings are to be asked for, so that every set-up must say where it can be read
+    """
+
+    machine: Machine
+    document: Document
+    artefacts: Mapping[str, Artefact]
+    tool_length: float
+    asking: bool
+
+
+def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
     """Return the set-ups; raises DescriptionError or UnitError at the line that is wrong."""
+    document = around.document
     if not tables:
         raise document.fault(DescriptionError("there is no set-up", "Add a table [[setups]]"), "setups")
     faults, setups = Faults(), list[Setup]()
     for number, table in enumerate(tables):
         with faults.noted():
-            setups.append(_Reader(table, machine, document, number).setup())
+            setups.append(_Reader(table, around, number).setup())
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -54,8 +77,9 @@ def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
 class _Reader:
     """Reads one table; every failure is placed at the key it is about."""
 
-    def __init__(self, table: SetupTable, machine: Machine, document: Document, number: int) -> None:
-        self._table, self._machine, self._document, self._number = table, machine, document, number
+    def __init__(self, table: SetupTable, around: Surroundings, number: int) -> None:
+        self._table, self._around, self._number = table, around, number
+        self._machine, self._document = around.machine, around.document
 
     def setup(self) -> Setup:
         table = self._table
@@ -63,12 +87,14 @@ class _Reader:
             name = _name(table.name)
         with self._at("instrument"):
             usual = _instrument(table.instrument)
+        around = self._around
+        site = SiteReader(table, around.machine, around.artefacts, around.tool_length, self._at).site()
         with self._at("direction"):
-            direction = _direction(table.direction, usual)
+            direction = self._direction(usual, site)
         with self._at("station"):
-            station = self._station()
+            station = self._station() if site is None or site.station is None else site.station
         with self._at("moves"):
-            moves = self._moves()
+            moves = self._moves() if site is None else site.moves
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
         resolution = self._resolution(usual)
@@ -79,23 +105,79 @@ class _Reader:
             instrument=usual.name,
             direction=direction,
             moves=moves,
-            park=self._park(moves),
+            park=self._park(moves) if site is None else site.park,
             noise=math.hypot(noise, resolution / math.sqrt(12.0)),
-            unknowns=(*self._unknowns(usual, moves), *spread),
-            setup_time=self._time("setup_time", usual.setup_time),
+            unknowns=(*self._unknowns(usual, moves, site), *spread),
+            setup_time=self._time("setup_time", usual.setup_time * self._mountings(site)),
             settle=self._time("settle", usual.settle),
             reading_time=self._time("reading_time", usual.reading_time),
-            raster=self._raster(moves, base or 0.0),
+            raster=self._raster(moves, base or 0.0) if site is None else (0.0,) * len(self._machine.axes),
             approach=table.approach,
             station=station,
             growth=growth,
             base=base,
             drift=self._drift(usual),
             resolution=resolution,
+            reach=self._reach(moves),
         )
+        setup = setup if site is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check(setup, self._machine)
-        return setup
+        return self._complete(setup)
+
+    def _sited(self, setup: Setup, site: Site) -> Setup:
+        """Return a set-up that is read where its site is."""
+        table = self._table
+        with self._at("stroke"):
+            stroke = parse_quantity(table.stroke, "length") if table.stroke else STROKE
+        evened = setup.instrument == "sphere" if table.sides is None else table.sides == "mean"
+        retract = RETRACT if table.retract is None else table.retract
+        setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
+        setup = replace(setup, retract=retract, mean_sides=evened, length=site.length)
+        with self._at("artefact" if site.artefact else "length" if site.length else "along"):
+            refuse_unreachable(self._machine, setup)
+        if setup.contact != "held":
+            return setup
+        with self._at("length" if site.length else "instrument"):
+            refuse_short_stroke(self._machine, setup, stroke)
+        return replace(setup, stroke=stroke)
+
+    def _complete(self, setup: Setup) -> Setup:
+        """Return a set-up with what it lacks before readings can be asked for; raises DescriptionError if they are."""
+        lack = lack_of(setup, self._machine, tuple(self._table.reach))
+        if lack is not None and self._around.asking and setup.instrument in _NEVER_ANYWHERE:
+            with self._at("instrument"):
+                raise DescriptionError(*lack)
+        return replace(setup, lacks=lack)
+
+    def _mountings(self, site: Site | None) -> int:
+        """Return how many times the usual time of mounting is needed: a sphere is put up ball by ball."""
+        return len(site.balls) if site is not None and site.contact == "retracted" else 1
+
+    def _direction(self, usual: Instrument, site: Site | None) -> Vector:
+        if site is None or site.direction is None:
+            return _direction(self._table.direction, usual)
+        if self._table.direction is not None and usual.reads == "length" and usual.name == "interferometer":
+            raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
+        return site.direction if self._table.direction is None else _direction(self._table.direction, usual)
+
+    def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...] | None:
+        if not self._table.reach:
+            return None
+        spans = [axis.travel for axis in self._machine.axes]
+        for name, texts in self._table.reach.items():
+            with self._at("reach", name):
+                index = self._machine.index(name)
+                axis = self._machine.axes[index]
+                if index not in moves:
+                    raise DescriptionError(f"{name} has a reach, but does not move in this set-up", "Take it out")
+                if len(texts) != 2:
+                    raise DescriptionError(f"{shown(texts)} has not two ends", f"Write two, within {axis.travel_text}")
+                low, high = (coordinate(text, axis) for text in texts)
+                if high - low < _SHORTEST_REACH * axis.overrun:
+                    raise DescriptionError(f"{shown(texts)} is too short, or does not increase", "Lower end first")
+                spans[index] = low, high
+        return tuple(spans)
 
     def _resolution(self, usual: Instrument) -> float:
         with self._at("resolution"):
@@ -140,17 +222,10 @@ class _Reader:
             raise DescriptionError(what, "Take temperature and expansion out, or name the axis in moves")
 
     def _station(self) -> Vector | None:
-        given = self._table.station
-        if given is None:
-            return None
-        if len(given) != 3:
-            remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-            raise DescriptionError(f"{shown(given)} is not a place", remedy)
-        x, y, z = (parse_quantity(text, "length") for text in given)
-        return x, y, z
+        return None if self._table.station is None else spot(self._table.station)
 
     @contextmanager
-    def _at(self, *keys: str) -> Iterator[None]:
+    def _at(self, *keys: str | int) -> Iterator[None]:
         try:
             yield
         except InputError as failure:
@@ -226,8 +301,10 @@ class _Reader:
                 raise DescriptionError(f"{shown(text)} is no rate at which a zero wanders", remedy)
             return rate
 
-    def _unknowns(self, usual: Instrument, moves: tuple[int, ...]) -> tuple[Unknown, ...]:
+    def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
         given = self._table.unknowns
+        if site is not None and site.unknowns:
+            return site.unknowns if given is None else self._chosen(given, site, usual)
         if given is None:
             turns = any(self._machine.axes[index].rotary for index in moves)
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
@@ -237,6 +314,18 @@ class _Reader:
             with self._at(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(usual, moves, given is None)
         return unknowns
+
+    def _chosen(self, given: Mapping[str, str], site: Site, usual: Instrument) -> tuple[Unknown, ...]:
+        """Return the unknowns of a site that are named, with their std as given; whose they are stays."""
+        known = {unknown.name: unknown for unknown in site.unknowns}
+        chosen = []
+        for name, text in given.items():
+            with self._at("unknowns", name):
+                if name not in known:
+                    remedy = f"Known are {', '.join(known)}"
+                    raise DescriptionError(f"{shown(name)} is not an unknown of this {usual.name}", remedy)
+                chosen.append(replace(known[name], std=_positive(text, reads_as(name))))
+        return tuple(chosen)
 
     def _unknown(self, name: str, text: str, usual: Instrument) -> Unknown:
         with self._at("unknowns", name):
@@ -279,25 +368,13 @@ def _instrument(name: str) -> Instrument:
 
 def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vector:
     """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
-    remedy = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
     if not usual.model.directed:
         if value is not None:
             raise DescriptionError(f"a {usual.name} has no direction of its own", "Take direction out")
         return _DIAGONAL, _DIAGONAL, _DIAGONAL
     if value is None:
-        raise DescriptionError(f'"direction" is missing: the {usual.name} reads in one direction', remedy)
-    if isinstance(value, str):
-        found = _LETTER.fullmatch(value)
-        if found is None:
-            raise DescriptionError(f"{shown(value)} is not a direction", remedy)
-        sign = -1.0 if found[1] == "-" else 1.0
-        x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
-        return x, y, z
-    largest = max((abs(number) for number in value), default=0)
-    if len(value) != 3 or not 1e-100 < largest < 1e100:
-        raise DescriptionError(f"{shown(value)} is not a direction", remedy)
-    x, y, z = (number / math.hypot(*value) for number in value)
-    return x, y, z
+        raise DescriptionError(f'"direction" is missing: the {usual.name} reads in one direction', WAYS)
+    return unit_vector(value)
 
 
 def _positive(text: str, reads: str) -> float:

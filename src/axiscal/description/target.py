@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
+from axiscal.accuracy.part import PartVolume
 from axiscal.description.campaign_schema import TargetTable
+from axiscal.description.parts import read_part
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
@@ -13,6 +17,8 @@ from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "joint", "worst"]
 MOST_READINGS = 100_000
+_LOOKED_AT, _FEWEST = 1000, 20
+_MARGIN, _THIN = 0.02, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +28,8 @@ class Target:
     rms, worst : m, of the TCP over the volume; budget : s
     volume : (lowest, highest) coordinate per axis in chain order, m or rad
     criterion : what the next reading is chosen to reduce
+    part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
+    aligned : a rigid motion of the part is not counted: it is probed
     """
 
     rms: float | None
@@ -30,6 +38,8 @@ class Target:
     budget: float | None
     volume: tuple[tuple[float, float], ...]
     criterion: Criterion
+    part: PartVolume | None = None
+    aligned: bool = False
 
     @property
     def empty(self) -> bool:
@@ -47,8 +57,24 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     if table.readings is not None and table.readings > MOST_READINGS:
         what = f"{shown(table.readings)} readings are too many"
         raise _fault(document, what, f"Give at most {MOST_READINGS}", "readings")
-    volume = _volume(table, machine, document)
-    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion)
+    part = None if table.part is None else read_part(table.part, machine, document)
+    if part is not None and table.volume:
+        raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
+    volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
+    aligned = part is not None if table.aligned is None else table.aligned
+    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion, part, aligned)
+
+
+def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
+    """Return the box of axes around the poses of a part; raises DescriptionError where no pose reaches it."""
+    poses = part.poses(machine, _LOOKED_AT)
+    if len(poses) < _FEWEST:
+        raise _fault(document, "hardly a pose has the tool point in this part", "Place it within the travels", "part")
+    low, high = poses.min(axis=0), poses.max(axis=0)
+    lowest, highest = np.array([axis.travel for axis in machine.axes]).T
+    margin = _MARGIN * (high - low) + _THIN * (highest - lowest)
+    bounds = np.stack([np.maximum(low - margin, lowest), np.minimum(high + margin, highest)], axis=1)
+    return tuple((float(first), float(last)) for first, last in bounds)
 
 
 def coordinate(text: str, axis: Axis) -> float:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.alignment import Alignment, sampled_moments
+from axiscal.accuracy.part import POSES
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
 from axiscal.description.campaign import CampaignDescription
@@ -16,6 +18,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.estimate.knowledge import Knowledge
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
+from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS
@@ -25,6 +28,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.time_taken import visit_seconds
 from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
@@ -126,13 +130,36 @@ class Case:
     @cached_property
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
-        box = self.description.target.volume
-        moments = volume_moments(self.errors, box)
+        target = self.description.target
+        box, sample, alignment = target.volume, self._sample, self._alignment
+        if sample is None:
+            moments = volume_moments(self.errors, box)
+        else:
+            moments = sampled_moments(self.errors, sample, alignment)
         factor = self.prior.factor
         unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
-        return Yardstick(self.errors, box, moments, unseen, (x, y, z))
+        return Yardstick(self.errors, box, moments, unseen, (x, y, z), sample, alignment)
+
+    @cached_property
+    def _sample(self) -> Array | None:
+        """Poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
+        target, machine = self.description.target, self.description.machine
+        if target.part is not None:
+            return target.part.poses(machine)
+        if not target.aligned:
+            return None
+        low, high = np.array(target.volume).T
+        poses: Array = low + (high - low) * even_points(POSES, len(low))
+        return poses
+
+    @cached_property
+    def _alignment(self) -> Alignment | None:
+        """What probing the part takes off; None where a rigid motion counts."""
+        if not self.description.target.aligned or self._sample is None:
+            return None
+        return Alignment(self.errors, self._sample)
 
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
@@ -141,7 +168,7 @@ class Case:
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""
-        reads = model_of(setup).unknown_reads[unknown.name]
+        reads = model_of(setup).unknown_reads.get(unknown.name) or reads_as(unknown.name)
         return "um" if reads == "length" else "urad"
 
     def index(self, setup: str) -> int:
@@ -153,7 +180,7 @@ class Case:
         setup = self.description.setup(reading.setup)
         sides = {"both": (1, -1), "+": (1,), "-": (-1,)}["both" if setup.name in self.both else setup.approach]
         reverses = {function.axis for function in self.errors.functions if function.kind == "reversal"}
-        return all(reading.approach[k] in sides for k in setup.moves if k in reverses)
+        return all(reading.approach[k] in sides for k in setup.sided(self.errors.machine.axes) if k in reverses)
 
     def _allowed_rows(self) -> Array:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""

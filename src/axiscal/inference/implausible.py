@@ -73,7 +73,7 @@ class Plausibility:
     @classmethod
     def stated(cls, observation: Observation, covariance: Array, mean: Array, slack: float = 1.0) -> Plausibility:
         """Return what the first readings may be.  slack : factor on the stds of the errors"""
-        stds = [unknown.std for setup in observation.setups for unknown in setup.unknowns]
+        stds = [unknown.std for unknown in observation.unknowns]
         unknowns = Belief(np.zeros(len(stds)), np.diag(np.square(stds))) if stds else None
         return cls(observation, mean, slack**2 * covariance, unknowns, {})
 

@@ -108,7 +108,7 @@ class ReadingSet:
     def unknowns(self) -> Array:
         """Return U with U Uᵀ the covariance that unknowns and drifts of the set-ups give the numbers, (m, k)."""
         start, setups = self._observation.errors.size, self._observation.setups
-        stds = np.array([unknown.std for setup in setups for unknown in setup.unknowns])
+        stds = np.array([unknown.std for unknown in self._observation.unknowns])
         drifts = [self._drifts(setup, mine) for setup, mine in self._places.by_setup() if setups[setup].drift > 0]
         return np.hstack([self.rows[:, start : start + len(stds)] * stds, *drifts])
 

@@ -27,6 +27,12 @@ class Frames(NamedTuple):
     tcp: Array
     tool: Array
 
+    @property
+    def stem(self) -> Array:
+        """Unit vectors from the tip of the tool to the spindle, (m, 3)."""
+        along: Array = self.tool[:, :, 2]
+        return along
+
 
 class SmallMotions(NamedTuple):
     """What each axis frame does beside its nominal motion, at each pose, in the axis frame.

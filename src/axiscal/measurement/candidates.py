@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.measurement.breaks import knots_along
+from axiscal.measurement.chart_places import chart_candidates
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
@@ -22,6 +23,8 @@ def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Places:
 
 
 def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
+    if setup.chart is not None:
+        return chart_candidates(machine, setup, setup.chart, count)
     moves = list(setup.moves)
     unit = even_points(count, 2 * len(moves))
     poses = np.tile(np.array(setup.park), (count, 1))

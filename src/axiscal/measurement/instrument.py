@@ -75,14 +75,16 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0),
             Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4), *_tool(1e-4)), 900.0, 0.5, 1.0),
             Instrument("rtest", Nest(), 0.7e-6, (*_zeros(1e-3), *_tool(1e-4)), 900.0, 1.0, 3.0),
+            Instrument("sphere", Nest(), 1.5e-6, (), 300.0, 1.0, 15.0),
             Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3), *_tool(1e-4)), 3600.0, 2.0, 5.0),
             Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3), *_tool(1e-4)), 1800.0, 1.0, 3.0),
         )
     }
 )
 """The indicator is a dial or lever gauge; the straightedge is read by an indicator and lies at an unknown angle; the
-level is an electronic one; the tracer is a length-only interferometer that follows the tool from a station nobody knows
-well. What carries a ball or a mirror in the spindle is known to a tenth of a millimetre (an assumption)."""
+level is an electronic one; a sphere is touched from all sides by a probe in the spindle, and mounted ball by ball; the
+tracer is a length-only interferometer that follows the tool from a station nobody knows well. What carries a ball or a
+mirror in the spindle is known to a tenth of a millimetre (an assumption)."""
 
 _STEPPED = Stepped()
 

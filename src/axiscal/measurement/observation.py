@@ -21,7 +21,8 @@ from axiscal.measurement.cells import Cell, RestEffect, add_rest, cell_columns, 
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.owners import Owned
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.way import Way
 from axiscal.numerics import Array
 
@@ -60,7 +61,7 @@ class Observation:
     def size(self) -> int:
         """Number of unknowns."""
         wandering = sum(len(course.columns) for course in self.courses.values())
-        return self.errors.size + sum(len(s.unknowns) for s in self.setups) + len(self.cells) + wandering
+        return self.errors.size + len(self.unknowns) + len(self.cells) + wandering
 
     @property
     def bare(self) -> Observation:
@@ -71,7 +72,7 @@ class Observation:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
         result = np.zeros((self.size, self.size))
         result[: self.errors.size, : self.errors.size] = self.errors.prior_covariance()
-        own = [u.std**2 for s in self.setups for u in s.unknowns]
+        own = [unknown.std**2 for unknown in self.unknowns]
         tail = np.arange(self.errors.size, self.size)
         result[tail, tail] = [*own, *self.bare.rest_variances(self)]
         return result
@@ -84,10 +85,25 @@ class Observation:
                 result[column - self.size] = self.errors.functions[cell[0]].rest ** 2
         return result
 
-    def unknowns_of(self, setup: int) -> slice:
-        """Return the columns of one set-up's own unknowns."""
-        start = self.errors.size + sum(len(s.unknowns) for s in self.setups[:setup])
-        return slice(start, start + len(self.setups[setup].unknowns))
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """The unknowns of all set-ups, those that several share once, in the order of their columns."""
+        return self._owned.unknowns
+
+    def prior_variances(self) -> Array:
+        """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
+        own = [unknown.std**2 for unknown in self.unknowns]
+        variances: Array = np.concatenate([np.diagonal(self.errors.prior_covariance()), own])
+        return variances
+
+    def unknowns_of(self, setup: int) -> NDArray[np.intp]:
+        """Return the columns of one set-up's unknowns, in its order."""
+        columns: NDArray[np.intp] = self.errors.size + self._owned.columns[setup]
+        return columns
+
+    @cached_property
+    def _owned(self) -> Owned:
+        return Owned.by(self.setups)
 
     def rows(
         self,
@@ -118,7 +134,7 @@ class Observation:
         result[:, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
         model, nominal = model_of(mounted), self._nominal(mounted, poses)
         at = np.array(mounted.direction) if direction is None else direction
-        for column, unknown in zip(_indices(self.unknowns_of(setup)), mounted.unknowns, strict=True):
+        for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
             result[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
         for course, share in self.drifts_shown(setup, at):
             result[:, list(course.columns)] = share * course.rows(times)
@@ -162,7 +178,8 @@ class Observation:
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
         for index, function in enumerate(self.errors.functions):
-            if function.kind == "reversal" and function.axis in mounted.moves:
+            evened = mounted.mean_sides and not self.errors.machine.axes[function.axis].rotary
+            if function.kind == "reversal" and function.axis in mounted.moves and not evened:
                 rows = function.basis.rows(poses[:, function.axis])
                 spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
                 added += np.where(approaches[:, function.axis] == 0, (levers[index] / 2) ** 2 * spread, 0.0)
@@ -257,7 +274,3 @@ class Observation:
 def directions_of(setup: Setup) -> list[Array | None]:
     """Return the directions of the numbers of one reading: the set-up's own, or x, y and z."""
     return list(np.eye(3)) if INSTRUMENTS[setup.instrument].values > 1 else [None]
-
-
-def _indices(columns: slice) -> range:
-    return range(columns.start, columns.stop)

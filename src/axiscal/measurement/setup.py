@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from axiscal.machine.axis import Axis
 
+if TYPE_CHECKING:
+    from axiscal.measurement.artefact import Artefact
+    from axiscal.measurement.charts.chart import Chart
+
 Approach = Literal["both", "+", "-"]
+Contact = Literal["free", "held", "retracted"]
+"""Between two places nothing is in the way, or the tool keeps in touch, or it goes off and comes back."""
 Vector = tuple[float, float, float]
 
 FINEST = 1e-10
@@ -22,10 +29,12 @@ class Unknown:
     name : such as "zero" (constant offset of every reading, m or rad) or "slope" (rad; times the distance of the
         moving linear axis from the middle of its travel); each kind of instrument has its own
     std : prior standard deviation in the same unit
+    owner : the artefact, bar or tool that it belongs to, with which all set-ups share it; "" is the set-up alone
     """
 
     name: str
     std: float
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +55,13 @@ class Setup:
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
     resolution : the step q of its display, m or rad; 0 where it shows everything
+    reach : (n_axes,) from where to where it can be read along each axis, m or rad; None is all travel
+    chart : where it can be read, where that is not any pose of the axes that move
+    artefact, balls : what it reads, and which of its balls
+    contact : how it goes from place to place; retract : how far off, m
+    mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is nought
+    length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
+    lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
     """
 
     name: str
@@ -66,6 +82,25 @@ class Setup:
     base: float | None = None
     drift: float = 0.0
     resolution: float = 0.0
+    reach: tuple[tuple[float, float], ...] | None = None
+    chart: Chart | None = None
+    artefact: Artefact | None = None
+    balls: tuple[int, ...] = ()
+    contact: Contact = "free"
+    retract: float = 0.0
+    mean_sides: bool = False
+    length: float | None = None
+    stroke: float | None = None
+    lacks: tuple[str, str] | None = None
+
+    def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
+        """Return the axes that are come to from a side of their own: on a chart the linear ones follow.
+
+        axes : of the machine
+        """
+        if self.chart is None:
+            return self.moves
+        return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
 
     @property
     def rounding(self) -> float:
@@ -75,10 +110,12 @@ class Setup:
     @property
     def scatter(self) -> float:
         """Standard deviation of a reading before the display rounds it, m or rad."""
+        if self.resolution == 0:
+            return self.noise
         return max(math.sqrt(max(self.noise**2 - self.rounding**2, 0.0)), FINEST)
 
     def span(self, axis: Axis, index: int) -> tuple[float, float]:
-        """Return from where to where it can be read along an axis, m or rad: the travel, for feet that stand within."""
-        low, high = axis.travel
+        """Return from where to where it can be read along an axis, m or rad: its reach, for feet that stand within."""
+        low, high = axis.travel if self.reach is None else self.reach[index]
         half = (self.base or 0.0) / 2 if index in self.moves else 0.0
         return low + half, high - half

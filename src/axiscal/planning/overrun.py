@@ -24,6 +24,8 @@ def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) 
     Where the side matters, because the axis has a reversal value, the place moves inward by as much as the overrun
     lacks; where it does not, the place stays and the side is left open.
     """
+    if setup.chart is not None:  # its places are come to with room, and lie where the chart has them
+        return pose, approach
     reverses = {function.axis for function in errors.functions if function.kind == "reversal"}
     at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
     for k, axis in enumerate(errors.machine.axes):

@@ -103,7 +103,9 @@ def traditional(case: Case, count: int) -> Alternative:
 
 def traditional_readings(case: Case, count: int) -> list[Reading]:
     """Return readings evenly spaced along one axis after another, the others parked; their values are nought."""
-    lines = [(setup, k) for setup in case.description.setups for k in setup.moves]
+    lines = [(setup, k) for setup in case.description.setups if setup.chart is None for k in setup.moves]
+    if not lines:
+        return []
     shares = [count // len(lines) + (i < count % len(lines)) for i in range(len(lines))]
     return [
         reading

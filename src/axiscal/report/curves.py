@@ -118,7 +118,7 @@ def _setup_unknowns(estimation: Estimation, truth: VirtualMachine | None) -> lis
     result = []
     for index, setup in enumerate(estimation.case.description.setups):
         columns = estimation.knowledge.observation.unknowns_of(index)
-        for column, unknown in zip(range(columns.start, columns.stop), setup.unknowns, strict=True):
+        for column, unknown in zip(columns, setup.unknowns, strict=True):
             unit = estimation.case.unit_of(setup, unknown)
             known = None if truth is None else truth.offsets.get(setup.name, {}).get(unknown.name, 0.0)
             result.append(

@@ -44,10 +44,12 @@ def groups(setups: NDArray[np.intp], readings: int) -> list[tuple[int, ...]]:
 
 def zeros_of(state: Covariance, lattice: Places, group: tuple[int, ...]) -> Zeros | None:
     """Return the zeros of set-ups that are all used, as far as they are apart from what else is known before."""
-    found = [zero for setup in group for zero in _of_setup(state, lattice, setup)]
+    found: dict[int, float] = {}
+    for column, ratio in (zero for setup in group for zero in _of_setup(state, lattice, setup)):
+        found[column] = min(ratio, found.get(column, ratio))  # set-ups that share a zero spend one reading on it
     if not found:
         return None
-    return Zeros(np.array([column for column, _ in found]), min(ratio for _, ratio in found) / len(found))
+    return Zeros(np.array(list(found)), min(found.values()) / len(found))
 
 
 def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int, float]]:
@@ -57,7 +59,7 @@ def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int,
     ways = [observation.rows(setup, poses, approaches, way) for way in directions_of(observation.setups[setup])]
     if not len(poses):
         return found
-    columns = range(*observation.unknowns_of(setup).indices(observation.size))
+    columns = observation.unknowns_of(setup).tolist()
     for number, seen in enumerate(ways):
         for column in columns:
             others = [way.rows[:, column] for k, way in enumerate(ways) if k != number]

@@ -127,11 +127,15 @@ def _climbed(scores: Scores, gains: Array, old: Places) -> Places:
 
 def _small(scorer: Scorer, lattice: Places) -> bool:
     """Whether a search over everything costs no more than climbing from a few places."""
-    return scorer.rank <= 2 * _SMALL and all(adds_up(scorer.observation, int(s)) for s in np.unique(lattice.setups))
+    used, observation = [int(setup) for setup in np.unique(lattice.setups)], scorer.observation
+    free = scorer.rank <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
+    return free and all(adds_up(observation, setup) for setup in used)
 
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
     climb = Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches))
+    if scorer.observation.setups[climb.setup].chart is not None:  # its candidates are all there is
+        return climb.best(1, 0.0, 1.0)
     if len(climb.moves) > 1:
         climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.openings import openings
 from axiscal.design.plan.task import Clock, Limits, Task
 from axiscal.measurement.place import Places
 
@@ -21,7 +22,6 @@ _TRIED = 150
 _EVERY_SUBSET = 4
 _MOST = 1000
 _STALLED = 1e-7
-_FRESH = 0.99
 
 Setups = tuple[int, ...]
 
@@ -118,7 +118,7 @@ def filled(
     of = scores.pool.lattice.setups
     spent, cost = float(times.mounting[list(setups)].sum()), bundle * times.reading[of]
     allowed = np.isin(of, setups)
-    for index in _openings(scores, setups, limits):
+    for index in openings(scores, setups, limits.readings or _MOST):
         scores.enter(index, bundle=bundle)
         meter, spent = meter.after(*scores.last), spent + float(cost[index])
     start = scores.state.value
@@ -137,33 +137,6 @@ def filled(
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
             break
     return Trial(scores, setups, spent, met)
-
-
-def _openings(scores: Scores, setups: Setups, limits: Limits) -> list[int]:
-    """Return one candidate for every set-up with unknowns of its own, near the middle of what it may reach.
-
-    The first reading of a set-up tells little but its own zero, so no gain would ever open it.
-    """
-    lattice, observation = scores.pool.lattice, scores.state.observation
-    if len(setups) == 1 or (limits.readings or _MOST) < len(setups):
-        return []
-    opened = []
-    for setup in setups:
-        mine = np.flatnonzero(lattice.setups == setup)
-        spans = np.array([axis.length for axis in observation.errors.machine.axes])
-        away = (lattice.poses[mine] - np.array(observation.setups[setup].park)) / spans
-        if observation.setups[setup].unknowns and not _known(scores, setup):
-            opened.append(int(mine[np.sum(away**2, axis=1).argmin()]))
-    return opened
-
-
-def _known(scores: Scores, setup: int) -> bool:
-    """Whether the unknowns of a set-up are better known than when it was mounted."""
-    state = scores.state
-    columns = state.observation.unknowns_of(setup)
-    variances = np.sum(state.factor[columns] ** 2, axis=1)
-    fresh = np.array([unknown.std**2 for unknown in state.observation.setups[setup].unknowns])
-    return bool(np.any(variances < _FRESH * fresh))
 
 
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:

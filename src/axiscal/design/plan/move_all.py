@@ -47,7 +47,7 @@ class _Free(NamedTuple):
 def moved(state: Covariance, places: Places) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
-    state : before the first.  Coordinates on a raster stay.
+    state : before the first.  Coordinates on a raster stay, and places on a chart.
     """
     free = _free(state, places)
     if not len(free.reading):
@@ -71,7 +71,7 @@ def _free(state: Covariance, places: Places) -> _Free:
         (i, k, *setups[setup].span(axes[k], k))
         for i, setup in enumerate(places.setups.tolist())
         for k in setups[setup].moves
-        if setups[setup].raster[k] == 0
+        if setups[setup].raster[k] == 0 and setups[setup].chart is None
     ]
     reading, axis, low, high = np.array(free).reshape(-1, 4).T
     return _Free(reading.astype(np.intp), axis.astype(np.intp), low, high)

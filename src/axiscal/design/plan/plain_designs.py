@@ -25,7 +25,13 @@ def space_filling(task: Task, counts: Counts) -> Places:
 def evenly_spaced(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, the usual way: one axis at a time from end to end, the others parked."""
     machine, setups = task.observation.errors.machine, task.observation.setups
-    return Places.joined([Places.of_setup(i, *_axis_by_axis(machine, setups[i], count)) for i, count in counts])
+    parts = [
+        Places.of_setup(i, *_axis_by_axis(machine, setups[i], count))
+        if setups[i].chart is None
+        else space_filling(task, [(i, count)])
+        for i, count in counts
+    ]
+    return Places.joined(parts)
 
 
 def _axis_by_axis(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:

@@ -86,16 +86,25 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
 def best_of(scorer: Scorer, lattice: Places) -> Step:
     """Return the reading with the largest gain of a scorer."""
     setups = [int(setup) for setup in np.unique(lattice.setups)]
+    charted = [setup for setup in setups if scorer.observation.setups[setup].chart is not None]
+    setups = [setup for setup in setups if setup not in charted]
     many = [setup for setup in setups if _sieves(scorer.observation, setup) in (_MANY_AXES, _THREE_VALUES)]
     climbs = [_prepared(scorer, setup) for setup in setups if setup not in many]
     others = np.isin(lattice.setups, many)
     if others.any():
         climbs += _from_lattice(scorer, lattice.within(others))
-    finalists = _finalists(climbs)
+    finalists = _finalists(climbs) if climbs else []
+    finalists += [_best_candidate(scorer, setup, lattice) for setup in charted]
     for climb in finalists:
-        if len(climb.moves) > 1:
+        if len(climb.moves) > 1 and climb.setup not in charted:
             climb.finish()
     return max((_step(climb) for climb in finalists), key=lambda step: step.gain)
+
+
+def _best_candidate(scorer: Scorer, setup: int, lattice: Places) -> Climb:
+    """Return the best candidate of a set-up that is read on a chart."""
+    poses, approaches = lattice.of(setup)
+    return Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches)).best(1, 0.0, 1.0)
 
 
 def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:

@@ -1,7 +1,8 @@
 """Instruments that read a distance to the TCP from a point that is known roughly only: ball bar and length-only tracer.
 
-y = |p + δp + R_t tool − station − shift| − |p − station| + zero: linearised about the best known place of the station,
-so that a station that is millimetres away from where it was said to be does no harm once its place has been found.
+y = |p + δp + R_t tool − station − shift| − |p − station| + zero, the centre of a bar shifting with its artefact:
+linearised about the best known place of the station, so that a station that is millimetres away from where it was said
+to be does no harm once its place has been found.
 """
 
 from __future__ import annotations
@@ -12,7 +13,17 @@ from types import MappingProxyType
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal, Reads, displaced, need_station, tool_part
+from axiscal.measurement.instruments.kind import (
+    TOOL,
+    Actual,
+    Nominal,
+    Reads,
+    ball_effect,
+    ball_moved,
+    displaced,
+    need_station,
+    tool_part,
+)
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -39,9 +50,12 @@ class Distance:
         """Return 1 for the zero, the unit vector's part of the tool, less that of a shift of the station, (m,)."""
         if unknown == "zero":
             return np.ones(nominal.count)
+        unit = self.direction_of(setup, direction, nominal)
         if unknown in TOOL:
-            return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
-        part: Array = -self.direction_of(setup, direction, nominal)[:, SHIFTS.index(unknown)]
+            return tool_part(unknown, unit, nominal)
+        if unknown in SHIFTS:
+            return -unit[:, SHIFTS.index(unknown)]
+        part: Array = np.einsum("mc,mc->m", ball_effect(setup, unknown, nominal), unit)
         return part
 
     def shown(
@@ -50,7 +64,8 @@ class Distance:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero, (m,)."""
         stated = _stated(setup)
         shift = np.array([unknowns.get(name, 0.0) for name in SHIFTS])
-        seen = np.linalg.norm(nominal.tcp + displaced(nominal, actual, unknowns) - stated - shift, axis=1)
+        moved = displaced(nominal, actual, unknowns) + ball_moved(setup, unknowns, nominal)
+        seen = np.linalg.norm(nominal.tcp + moved - stated - shift, axis=1)
         shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + unknowns.get("zero", 0.0)
         return shown
 

@@ -138,6 +138,20 @@ def displaced(nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]) -
     return displaced
 
 
+def ball_effect(setup: Setup, unknown: str, nominal: Nominal) -> Array:
+    """Return how a unit of what an artefact leaves open moves the tip against its ball, (m, 3)."""
+    if setup.artefact is None:
+        return np.zeros((nominal.count, 3))
+    return -setup.artefact.moves(unknown, setup.artefact.nearest(nominal.tcp, setup.balls))
+
+
+def ball_moved(setup: Setup, own: Mapping[str, float], nominal: Nominal) -> Array:
+    """Return how the tip stands against its ball with everything that the artefact leaves open, (m, 3) m."""
+    if setup.artefact is None:
+        return np.zeros((nominal.count, 3))
+    return -setup.artefact.moved(own, setup.artefact.nearest(nominal.tcp, setup.balls))
+
+
 def need_station(setup: Setup, what: str) -> None:
     """Raise DescriptionError for a set-up that does not say where it stands."""
     if setup.station is None:

@@ -1,7 +1,8 @@
-"""The R-test: a nest of three probes reads where a ball is that is held in the spindle, in all three directions.
+"""The tool point against a ball, in three directions: the nest of an R-test, or a sphere that is touched.
 
-y = δp + R_t tool + zero, zero the place of the nest in the workpiece frame, tool by how much the ball in the spindle is
-elsewhere than stated, which turns with the tool.
+y = δp + R_t tool − (s + ω × d + κ d + e) in the workpiece frame: tool by how much what touches sits elsewhere in the
+spindle than stated, which turns with the tool; less where the ball is against its stated place (see `artefact`). Of an
+R-test without an artefact zero is the place of the nest.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from axiscal.measurement.instruments.kind import (
     Nominal,
     Reads,
     along,
+    ball_effect,
+    ball_moved,
     displaced,
     tool_part,
 )
@@ -41,17 +44,20 @@ class Nest:
         return along(direction, nominal.count)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return the part of the zero or of the tool along d, (m,)."""
+        """Return the part of an unknown along d, (m,)."""
         if unknown in TOOL:
             return tool_part(unknown, along(direction, nominal.count), nominal)
-        return np.full(nominal.count, direction[_ZEROS.index(unknown)])
+        if unknown in _ZEROS:
+            return np.full(nominal.count, direction[_ZEROS.index(unknown)])
+        part: Array = ball_effect(setup, unknown, nominal) @ direction
+        return part
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
-        """Return dᵀ(δp + R tool + zero), (m,)."""
+        """Return dᵀ(δp + R tool + zero − where the ball is), (m,)."""
         zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
-        shown: Array = (displaced(nominal, actual, unknowns) + zero) @ direction
+        shown: Array = (displaced(nominal, actual, unknowns) + zero + ball_moved(setup, unknowns, nominal)) @ direction
         return shown
 
     def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:

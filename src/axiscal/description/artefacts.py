@@ -1,0 +1,174 @@
+"""[[artefacts]] of campaign.toml read into `Artefact`: balls, where they are free, and what is known of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from axiscal.description.artefact_schema import ArtefactTable, GridTable
+from axiscal.description.vectors import spot, unit_vector
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.measurement.artefact import Artefact, Ball
+from axiscal.measurement.setup import FINEST
+from axiscal.units import format_quantity, parse_quantity
+
+PLACED = 1e-3
+TURNED = 1e-3
+SCALE = 0.5e-6
+CONE = math.radians(100.0)
+MOST_BALLS = 400
+CLOSEST = 2e-3
+"""m; balls nearer to each other than this are one."""
+_FAR = 10.0
+_OFF_LINE = 1e-3
+_TAKEN = ("place", "turn", "scale", "station", "tool", "zero")
+"""Words that the names of unknowns begin with."""
+
+
+def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[str, Artefact]:
+    """Return the artefacts by name; raises DescriptionError or UnitError at the line that is wrong."""
+    found: dict[str, Artefact] = {}
+    for number, table in enumerate(tables):
+        artefact = _ArtefactReader(table, document, number).artefact()
+        if artefact.name in found:
+            what = f'two artefacts are called "{artefact.name}"'
+            fault = DescriptionError(what, "Give each a name of its own")
+            raise document.fault(fault, "artefacts", number, "name")
+        found[artefact.name] = artefact
+    return MappingProxyType(found)
+
+
+class _ArtefactReader:
+    """Reads one table; every failure is placed at the key it is about."""
+
+    def __init__(self, table: ArtefactTable, document: Document, number: int) -> None:
+        self._table, self._document, self._number = table, document, number
+
+    def artefact(self) -> Artefact:
+        table = self._table
+        with self._at("name"):
+            name = artefact_name(table.name)
+        balls = self._balls()
+        with self._at("free"):
+            free = unit_vector(table.free)
+        with self._at("calibrated"):
+            self._refuse_open_turn(balls)
+        return Artefact(
+            name=name,
+            balls=balls,
+            free=free,
+            cone=self._size("cone", CONE, math.pi, "an angle above 0 and up to 180 deg"),
+            keep_out=tuple(self._kept_out(at, box) for at, box in enumerate(table.keep_out)),
+            placed=self._size("placed", PLACED, 1.0, "how far it may stand from there, above zero"),
+            turned=self._size("turned", TURNED, 1.0, "a small angle above zero"),
+            calibrated=None if table.calibrated is None else self._size("calibrated", 0.0, 1.0, "a std above zero"),
+            scale=SCALE if table.scale is None else self._scale(table.scale),
+        )
+
+    def _balls(self) -> tuple[Ball, ...]:
+        table = self._table
+        if table.balls and table.grid is not None:
+            with self._at("grid"):
+                raise DescriptionError("balls and grid exclude one another", "Give one of them")
+        if table.grid is not None:
+            return self._grid(table.grid)
+        balls = []
+        for name, place in table.balls.items():
+            with self._at("balls", name):
+                balls.append(Ball(_ball_name(name), spot(place)))
+        with self._at("balls"):
+            _refuse_close(tuple(balls))
+        return tuple(balls)
+
+    def _grid(self, grid: GridTable) -> tuple[Ball, ...]:
+        with self._at("grid"):
+            if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
+                remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
+                raise DescriptionError("a grid has two directions", remedy)
+            if min(grid.count) < 1 or not 2 <= grid.count[0] * grid.count[1] <= MOST_BALLS:
+                what = f"a grid of {grid.count[0]} by {grid.count[1]} balls"
+                raise DescriptionError(what, f"Give 2 to {MOST_BALLS} balls")
+            pitch = [parse_quantity(text, "length") for text in grid.pitch]
+            ways = [np.array(unit_vector(way)) for way in grid.along]
+            if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:
+                raise DescriptionError("the balls of this grid fall together", "Give two directions and a pitch each")
+            origin, (rows, columns) = np.array(spot(grid.origin)), grid.count
+        places = {
+            f"ball_{i + 1}_{j + 1}": origin + i * pitch[0] * ways[0] + j * pitch[1] * ways[1]
+            for i in range(rows)
+            for j in range(columns)
+        }
+        return tuple(Ball(name, (float(x), float(y), float(z))) for name, (x, y, z) in places.items())
+
+    def _refuse_open_turn(self, balls: tuple[Ball, ...]) -> None:
+        if self._table.calibrated is None:
+            return
+        points = np.array([ball.place for ball in balls]).reshape(-1, 3)
+        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(balls) > 2 else np.zeros(3)
+        if spread[1] < _OFF_LINE:
+            what = "balls that are calibrated together need at least three that are not in a line: their turn is open"
+            raise DescriptionError(what, "Take calibrated out, and each ball stands where it stands")
+
+    def _scale(self, value: float) -> float:
+        with self._at("scale"):
+            if not 0 <= value <= 1e-2:
+                raise DescriptionError("this is no scale", 'Give its std, such as "0.5 um/m", or "0 um/m"')
+        return value
+
+    def _size(self, key: str, usual: float, most: float, meaning: str) -> float:
+        value: float | None = getattr(self._table, key)
+        with self._at(key):
+            if value is not None and not FINEST <= value <= most:
+                written = shown(self._document.data["artefacts"][self._number][key])
+                raise DescriptionError(f"{written} is not possible here", f"Give {meaning}")
+        return usual if value is None else value
+
+    def _kept_out(self, at: int, box: Mapping[str, list[str]]) -> tuple[tuple[float, float], ...]:
+        with self._at("keep_out", at):
+            if not box or not set(box) <= set("xyz"):
+                remedy = 'Write { x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }, in the workpiece frame'
+                raise DescriptionError(f"{shown(dict(box))} is no box", remedy)
+            return tuple(_ends(box[letter]) if letter in box else (-_FAR, _FAR) for letter in "xyz")
+
+    @contextmanager
+    def _at(self, *keys: str | int) -> Iterator[None]:
+        try:
+            yield
+        except InputError as failure:
+            raise self._document.fault(failure, "artefacts", self._number, *keys) from None
+
+
+def _ends(texts: list[str]) -> tuple[float, float]:
+    values = [parse_quantity(text, "length") for text in texts]
+    if len(values) != 2 or not values[0] < values[1]:
+        raise DescriptionError(f"{shown(texts)} does not increase", "Give the lower end first")
+    return values[0], values[1]
+
+
+def artefact_name(text: str) -> str:
+    """Return a name; raises DescriptionError."""
+    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > 80:
+        raise DescriptionError(f"{shown(text)} is not a name", "Give it up to 80 printable characters")
+    return text
+
+
+def _ball_name(text: str) -> str:
+    if not text.replace("_", "a").replace("-", "a").isalnum() or len(text) > 40 or text in _TAKEN:
+        raise DescriptionError(f"{shown(text)} is not a name for a ball", "Give a word such as low, high, third")
+    return text
+
+
+def _refuse_close(balls: tuple[Ball, ...]) -> None:
+    if len(balls) > MOST_BALLS:
+        raise DescriptionError(f"{len(balls)} balls are too many", f"Give up to {MOST_BALLS}")
+    for first, second in combinations(balls, 2):
+        apart = math.dist(first.place, second.place)
+        if apart < CLOSEST:
+            what = f"the balls {first.name} and {second.name} are {format_quantity(apart, 'mm', 3)} apart"
+            raise DescriptionError(what, "One ball stands at one place: check their coordinates")

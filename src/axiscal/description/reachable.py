@@ -1,0 +1,83 @@
+"""Whether a set-up can be read where it says: within the travels, and within the stroke of what touches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import Machine
+from axiscal.measurement.chart_places import FEWEST, chart_candidates
+from axiscal.measurement.charts.balls import Balls
+from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.setup import Setup
+from axiscal.numerics.spread import even_points
+from axiscal.units import format_quantity
+
+_LOOKED_AT = 1000
+_STDS = 4.0
+_FEWER = 2
+
+
+def refuse_unreachable(machine: Machine, setup: Setup) -> None:
+    """Raise DescriptionError for a chart, or a ball of it, that no pose reaches from an allowed side."""
+    chart = setup.chart
+    each = chart.each if isinstance(chart, Balls) else () if chart is None else (chart,)
+    for number, part in enumerate(each):
+        poses, _ = chart_candidates(machine, setup, part, _LOOKED_AT)
+        finite = all(part.bounds(k).step > 0 for k in range(part.size))
+        if len(poses) >= (1 if finite else FEWEST):
+            continue
+        where = _where(setup, part, number)
+        raise DescriptionError(
+            f"no pose reaches {where} within the travels and clear of stems", _nearest(machine, part)
+        )
+
+
+def _where(setup: Setup, part: Chart, number: int) -> str:
+    if isinstance(part, Held) and setup.artefact is not None:
+        return f"ball {setup.artefact.balls[setup.balls[number]].name} of {setup.artefact.name}"
+    return f'where "{setup.name}" is to be read'
+
+
+def _nearest(machine: Machine, part: Chart) -> str:
+    """Say what is lacking at the place that leaves the travels least."""
+    ends = [part.bounds(k) for k in range(part.size)]
+    unit = even_points(_LOOKED_AT, part.size)
+    poses = part.poses(np.column_stack([e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True)]))
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    short = np.maximum(low - poses, poses - high) / (high - low)
+    best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
+    axis = int(short[best].argmax())
+    if short[best, axis] <= 0:
+        return (
+            "The tool is against a stem, or in what is to be kept out, in every pose: look at free, cone and keep_out"
+        )
+    lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)
+    at = [k for k, each in enumerate(machine.axes) if each.rotary]
+    said = " and ".join(f"{machine.axes[k].name} at {math.degrees(poses[best, k]):.0f} deg" for k in at)
+    return f"At the nearest{f', with {said},' if said else ''} it lacks {lack} of {machine.axes[axis].name}"
+
+
+def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
+    """Raise DescriptionError where the machine as described may deviate by more than what touches can follow.
+
+    Four standard deviations of how the deviation of the tool point changes over the chart, against half the stroke of a
+    bar and the stroke of a nest.
+    """
+    if setup.chart is None or not machine.errors:
+        return
+    poses, approaches = chart_candidates(machine, setup, setup.chart, _LOOKED_AT)
+    step = max(1, len(poses) // 100)
+    model = ErrorModel(machine)
+    rows = model.rows(poses[::step], approaches[::step])
+    changing = (rows - rows.mean(axis=0)).reshape(-1, model.size) @ model.prior_root()
+    change = _STDS * float(np.sqrt(np.sum(changing**2, axis=1).max()))
+    allowed = stroke / (_FEWER if setup.length else 1)
+    if change > allowed:
+        room, size = format_quantity(allowed, "mm", 3), format_quantity(change, "mm", 3)
+        what = f"what touches follows to ±{room}: the machine may deviate by {size} as it is described"
+        raise DescriptionError(what, "Align the axes first, or state smaller std")

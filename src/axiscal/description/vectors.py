@@ -1,0 +1,40 @@
+"""Directions and places as campaign.toml has them: "x", "-y", [1, 0, 0], ["0 mm", "0 mm", "-300 mm"]."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from axiscal.document import shown
+from axiscal.exceptions import DescriptionError
+from axiscal.measurement.setup import Vector
+from axiscal.units import parse_quantity
+
+_LETTER = re.compile(r"([+-]?)([xyzXYZ])")
+WAYS = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
+
+
+def unit_vector(value: str | Sequence[float | int]) -> Vector:
+    """Return a direction; raises DescriptionError."""
+    if isinstance(value, str):
+        found = _LETTER.fullmatch(value)
+        if found is None:
+            raise DescriptionError(f"{shown(value)} is not a direction", WAYS)
+        sign = -1.0 if found[1] == "-" else 1.0
+        x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
+        return x, y, z
+    largest = max((abs(number) for number in value), default=0)
+    if len(value) != 3 or not 1e-100 < largest < 1e100:
+        raise DescriptionError(f"{shown(list(value))} is not a direction", WAYS)
+    x, y, z = (number / math.hypot(*value) for number in value)
+    return x, y, z
+
+
+def spot(given: Sequence[str]) -> Vector:
+    """Return a place, m; raises DescriptionError or UnitError."""
+    if len(given) != 3:
+        remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+        raise DescriptionError(f"{shown(list(given))} is not a place", remedy)
+    x, y, z = (parse_quantity(text, "length") for text in given)
+    return x, y, z

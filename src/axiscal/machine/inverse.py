@@ -1,0 +1,56 @@
+"""Where the linear axes go so that the tool point is at a place of the workpiece, whatever the rotary axes do.
+
+With the rotary axes at ρ the tool point is p(q) = p₀(ρ) + J(ρ) t, affine in the linear axes t, so that
+t = J(ρ)⁻¹ (p* − p₀(ρ)): one small system per pose, exact to rounding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
+
+_FLAT = 1e-6
+_REACHED = 1e-9
+"""A place that is further off than this, m, cannot be gone to by the linear axes that there are."""
+
+
+def linear_axes(machine: Machine) -> tuple[int, ...]:
+    """Return the indices of the axes that carry the tool point to a place: X, Y, Z as far as they are there.
+
+    Of a second set U, V, W only what is needed beside them goes: the others stand where they are.
+    """
+    chosen: list[int] = []
+    directions = np.zeros((0, 3))
+    for letter in "XYZUVWPQR":
+        for k, axis in enumerate(machine.axes):
+            wider = np.vstack([directions, axis.direction])
+            if axis.letter == letter and np.linalg.matrix_rank(wider) == len(wider):
+                chosen.append(k)
+                directions = wider
+    return tuple(sorted(chosen))
+
+
+def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
+    """Return the poses with the linear axes moved so that the tool point is at places of the workpiece frame.
+
+    poses : (m, q) m or rad; points : (m, 3) m; returns (m, q), where no linear axes reach a place: not a number
+    """
+    axes, result = list(linear_axes(machine)), poses.copy()
+    result[:, axes] = 0.0
+    at = frames(machine, result)
+    ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
+    away = points - at.tcp
+    result[:, axes] = _solved(ways, away)
+    off = np.linalg.norm(np.einsum("mij,mj->mi", ways, result[:, axes]) - away, axis=1)
+    result[off > _REACHED] = np.nan
+    return result
+
+
+def _solved(ways: Array, away: Array) -> Array:
+    """Return the travels that make up ways, or come nearest, (m, k).  ways : (m, 3, k); away : (m, 3)."""
+    if ways.shape[2] == 3 and np.all(np.abs(np.linalg.det(ways)) > _FLAT):
+        return np.asarray(np.linalg.solve(ways, away[:, :, None])[:, :, 0], dtype=np.float64)
+    return np.asarray((np.linalg.pinv(ways) @ away[:, :, None])[:, :, 0], dtype=np.float64)

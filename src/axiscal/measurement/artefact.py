@@ -1,0 +1,98 @@
+"""What stands on the table to be read: balls, and what is not known of where they are.
+
+A ball i at b_i, d_i = b_i − c from the middle c of its artefact, is off its stated place by s + ω × d_i + κ d_i + e_i:
+the place, the turn and the common scale of the whole, and the calibration of each ball. Balls that nobody calibrated
+stand alone: each is off by its own place only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.numerics import Array, rigid
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """A ball by name.  place : m, workpiece frame"""
+
+    name: str
+    place: Vector
+
+
+@dataclass(frozen=True)
+class Artefact:
+    """Balls that stand together.
+
+    free : unit vector away from the stems; cone : rad, within which of it the tool stays
+    keep_out : boxes ((low, high) along x, y, z), m, workpiece frame
+    placed : m, std of where a ball, or the whole, stands; turned : rad, std of its turn, of what is calibrated
+    calibrated : m, std of each ball's place in the artefact, None where balls stand alone; scale : std of its strain
+    mounted : which mounting it is, from 1: another one has another place, and the same calibration
+    """
+
+    name: str
+    balls: tuple[Ball, ...]
+    free: Vector
+    cone: float
+    keep_out: tuple[tuple[tuple[float, float], ...], ...] = ()
+    placed: float = 1e-3
+    turned: float = 1e-3
+    calibrated: float | None = None
+    scale: float = 0.5e-6
+    mounted: int = 1
+
+    @cached_property
+    def points(self) -> Array:
+        """Where the balls are stated to be, (n, 3) m."""
+        return np.array([ball.place for ball in self.balls])
+
+    @cached_property
+    def _levers(self) -> Array:
+        levers: Array = self.points - self.points.mean(axis=0)
+        return levers
+
+    @property
+    def standing(self) -> str:
+        """What owns its place: the artefact as it is mounted."""
+        return self.name if self.mounted == 1 else f"{self.name}, mounting {self.mounted}"
+
+    def nearest(self, points: Array, among: tuple[int, ...]) -> NDArray[np.intp]:
+        """Return which of some balls each point (m, 3) is next to, (m,)."""
+        apart = np.linalg.norm(points[:, None] - self.points[list(among)], axis=2)
+        nearest: NDArray[np.intp] = np.array(among, dtype=np.intp)[apart.argmin(axis=1)]
+        return nearest
+
+    def moves(self, unknown: str, balls: NDArray[np.intp]) -> Array:
+        """Return how a unit of an unknown moves balls, (m, 3); nothing where it is not one of the artefact's."""
+        name, _, axis = unknown.rpartition("_")
+        along = np.eye(3)["xyz".index(axis)] if axis in ("x", "y", "z") else np.zeros(3)
+        if unknown == "scale":
+            scaled: Array = self._levers[balls]
+            return scaled
+        if name == "turn":
+            return np.cross(along, self._levers[balls])
+        mine = np.array([name in ("place", self.balls[i].name) for i in balls])
+        return np.where(mine[:, None], along, 0.0)
+
+    def moved(self, own: Mapping[str, float], balls: NDArray[np.intp]) -> Array:
+        """Return where balls are against their stated places, nothing linearised, (m, 3) m."""
+        turn = rigid.rotation(np.array([[own.get(f"turn_{axis}", 0.0) for axis in "xyz"]]))[0]
+        levers = self._levers[balls] * (1.0 + own.get("scale", 0.0))
+        each = [[own.get(f"{ball.name}_{axis}", 0.0) for axis in "xyz"] for ball in self.balls]
+        place = np.array([own.get(f"place_{axis}", 0.0) for axis in "xyz"])
+        moved: Array = levers @ turn.T - self._levers[balls] + place + np.array(each)[balls]
+        return moved
+
+
+def reads_as(unknown: str) -> Literal["length", "angle"]:
+    """Return whether an unknown of an artefact, bar or tool is a length, or a turn or strain."""
+    return "angle" if unknown == "scale" or unknown.startswith("turn_") else "length"

@@ -1,0 +1,112 @@
+"""Candidates of a set-up that is read on a chart: all of its raster, or places spread evenly over what can be taken."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.machine.description import Machine
+from axiscal.measurement.charts.arrivals import arrivals, has_room, side_choices
+from axiscal.measurement.charts.chart import Chart, Coordinate
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
+
+MOST_TRIED = 20_000
+FEWEST = 20
+_WHOLE, _MANY = 4, 200
+"""Where so many are asked for, a raster of up to so many times as many is taken whole."""
+
+
+class Chosen(NamedTuple):
+    """Places on a chart.  places, sides : (m, size) u and +1, −1"""
+
+    places: Array
+    sides: Array
+
+
+def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
+    """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
+    chosen = _chosen(machine, setup, chart, count)
+    approaches = arrivals_of(machine, setup, chart, chosen.places, chosen.sides)
+    return chart.poses(chosen.places), approaches
+
+
+def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
+    """Return from where each axis comes to places of a set-up; linear axes from none where it evens their sides."""
+    overruns = np.array([axis.overrun for axis in machine.axes])
+    found = arrivals(chart, overruns, places, sides)
+    if setup.mean_sides:
+        found[:, [k for k, axis in enumerate(machine.axes) if not axis.rotary]] = 0.0
+    return found
+
+
+def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
+    choices = side_choices(setup.approach, chart.size, _sides_count(machine, setup, chart))
+    ends = [chart.bounds(number) for number in range(chart.size)]
+    if all(end.step > 0 for end in ends):
+        return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
+    return _even(chart, choices, count)
+
+
+def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
+    """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
+    reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in _reversals(machine)]
+    shown = [k for k in reverses if machine.axes[k].rotary or not setup.mean_sides]
+    middle = np.array([[(chart.bounds(n).low + chart.bounds(n).high) / 2 for n in range(chart.size)]])
+    result = np.zeros(chart.size, dtype=bool)
+    for number in range(chart.size):
+        overrun = chart.bounds(number).overrun
+        aside = middle + np.eye(chart.size)[number] * (overrun or 1.0)
+        moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
+        result[number] = overrun > 0 and bool(np.any(moved[shown] > 0))
+    return result
+
+
+def _reversals(machine: Machine) -> set[str]:
+    return {entry.name for entry in machine.errors if entry.kind == "reversal"}
+
+
+def _raster(chart: Chart, choices: Array) -> Chosen:
+    values = [chart.bounds(number).values for number in range(chart.size)]
+    grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1)
+    return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(choices, (len(grid), 1)))
+
+
+def _even(chart: Chart, choices: Array, count: int) -> Chosen:
+    """Return so many places that can be taken, spread evenly; out of MOST_TRIED at the most."""
+    ends = [chart.bounds(number) for number in range(chart.size)]
+    tried = count
+    while True:
+        unit = even_points(tried, chart.size + 1)
+        shares = unit[:, : chart.size] if chart.size > 1 else even_points(tried, 1)
+        places = np.column_stack([_placed(end, share) for end, share in zip(ends, shares.T, strict=True)])
+        which = (unit[:, -1] * len(choices)).astype(np.intp)
+        found = _taken(chart, places, choices[which])
+        if len(found.places) >= count or tried >= MOST_TRIED:
+            return _thinned(found, count, count)
+        tried = min(2 * tried, MOST_TRIED)
+
+
+def _placed(end: Coordinate, share: Array) -> Array:
+    if end.step > 0:
+        values = end.values
+        picked: Array = values[np.minimum((share * len(values)).astype(np.intp), len(values) - 1)]
+        return picked
+    dialled: Array = np.round((end.low + (end.high - end.low) * share) / end.finest) * end.finest
+    return np.clip(dialled, end.low, end.high)
+
+
+def _taken(chart: Chart, places: Array, sides: Array) -> Chosen:
+    kept = has_room(chart, places, sides)
+    return Chosen(places[kept], sides[kept])
+
+
+def _thinned(chosen: Chosen, most: int, count: int) -> Chosen:
+    """Return all of them if they are not too many, else so many at even distances."""
+    if len(chosen.places) <= most:
+        return chosen
+    kept = np.linspace(0, len(chosen.places) - 1, count).astype(np.intp)
+    return Chosen(chosen.places[kept], chosen.sides[kept])

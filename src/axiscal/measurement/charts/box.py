@@ -1,0 +1,72 @@
+"""The axes that move, each as far as it can be read: a laser, a level, a dial on a straightedge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.measurement.charts.chart import Coordinate
+from axiscal.measurement.charts.crossings import crossings
+from axiscal.measurement.charts.room import Room
+from axiscal.numerics import Array
+
+_SLACK = 1e-10
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Box:
+    """u : the axes that move.
+
+    moves : their indices; spans : (moves, 2) from where to where each can be read, m or rad; park : (q,)
+    steps : (moves,) m or rad, 0 continuous
+    """
+
+    room: Room
+    moves: tuple[int, ...]
+    spans: Array
+    park: Array
+    steps: tuple[float, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.moves)
+
+    def bounds(self, number: int) -> Coordinate:
+        """Return from where to where an axis can be read."""
+        low, high = self.spans[number].tolist()
+        return Coordinate(low, high, self.steps[number], self.room.machine.axes[self.moves[number]].overrun)
+
+    def poses(self, places: Array) -> Array:
+        """Return the poses (m, q)."""
+        result = np.tile(self.park, (len(places), 1))
+        result[:, list(self.moves)] = places
+        return result
+
+    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
+        """Return where the axis is at one of its levels."""
+        low, high, *_ = self.bounds(number)
+
+        def curve(values: Array) -> Array:
+            return np.repeat(values[:, None], len(self.park), axis=1)
+
+        own = tuple(level if k == self.moves[number] else level[:0] for k, level in enumerate(levels))
+        return crossings(curve, low, high, own)
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses are within reach, with nothing in the way."""
+        low, high = self.spans.T
+        slack, moved = _SLACK * (high - low), poses[:, list(self.moves)]
+        within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
+        return within & self.room.holds(poses)
+
+    def between(self, start: Array, stop: Array) -> Array | None:
+        """Return the straight way: a box of axes holds all of it."""
+        return np.stack([start, stop])
+
+    def places(self, poses: Array) -> Array:
+        """Return the coordinates of the axes that move."""
+        moved: Array = poses[:, list(self.moves)]
+        return moved

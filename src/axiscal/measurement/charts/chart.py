@@ -1,0 +1,64 @@
+"""What every chart answers, and what they share."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.numerics import Array
+
+
+class Coordinate(NamedTuple):
+    """One coordinate of a chart: from low to high, in multiples of a step; 0 is continuous.
+
+    overrun : over how much of it a side is come from
+    closed : high is low again, after a full turn; endless : and one may go on past it
+    finest : what can be dialled in, where it is continuous
+    """
+
+    low: float
+    high: float
+    step: float = 0.0
+    overrun: float = 0.0
+    closed: bool = False
+    endless: bool = False
+    finest: float = np.radians(1e-4)
+
+    @property
+    def values(self) -> Array:
+        """All values of a coordinate that has steps, each place once."""
+        first, last = int(np.ceil(self.low / self.step - 1e-9)), int(np.floor(self.high / self.step + 1e-9))
+        if self.closed and abs(last * self.step - first * self.step - (self.high - self.low)) <= 1e-9:
+            last -= 1
+        return self.step * np.arange(first, last + 1, dtype=np.float64)
+
+
+class Chart(Protocol):
+    """Where a set-up can be read: a map from coordinates u to poses."""
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+
+    def bounds(self, number: int) -> Coordinate:
+        """Return one coordinate's ends and steps."""
+
+    def poses(self, places: Array) -> Array:
+        """Return the poses (m, q) of places u (m, size), whether they can be taken or not; NaN where there are none."""
+
+    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
+        """Return where along one coordinate an axis that follows is at one of its levels, sorted, ends included.
+
+        place : (size,) the other coordinates; levels : per axis in chain order, m or rad
+        """
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses (m, q) can be taken."""
+
+    def between(self, start: Array, stop: Array) -> Array | None:
+        """Return the places (k, size) that a way goes over straight, its ends included; None where there is none."""
+
+    def places(self, poses: Array) -> Array:
+        """Return the coordinates (m, size) of the places nearest to poses (m, q)."""

@@ -1,0 +1,92 @@
+"""What may not be: out of travel, against a ball's stem, or in what stands there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
+
+TOOL_RADIUS = 0.04
+"""m, of the cylinder from the tip of the tool to the spindle where the machine does not say."""
+_SLACK = 1e-10
+"""Share of a travel by which rounding may leave it."""
+_ANGLE = 1e-9
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Room:
+    """Where the machine may stand.
+
+    keep_out : (n, 3, 2) boxes in the workpiece frame, m, that neither the tool point nor the tool enters
+    radius : of the tool, m
+    """
+
+    machine: Machine
+    keep_out: Array
+    radius: float = TOOL_RADIUS
+
+    @classmethod
+    def empty(cls, machine: Machine) -> Room:
+        """Return a room in which nothing stands."""
+        return cls(machine, np.zeros((0, 3, 2)))
+
+    def in_travel(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses (m, q) are numbers within the travels."""
+        low, high = np.array([axis.travel for axis in self.machine.axes]).T
+        slack = _SLACK * (high - low)
+        with np.errstate(invalid="ignore"):
+            within: NDArray[np.bool_] = np.all((poses >= low - slack) & (poses <= high + slack), axis=1)
+        return within
+
+    def holds(self, poses: Array) -> NDArray[np.bool_]:
+        """Return at which poses (m, q) nothing is in the way."""
+        found = self.in_travel(poses)
+        if len(self.keep_out) and found.any():
+            at = frames(self.machine, poses[found])
+            found[found] = ~self._hit(at.tcp, at.stem)
+        return found
+
+    def holds_bar(self, poses: Array, centre: Array, free: Array, cone: float) -> NDArray[np.bool_]:
+        """Return at which poses a bar from a centre (3,) is also clear of the tool and of the stem below the centre.
+
+        free : (3,) away from that stem; cone : rad, between tool and bar, and between bar and free side, at most
+        """
+        found = self.holds(poses)
+        if found.any():
+            at = frames(self.machine, poses[found])
+            bar = at.tcp - centre
+            bar /= np.linalg.norm(bar, axis=1)[:, None]
+            found[found] = within_cone(at.stem, bar, cone) & within_cone(bar, free, cone)
+        return found
+
+    def _hit(self, tips: Array, stems: Array) -> NDArray[np.bool_]:
+        """Return where the tool, from its tip (m, 3) along its stem, is nearer to a box than its radius."""
+        hit = np.zeros(len(tips), dtype=bool)
+        for box in self.keep_out:
+            hit |= np.all((tips >= box[:, 0]) & (tips <= box[:, 1]), axis=1)
+            hit |= _enters(tips, stems * self.machine.tool, box + self.radius * np.array([-1.0, 1.0]))
+        return hit
+
+
+def _enters(starts: Array, ways: Array, box: Array) -> NDArray[np.bool_]:
+    """Return whether straight ways (m, 3) from places (m, 3) enter a box (3, 2): by slabs."""
+    still = np.abs(ways) < 1e-12
+    safe = np.where(still, 1.0, ways)
+    into, out = (box[:, 0] - starts) / safe, (box[:, 1] - starts) / safe
+    beside = still & ((starts < box[:, 0]) | (starts > box[:, 1]))
+    first = np.where(still, 0.0, np.minimum(into, out)).max(axis=1)
+    last = np.where(still, 1.0, np.maximum(into, out)).min(axis=1)
+    found: NDArray[np.bool_] = ~beside.any(axis=1) & (np.maximum(first, 0.0) < np.minimum(last, 1.0))
+    return found
+
+
+def within_cone(directions: Array, middle: Array, cone: float) -> NDArray[np.bool_]:
+    """Return which unit vectors (m, 3) are no further than a cone, rad, from a unit vector (3,) or (m, 3)."""
+    cosine = np.sum(directions * middle, axis=1)
+    inside: NDArray[np.bool_] = np.arccos(np.clip(cosine, -1.0, 1.0)) <= cone + _ANGLE
+    return inside

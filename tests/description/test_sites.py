@@ -1,0 +1,161 @@
+"""Where a set-up is read: what campaign.toml says of it, and what is refused, in words."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine import load_machine
+from axiscal.measurement.charts.balls import Balls
+from axiscal.measurement.charts.bar import Bar
+from axiscal.measurement.charts.circle import Circle
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.line import Line
+
+SPHERES = """
+[[artefacts]]
+name = "spheres"
+balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
+"""
+TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "spheres"\n'
+BAR = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nlength = "150 mm"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
+LASER = '[[setups]]\nname = "diagonal"\ninstrument = "interferometer"\n'
+
+
+def described(text: str, machine: str = "dmu60") -> CampaignDescription:
+    source = load_machine(machine).text
+    return campaign_from_texts(f'machine = "{machine}"\n{text}', "campaign.toml", source, machine)
+
+
+def test_spheres_are_read_at_all_their_balls_with_all_rotary_axes() -> None:
+    (setup,) = described(SPHERES + TOUCHED + 'raster = { B = "15 deg", C = "30 deg" }\n').setups
+    assert isinstance(setup.chart, Balls)
+    assert [setup.chart.bounds(k).step for k in range(3)] == [1.0, math.radians(30), math.radians(15)]
+    assert setup.contact == "retracted"
+    assert setup.setup_time == 600.0
+    assert setup.mean_sides
+
+
+def test_a_nest_is_read_at_one_ball_in_touch() -> None:
+    (setup,) = described(SPHERES + TOUCHED.replace("sphere", "rtest", 1) + 'ball = "high"\nmoves = ["C"]\n').setups
+    assert isinstance(setup.chart, Held)
+    np.testing.assert_allclose(setup.chart.point, [-0.1, 0.17, 0.12])
+    assert setup.chart.turning == (0,)
+    assert (setup.contact, setup.mean_sides, setup.stroke) == ("held", False, 1e-3)
+
+
+def test_a_bar_without_a_plane_is_free_in_space_and_with_one_goes_round_as_far_as_it_can() -> None:
+    free, flat, upright = described(
+        BAR + BAR.replace('"bar"', '"xy"') + 'plane = "xy"\n' + BAR.replace('"bar"', '"zx"') + 'plane = "zx"\n'
+    ).setups
+    assert isinstance(free.chart, Bar)
+    assert isinstance(flat.chart, Circle)
+    assert flat.chart.arc == (0.0, math.tau)
+    assert isinstance(upright.chart, Circle)
+    low, high = upright.chart.arc
+    assert math.degrees(high - low) == pytest.approx(200, abs=2)  # as far as the stem of the tool lets it
+
+
+def test_a_laser_on_a_diagonal_reads_along_it() -> None:
+    text = 'along = [["-200 mm", "-200 mm", "0 mm"], ["200 mm", "200 mm", "300 mm"]]\n'
+    (setup,) = described(LASER + text).setups
+    assert isinstance(setup.chart, Line)
+    np.testing.assert_allclose(setup.direction, np.array([4, 4, 3]) / math.sqrt(41))
+
+
+def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
+    text = '[[setups]]\nname = "dial"\ninstrument = "straightedge"\ndirection = "y"\nmoves = ["X"]\n'
+    (setup,) = described(text + 'reach = { X = ["150 mm", "450 mm"] }\n', "three-axis-mill").setups
+    machine = load_machine("three-axis-mill")
+    assert setup.span(machine.axis("X"), machine.index("X")) == pytest.approx((0.15, 0.45))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (TOUCHED, "there is no artefact"),
+        (SPHERES + TOUCHED + 'ball = "middle"\n', "spheres has no ball"),
+        (SPHERES + TOUCHED + 'ball = ["low", "low"]\n', "names no balls, or one twice"),
+        (SPHERES + TOUCHED + 'moves = ["X"]\n', "X follows where the tool point is held"),
+        (SPHERES + TOUCHED + 'park = { B = "0 deg" }\n', "B is parked"),
+        (SPHERES.replace("200 mm", "900 mm", 1) + TOUCHED, "no pose reaches ball low of spheres"),
+        (SPHERES + 'cone = "0 deg"\n' + TOUCHED, "is not possible here"),
+        (SPHERES + "free = [0, 0, 0]\n" + TOUCHED, "is not a direction"),
+        (SPHERES + 'keep_out = [{ x = ["-1 m", "1 m"], z = ["-1 m", "1 m"] }]\n' + TOUCHED, "no pose reaches ball low"),
+        (SPHERES + 'keep_out = [{ x = ["1 m", "-1 m"] }]\n' + TOUCHED, "does not increase"),
+        (SPHERES + 'calibrated = "1 um"\n' + TOUCHED, "their turn is open"),
+        (SPHERES.replace('"-100 mm", "170 mm", "120 mm"', '"201 mm", "0 mm", "-80 mm"') + TOUCHED, "1 mm apart"),
+        (SPHERES + SPHERES + TOUCHED, "two artefacts are called"),
+        (
+            SPHERES
+            + 'grid = { origin = ["0 mm", "0 mm", "0 mm"], count = [5, 5], pitch = ["1 mm", "1 mm"] }\n'
+            + TOUCHED,
+            "balls and grid exclude one another",
+        ),
+        (BAR + 'plane = "xx"\n', "is not a plane"),
+        (BAR + "plane = [[1, 0, 0], [2, 0, 0]]\n", "is not a plane"),
+        (BAR + 'plane = "zx"\narc = ["0 deg", "360 deg"]\n', "at "),
+        (BAR + 'plane = "xy"\nturning = { X = 1.0 }\n', "X does not turn"),
+        (BAR + 'plane = "xy"\nturning = { C = 2.0 }\narc = ["0 deg", "360 deg"]\n', "leaves the travel of C"),
+        (BAR + 'stroke = "200 mm"\n', "below the length of the bar"),
+        (BAR + 'stroke = "20 um"\n', "the machine may deviate by"),
+        (BAR.replace("150 mm", "1 mm"), "is no length of a bar"),
+        (BAR.replace('station = ["0 mm", "0 mm", "100 mm"]\n', ""), "about which place the bar turns"),
+        (SPHERES + BAR.replace("station", "#") + 'artefact = "spheres"\n', "a bar turns about one ball"),
+        (LASER + 'along = [["0 mm", "0 mm", "0 mm"], ["0 mm", "0 mm", "0 mm"]]\n', "are one place"),
+        (LASER + 'along = [["0 mm", "0 mm", "0 mm"], ["900 mm", "0 mm", "0 mm"]]\n', "second end of the line is out"),
+        (
+            LASER + 'direction = "x"\nmoves = ["X"]\nreach = { Y = ["0 mm", "9 mm"] }\n',
+            "Y has a reach, but does not move",
+        ),
+        (
+            LASER + 'direction = "x"\nmoves = ["X"]\nreach = { X = ["9 mm", "0 mm"] }\n',
+            "too short, or does not increase",
+        ),
+        (LASER + 'direction = "x"\nmoves = ["X"]\nplane = "xy"\n', "plane belongs to a bar"),
+        ('tool_length = "1 m"\n' + LASER + 'direction = "x"\n', "no std of a tool's length"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_in_words(text: str, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        described(text)
+    assert said in str(refused.value)
+    assert "campaign.toml, line" in str(refused.value)
+
+
+def test_on_a_machine_without_rotary_axes_a_ball_would_be_one_pose() -> None:
+    with pytest.raises(DescriptionError, match="it would be one pose"):
+        described(SPHERES.replace("-80 mm", "-200 mm") + TOUCHED, "three-axis-mill")
+
+
+@pytest.mark.parametrize(
+    ("part", "said"),
+    [
+        ('{ radius = "200 mm" }', "the part has no shape"),
+        ('{ radius = "0 mm", z = ["0 mm", "1 mm"] }', "is no radius"),
+        ('{ radius = "200 mm", z = ["1 mm", "0 mm"] }', "has not two ends that increase"),
+        ('{ radius = "200 mm", z = ["5 m", "6 m"] }', "hardly a pose"),
+        ('{ radius = "200 mm", z = ["0 mm", "9 mm"], X = ["0 mm", "1 mm"] }', "X follows the part"),
+        ('{ radius = "200 mm", z = ["0 mm", "9 mm"], B = ["0 deg", "300 deg"] }', "is no part of the travel of B"),
+    ],
+)
+def test_a_part_without_a_shape_or_out_of_reach_is_refused(part: str, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        described(f"[target]\npart = {part}\n{SPHERES}{TOUCHED}")
+    assert said in str(refused.value)
+
+
+def test_a_sphere_without_a_ball_is_refused_where_readings_are_asked_for_and_opens_where_they_exist(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "campaign.toml"
+    path.write_text('machine = "dmu60"\n[target]\nreadings = 9\n[[setups]]\nname = "s"\ninstrument = "sphere"\n')
+    with pytest.raises(DescriptionError, match='reads at a ball, and the set-up "s" names none'):
+        read_campaign(path)
+    (setup,) = read_campaign(path, asking=False).setups
+    assert setup.lacks is not None

@@ -1,0 +1,54 @@
+"""Kinematics of their own for tests: homogeneous matrices of a chain, link by link, and nothing of the program's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine import Machine
+from axiscal.numerics import Array
+
+
+def shifted(vector: Array) -> Array:
+    """Return the matrix of a shift, (4, 4)."""
+    result = np.eye(4)
+    result[:3, 3] = vector
+    return result
+
+
+def turned(letter: str, angle: float) -> Array:
+    """Return the matrix of a turn about x, y or z for A, B or C, (4, 4)."""
+    c, s, result = np.cos(angle), np.sin(angle), np.eye(4)
+    first, second = {"A": (1, 2), "B": (2, 0), "C": (0, 1)}[letter]
+    result[first, first] = result[second, second] = c
+    result[first, second], result[second, first] = -s, s
+    return result
+
+
+def tool_matrix(machine: Machine, pose: Array) -> Array:
+    """Return where the tool is in the workpiece frame, (4, 4): third column from tip to spindle, last one the tip."""
+    result = np.eye(4)
+    for axis, at in zip(machine.axes, pose, strict=True):
+        letter = axis.name[0]
+        if axis.rotary:
+            about = np.array(axis.origin)
+            result = result @ shifted(about) @ turned(letter, at) @ shifted(-about)
+        else:
+            result = result @ shifted(at * np.eye(3)["XYZ".index(letter)])
+    return result @ shifted(np.array([0.0, 0.0, -machine.tool]))
+
+
+def tip(machine: Machine, pose: Array) -> Array:
+    """Return the tool point in the workpiece frame, (3,) m."""
+    return np.asarray(tool_matrix(machine, pose)[:3, 3], dtype=np.float64)
+
+
+def stem(machine: Machine, pose: Array) -> Array:
+    """Return the direction from the tip to the spindle, (3,)."""
+    return np.asarray(tool_matrix(machine, pose)[:3, 2], dtype=np.float64)
+
+
+def in_travel(machine: Machine, pose: Array, slack: float = 1e-9) -> bool:
+    """Whether every axis is within its travel."""
+    return all(
+        axis.travel[0] - slack <= at <= axis.travel[1] + slack for axis, at in zip(machine.axes, pose, strict=True)
+    )

@@ -1,0 +1,265 @@
+"""What a chart gives can be taken, and all that it leaves out cannot: by matrices, and by looking everywhere."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.machine import load_machine
+from axiscal.measurement.charts.arrivals import arrivals, has_room
+from axiscal.measurement.charts.balls import Balls
+from axiscal.measurement.charts.bar import Bar
+from axiscal.measurement.charts.box import Box
+from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.circle import Circle
+from axiscal.measurement.charts.crossings import crossings
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.line import Line
+from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.sight import Sight
+from axiscal.numerics import Array
+from tests.generators.kinematics import in_travel, stem, tip
+
+DMU = load_machine("dmu60")
+MILL = load_machine("three-axis-mill")
+UP = np.array([0.0, 0.0, 1.0])
+BALLS = {"low": (0.2, 0.0, -0.08), "high": (-0.1, 0.17, 0.12), "third": (-0.1, -0.17, 0.02)}
+HOME = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in DMU.axes])
+
+
+def held(ball: str = "low", step: float = 0.0, cone: float = 100.0) -> Held:
+    """The tool point at one of the balls of the table of the five-axis machine."""
+    steps = (math.radians(step), math.radians(step))
+    return Held(Room.empty(DMU), np.array(BALLS[ball]), UP, math.radians(cone), (0, 1), HOME, steps)
+
+
+def circle(plane: str = "xy", centre: tuple[float, float, float] = (0.0, 0.0, 0.1), turning: float = 0.0) -> Circle:
+    """A bar of 150 mm."""
+    ways = {"xy": (0, 1), "yz": (1, 2), "zx": (2, 0)}[plane]
+    first, second = (np.eye(3)[way] for way in ways)
+    rates = np.array([turning, 0.0, 0.0, 0.0, 0.0])
+    room = Room.empty(DMU)
+    return Circle(
+        room, np.array(centre), first, second, 0.15, UP, math.radians(100), (0.0, math.tau), HOME, rates, 0.0, 1e-3
+    )
+
+
+def levels() -> tuple[Array, ...]:
+    """Knots and ends of the travels of the five-axis machine."""
+    model = ErrorModel(DMU)
+
+    def of(k: int) -> Array:
+        knots = [f.basis.knots for f in model.functions if f.axis == k and f.basis.size > 1]
+        return np.unique(np.concatenate([*knots, np.array(DMU.axes[k].travel)]))
+
+    return tuple(of(k) for k in range(len(DMU.axes)))
+
+
+@pytest.mark.parametrize(
+    ("turned", "linear", "away"),
+    [
+        ((30, 40), (55.5483, -100.0, 123.2594), (0.556670, 0.321394, 0.766044)),
+        ((200, -20), (-135.5620, 68.4040, 97.0419), None),
+        ((0, 0), (200.0, 0.0, 40.0), (0.0, 0.0, 1.0)),
+    ],
+)
+def test_the_linear_axes_go_where_the_ball_is(
+    turned: tuple[float, float], linear: tuple[float, float, float], away: tuple[float, float, float] | None
+) -> None:
+    pose = held().poses(np.radians([turned]))[0]
+    np.testing.assert_allclose(1e3 * pose[[DMU.index(name) for name in "XYZ"]], linear, atol=5e-5)
+    if away is not None:
+        np.testing.assert_allclose(stem(DMU, pose), away, atol=5e-7)
+
+
+def test_the_tool_point_is_at_the_ball_in_every_pose() -> None:
+    rng = np.random.default_rng(1)
+    places = rng.uniform([0.0, math.radians(-30)], [math.tau, math.radians(120)], (10_000, 2))
+    for ball in BALLS:
+        poses = held(ball).poses(places)
+        apart = [np.linalg.norm(tip(DMU, pose) - BALLS[ball]) for pose in poses[::10]]
+        assert max(apart) < 1e-12
+
+
+def test_the_pieces_of_a_ball_s_coordinates_are_those_that_the_knots_cut() -> None:
+    chart = held(cone=180.0)
+    for number, place, pieces, low, share in ((1, (1.0, 0.0), 15, -18.300, 0.804), (0, (0.0, 0.4), 26, None, 0.628)):
+        cuts = chart.breaks(number, np.array(place), levels())
+        middles = np.tile(np.array(place), (len(cuts) - 1, 1))
+        middles[:, number] = (cuts[1:] + cuts[:-1]) / 2
+        taken = chart.feasible(chart.poses(middles))
+        assert taken.sum() == pieces
+        assert np.sum(np.diff(cuts) * taken) / (cuts[-1] - cuts[0]) == pytest.approx(share, abs=5e-4)
+        if low is not None:
+            assert math.degrees(cuts[:-1][taken].min()) == pytest.approx(low, abs=5e-4)
+            assert math.degrees(cuts[1:][taken].max()) == pytest.approx(102.307, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("chart", "number", "place"),
+    [
+        (held(), 0, (0.0, 0.4)),
+        (held("high"), 1, (2.0, 0.0)),
+        (circle("zx"), 0, (0.0,)),
+        (circle("xy", turning=1.0), 0, (0.0,)),
+        (circle("xy", turning=0.37), 0, (0.0,)),
+    ],
+)
+def test_no_axis_crosses_a_level_between_two_breaks(chart: Chart, number: int, place: tuple[float, ...]) -> None:
+    cuts = chart.breaks(number, np.array(place), levels())
+    fine = np.sort(np.concatenate([np.linspace(a, b, 40)[1:-1] for a, b in pairwise(cuts)]))
+    places = np.tile(np.array(place), (len(fine), 1))
+    places[:, number] = fine
+    poses = chart.poses(places)
+    piece = np.searchsorted(cuts, fine)
+    for k, wanted in enumerate(levels()):
+        side = np.searchsorted(wanted, poses[:, k])
+        touching = np.min(np.abs(poses[:, [k]] - wanted), axis=1) < 1e-7
+        for one in np.unique(piece):
+            assert len(set(side[(piece == one) & ~touching])) <= 1
+
+
+def test_a_circle_that_touches_a_level_in_one_point_is_no_trouble() -> None:
+    def curve(angles: Array) -> Array:
+        return np.cos(angles)[:, None]
+
+    found = crossings(curve, 0.0, math.tau, (np.array([1.0, -1.0]),))
+    np.testing.assert_allclose(found, [0.0, math.pi, math.tau], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("step", "cone", "counts"),
+    [(30, 100, (36, 37, 48)), (15, 100, (128, 151, 170)), (15, 60, (108, 140, 150)), (15, 30, (84, 110, 120))],
+)
+def test_as_many_poses_of_a_raster_can_be_taken_as_counted_elsewhere(
+    step: float, cone: float, counts: tuple[int, int, int]
+) -> None:
+    found = []
+    for ball in BALLS:
+        chart = held(ball, step, cone)
+        grid = np.stack([g.ravel() for g in np.meshgrid(*(chart.bounds(k).values for k in (0, 1)))], axis=1)
+        poses = chart.poses(grid)
+        taken = chart.feasible(poses)
+        for pose, said in zip(poses, taken, strict=True):
+            tilt = math.degrees(math.acos(np.clip(stem(DMU, pose)[2], -1, 1)))
+            assert said == (in_travel(DMU, pose) and tilt <= cone + 1e-6)
+        found.append(int(taken.sum()))
+    assert tuple(found) == counts
+
+
+@pytest.mark.parametrize("plane", ["xy", "yz", "zx"])
+def test_a_bar_keeps_its_length_in_its_plane(plane: str) -> None:
+    chart = circle(plane)
+    normal = np.cross(chart.first, chart.second)
+    for pose in chart.poses(np.linspace(0, math.tau, 50)[:, None]):
+        away = tip(DMU, pose) - chart.centre
+        assert np.linalg.norm(away) == pytest.approx(0.15, abs=1e-12)
+        assert away @ normal == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_rotary_axis_in_step_leaves_the_bar_where_it_is_in_the_workpiece() -> None:
+    chart = circle("xy", turning=1.0)
+    poses = chart.poses(np.linspace(0, math.tau, 30)[:, None])
+    np.testing.assert_allclose(poses[:, 0], np.linspace(0, math.tau, 30), atol=1e-12)
+    for pose, angle in zip(poses, np.linspace(0, math.tau, 30), strict=True):
+        np.testing.assert_allclose(tip(DMU, pose), [0.15 * math.cos(angle), 0.15 * math.sin(angle), 0.1], atol=1e-12)
+
+
+def test_a_bar_in_space_reaches_all_of_its_sphere_and_no_place_under_the_stem() -> None:
+    room = Room.empty(DMU)
+    chart = Bar(room, np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100), (), HOME, (0.0, 0.0), 1e-3)
+    rng = np.random.default_rng(2)
+    places = np.column_stack([rng.uniform(0, math.tau, 200), rng.uniform(-1.5, 1.5, 200)])
+    poses = chart.poses(places)
+    for pose, said, place in zip(poses, chart.feasible(poses), places, strict=True):
+        assert np.linalg.norm(tip(DMU, pose) - chart.centre) == pytest.approx(0.15, abs=1e-12)
+        assert said == (in_travel(DMU, pose) and place[1] >= math.radians(-10) - 1e-9)
+    np.testing.assert_allclose(chart.places(poses), places, atol=1e-9)
+
+
+def test_a_line_goes_straight_from_end_to_end() -> None:
+    ends = np.array([[0.1, 0.1, -0.3], [0.5, 0.4, -0.1]])
+    park = np.array([sum(axis.travel) / 2 for axis in MILL.axes])
+    chart = Line(Room.empty(MILL), ends, park, 0.0, 1e-3)
+    length = chart.bounds(0).high
+    assert length == pytest.approx(math.dist(*ends))
+    for share, pose in zip(np.linspace(0, 1, 9), chart.poses(np.linspace(0, length, 9)[:, None]), strict=True):
+        np.testing.assert_allclose(tip(MILL, pose), ends[0] + share * (ends[1] - ends[0]), atol=1e-12)
+
+
+def test_a_way_with_the_tool_point_held_never_leaves_a_travel() -> None:
+    rng, found = np.random.default_rng(3), 0
+    chart = held()
+    grid = chart.poses(rng.uniform([0, -0.5], [math.tau, 2.0], (60, 2)))
+    places = chart.places(grid[chart.feasible(grid)])
+    for start, stop in pairwise(places):
+        legs = chart.between(start, stop)
+        if legs is None:
+            continue
+        found += 1
+        for first, last in pairwise(legs):
+            for share in np.linspace(0, 1, 200):
+                pose = chart.poses((first + share * (last - first))[None])[0]
+                assert in_travel(DMU, pose)
+                assert np.linalg.norm(tip(DMU, pose) - chart.point) < 1e-9
+    assert found > 10
+
+
+def test_from_ball_to_ball_there_is_no_way_in_touch() -> None:
+    chart = Balls(tuple(held(ball) for ball in BALLS))
+    assert chart.between(np.array([0.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])) is None
+    assert chart.between(np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.1, 0.0])) is not None
+
+
+def test_linear_axes_come_from_where_they_really_come_when_a_rotary_axis_comes_from_a_side() -> None:
+    chart, overruns = held(), np.array([axis.overrun for axis in DMU.axes])
+    rng = np.random.default_rng(4)
+    places, sides = rng.uniform([1, 0], [5, 1], (100, 2)), rng.choice([-1.0, 1.0], (100, 2))
+    come = arrivals(chart, overruns, places, sides)
+    np.testing.assert_array_equal(come[:, :2], sides)
+    for place, side, said in zip(places, sides, come, strict=True):
+        before = chart.poses((place - side * overruns[:2])[None])[0]
+        way = chart.poses(place[None])[0] - before
+        for k in range(5):
+            assert said[k] == (np.sign(way[k]) if abs(way[k]) >= overruns[k] / 10 else 0.0)
+
+
+def test_a_place_at_the_end_of_a_travel_has_no_room_to_be_come_to_from_there() -> None:
+    chart = held()
+    first, last = np.array([[0.0, 0.0]]), np.array([[math.tau, 0.0]])
+    up, down = np.array([[1.0, 1.0]]), np.array([[-1.0, 1.0]])
+    assert not has_room(chart, first, up)[0]
+    assert has_room(chart, first, down)[0]
+    assert has_room(chart, last, up)[0]
+    assert not has_room(chart, last, down)[0]
+
+
+def test_what_is_to_be_kept_out_is_kept_out_with_the_width_of_the_tool() -> None:
+    low_table = np.array([[[-0.25, 0.25], [-0.25, 0.25], [-0.3, -0.15]]])
+    room = Room(DMU, low_table, 0.04)
+    rng = np.random.default_rng(5)
+    poses = held().poses(rng.uniform([0, -0.5], [math.tau, 2.0], (400, 2)))
+    poses = poses[Room.empty(DMU).in_travel(poses)]
+    for pose, said in zip(poses, room.holds(poses), strict=True):
+        points = tip(DMU, pose) + np.linspace(0, DMU.tool, 200)[:, None] * stem(DMU, pose)
+        wide = low_table[0] + 0.04 * np.array([-1.0, 1.0])
+        entered = np.any(np.all((points > wide[:, 0]) & (points < wide[:, 1]), axis=1))
+        assert said == (not entered)
+
+
+def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
+    spans = np.array([axis.travel for axis in MILL.axes])
+    park = spans.mean(axis=1)
+    box = Box(Room.empty(MILL), (0, 1, 2), spans, park, (0.0, 0.0, 0.0))
+    station = np.array([0.3, -1.0, 0.0])
+    chart = Sight(box, station, (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
+    rng = np.random.default_rng(6)
+    poses = chart.poses(spans[:, 0] + np.ptp(spans, axis=1) * rng.uniform(size=(300, 3)))
+    for pose, said in zip(poses, chart.feasible(poses), strict=True):
+        beam = station - tip(MILL, pose)
+        far = np.linalg.norm(beam)
+        assert said == (0.9 <= far <= 1.4 and math.degrees(math.acos(-beam[1] / far)) <= 20 + 1e-6)

@@ -1,0 +1,132 @@
+"""What a set-up does not know of its ball, bar and tool: one column for one thing, whoever reads it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.error_model.model import ErrorModel
+from axiscal.machine import load_machine
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.observation import Observation
+from axiscal.numerics import Array
+from tests.generators.kinematics import stem, tip
+
+DMU = load_machine("dmu60")
+SPHERES = """
+[[artefacts]]
+name = "spheres"
+balls.low = ["200 mm", "0 mm", "-80 mm"]
+balls.high = ["-100 mm", "170 mm", "120 mm"]
+balls.third = ["-100 mm", "-170 mm", "20 mm"]
+"""
+TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "spheres"\napproach = "both"\n'
+NEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nartefact = "spheres"\nball = "low"\n'
+BAR = """[[setups]]
+name = "bar {0}"
+instrument = "ballbar"
+length = "150 mm"
+plane = "{0}"
+station = ["0 mm", "0 mm", "100 mm"]
+"""
+
+
+def described(text: str) -> CampaignDescription:
+    return campaign_from_texts(f'machine = "dmu60"\n{text}', "campaign.toml", DMU.text, "dmu60")
+
+
+def names(observation: Observation, setup: int) -> dict[str, int]:
+    columns = observation.unknowns_of(setup)
+    own = observation.setups[setup].unknowns
+    return {unknown.name: int(column) for unknown, column in zip(own, columns, strict=True)}
+
+
+def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_its_length() -> None:
+    observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
+    touched, nest = names(observation, 0), names(observation, 1)
+    assert set(nest) == {"low_x", "low_y", "low_z", "tool_z"}
+    assert all(touched[name] == column for name, column in nest.items())
+    assert observation.size == observation.errors.size + 10
+    spread = np.sqrt(np.diagonal(observation.prior_covariance())[observation.errors.size :])
+    assert spread == pytest.approx([*[1e-3] * 9, 5e-6])
+
+
+def test_planes_of_a_bar_about_one_centre_share_it_and_the_bar_s_length() -> None:
+    observation = Observation(ErrorModel(DMU), described(BAR.format("xy") + BAR.format("zx")).setups)
+    assert names(observation, 0) == names(observation, 1)
+    assert set(names(observation, 0)) == {"zero", "station_x", "station_y", "station_z", "tool_z"}
+
+
+def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mounted_again() -> None:
+    calibrated = (
+        SPHERES + 'calibrated = "0.7 um"\n' + TOUCHED + TOUCHED.replace('"touched"', '"again"') + "mounted = 2\n"
+    )
+    observation = Observation(ErrorModel(DMU), described(calibrated).setups)
+    first, second = names(observation, 0), names(observation, 1)
+    stands = {f"{what}_{axis}" for what in ("place", "turn") for axis in "xyz"}
+    assert {name for name in first if first[name] != second[name]} == stands
+    assert {"scale", "low_x", "third_z"} <= set(first)
+
+
+@pytest.mark.parametrize("kept", ["", 'calibrated = "0.7 um"\nscale = "0.5 um/m"\n'])
+def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_shown(kept: str) -> None:
+    description = described(SPHERES + kept + TOUCHED + BAR.format("zx"))
+    observation, rng = Observation(ErrorModel(DMU), description.setups), np.random.default_rng(1)
+    for index, setup in enumerate(description.setups):
+        assert setup.chart is not None
+        low, high = (np.array([setup.chart.bounds(k)[end] for k in range(setup.chart.size)]) for end in (0, 1))
+        poses = setup.chart.poses(
+            np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
+        )
+        nominal = Nominal(DMU, poses, setup.moves)
+        still = Actual(np.zeros((6, 3)), np.zeros((6, 3)))
+        for direction in np.eye(3):
+            rows = observation.rows(index, poses, np.zeros_like(poses), direction).rows
+            for name, column in names(observation, index).items():
+                shown = [
+                    model_of(setup).shown(setup, direction, nominal, still, {name: sign * 1e-7}) for sign in (1, -1)
+                ]
+                np.testing.assert_allclose(rows[:, column], (shown[0] - shown[1]) / 2e-7, atol=1e-6)
+
+
+def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way() -> None:
+    (setup,) = described(SPHERES + TOUCHED).setups
+    assert setup.chart is not None
+    poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3], [1.0, 1.0, 0.3], [2.0, 4.0, 0.0]]))
+    nominal = Nominal(DMU, poses, setup.moves)
+    moved: Array = np.array([3e-6, -2e-6, 1e-6])
+    own = {
+        f"{ball}_{axis}": value for ball in ("low", "high", "third") for axis, value in zip("xyz", moved, strict=True)
+    }
+    shown = [
+        model_of(setup).shown(setup, way, nominal, Actual(np.tile(moved, (3, 1)), np.zeros((3, 3))), own)
+        for way in np.eye(3)
+    ]
+    np.testing.assert_allclose(shown, 0.0, atol=1e-15)
+    longer = [
+        model_of(setup).shown(setup, way, nominal, Actual(np.zeros((3, 3)), np.zeros((3, 3))), {"tool_z": 1e-5})
+        for way in np.eye(3)
+    ]
+    np.testing.assert_allclose(np.array(longer).T, [1e-5 * stem(DMU, pose) for pose in poses], atol=1e-12)
+    for pose, ball in zip(poses, ("low", "high", "third"), strict=True):
+        assert setup.artefact is not None
+        place = {each.name: each.place for each in setup.artefact.balls}[ball]
+        np.testing.assert_allclose(tip(DMU, pose), place, atol=1e-12)
+
+
+def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear_axis() -> None:
+    (setup,) = described(SPHERES + TOUCHED).setups
+    observation = Observation(ErrorModel(DMU), (setup,))
+    assert setup.chart is not None
+    poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
+    approaches = np.zeros_like(poses)
+    approaches[0, :2] = 1.0
+    for direction in np.eye(3):
+        seen = observation.rows(0, poses, approaches, direction)
+        for function in observation.errors.functions:
+            if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
+                assert np.all(seen.rows[:, function.columns] == 0)
+        rests = sum(f.rest**2 for f in observation.errors.functions) * 3
+        assert setup.noise**2 <= seen.variances[0] <= setup.noise**2 + rests
