@@ -19,7 +19,7 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.numerics.threads import one_thread
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import CASES

@@ -19,7 +19,7 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.five_axis import SEED, description, hidden_machine
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.planner import next_places

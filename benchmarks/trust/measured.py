@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded, estimated
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.planner import next_places

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.prediction import tcp_prediction
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

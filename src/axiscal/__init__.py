@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from axiscal.description.campaign import read_campaign
     from axiscal.design.step.best_step import best_step
     from axiscal.error_model.model import ErrorModel
-    from axiscal.estimate.knowledge import Knowledge
+    from axiscal.estimation.knowledge import Knowledge
     from axiscal.machine.description import load_machine
     from axiscal.measurement.observation import Observation
     from axiscal.measurement.setup import Setup
@@ -50,7 +50,7 @@ _HOMES = {
     "Constant": "numerics.cubic",
     "CyclicSpline": "numerics.cubic",
     "ErrorModel": "error_model.model",
-    "Knowledge": "estimate.knowledge",
+    "Knowledge": "estimation.knowledge",
     "NaturalSpline": "numerics.cubic",
     "Observation": "measurement.observation",
     "Setup": "measurement.setup",

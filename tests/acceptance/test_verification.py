@@ -21,8 +21,8 @@ from axiscal.compensation.effect import Control, left_by, table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.case import Case
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

@@ -13,9 +13,9 @@ from axiscal.compensation.effect import Control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array

@@ -10,7 +10,7 @@ from axiscal.belief import Belief
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
 from tests.generators.designs import levered

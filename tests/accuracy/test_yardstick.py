@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import read_campaign
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import estimated
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 
 MACHINE = """

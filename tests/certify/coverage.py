@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.gain import Scorer
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import estimated
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.prediction import tcp_prediction
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading

@@ -24,7 +24,7 @@ from axiscal.compensation.skew import Skew
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames

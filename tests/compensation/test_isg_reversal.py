@@ -13,7 +13,7 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 

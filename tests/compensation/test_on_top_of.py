@@ -20,7 +20,7 @@ from axiscal.compensation.old_files import OldFile, read_old
 from axiscal.compensation.registry import IMPORTERS, export, loaded
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array

@@ -14,7 +14,7 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
 from axiscal.design.step.starts_stacked import adds_up
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.numerics.axis_pairs import Pairs
 from tests.generators.designs import levered, random_poses, read, splines
 

@@ -18,7 +18,7 @@ from axiscal.belief import Belief
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model import prior
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion

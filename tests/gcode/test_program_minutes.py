@@ -11,7 +11,7 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.gcode import ProgramOptions, controllers, dialect, programs
 from axiscal.machine import Machine, load_machine
 from axiscal.planning.next_readings import placed

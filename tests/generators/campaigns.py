@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator

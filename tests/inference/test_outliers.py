@@ -11,9 +11,9 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded, estimated
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
 from axiscal.inference.implausible import unit_guess
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.history import path
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.history import path
 from axiscal.inference.outliers import FREEDOM, verdict
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading

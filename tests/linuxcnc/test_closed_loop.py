@@ -18,7 +18,7 @@ from axiscal.compensation.table import CompensationTable
 from axiscal.demo.linuxcnc import EXAMPLES, MACHINES, close_loop, description
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.lab.linuxcnc.probing import ball, touched

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Actual, Nominal

@@ -13,10 +13,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.zero_drift import paths
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.zero_drift import paths
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.repeats import trend

@@ -12,10 +12,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.judged import Judged, judged, judged_at_once
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.judged import Judged, judged, judged_at_once
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings

@@ -16,9 +16,9 @@ from axiscal.description.placed_readings import placed_pose
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
 from axiscal.error_model.model import ErrorFunction, ErrorModel
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import estimated
-from axiscal.estimate.prediction import tcp_prediction
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import SmallMotions, tool_motion

@@ -45,8 +45,8 @@ from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.design.step.best_step import best_step
-from axiscal.estimate.inheritance import problem_of
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.inheritance import problem_of
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
 from axiscal.planning.proposal import Thoroughness, proposed
 

@@ -8,7 +8,7 @@ import pytest
 
 from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.planning.proposal import Thoroughness
 from axiscal.planning.what_if import PLANNED, TRADITIONAL, alternatives, traditional_readings
 from axiscal.report.what_if_page import render

@@ -11,8 +11,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import read_campaign
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import estimated
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
 from axiscal.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

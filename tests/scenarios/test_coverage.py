@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import estimated
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
 from axiscal.machine import builtin_names
 from tests.certify.coverage import CLAIMED, MACHINES, SLACK, Covered, Trial
 

@@ -12,7 +12,7 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Places
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import CANDIDATES, Array, Posed

@@ -26,8 +26,8 @@ from axiscal.compensation.offer import Export
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text

@@ -15,7 +15,7 @@ import numpy as np
 from axiscal.compensation.effect import Control, table_control
 from axiscal.compensation.offer import Export
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import directions_of

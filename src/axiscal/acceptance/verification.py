@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
 from axiscal.acceptance.table_checks import Part, Share, shares, taken
 from axiscal.compensation.effect import Control, left_by
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement

@@ -23,12 +23,12 @@ from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded, estimated
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.inheritance import case_of
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.timed import Timed, elapsed, timed
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import ReadingError, RecordError, SourceError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import INSTRUMENTS

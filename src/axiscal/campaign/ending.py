@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.units import to_unit
 
 FUTILE = 50

@@ -13,7 +13,7 @@ from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress
 from axiscal.cli.texts import micrometres
 from axiscal.demo.five_axis import description, run_demo
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
 from axiscal.report.summary import Summary
 

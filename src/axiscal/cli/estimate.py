@@ -14,7 +14,7 @@ from axiscal.cli.outputs import RECORD, write_outputs
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimate.wrong_unit import refuse_implausible
+from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
 from axiscal.measurement.readers.files import read_any

@@ -13,8 +13,8 @@ from axiscal.cli.texts import count_text, micrometres
 from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
-from axiscal.estimate.inheritance import case_of
+from axiscal.estimation.case import Case
+from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect

@@ -10,7 +10,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
-from axiscal.estimate.prediction import PosePrediction, predict_poses
+from axiscal.estimation.prediction import PosePrediction, predict_poses
 from axiscal.measurement.readers.poses import read_poses
 
 

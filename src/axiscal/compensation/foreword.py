@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.compensation.effect import Control
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array

@@ -11,7 +11,7 @@ from axiscal.compensation.effect import Control, Effect, effect_of_control, tour
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.foreword import foreword
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity

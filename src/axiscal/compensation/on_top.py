@@ -11,7 +11,7 @@ from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.old_files import read_old
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 

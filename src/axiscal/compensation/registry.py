@@ -12,7 +12,7 @@ from axiscal.compensation.offer import Export, Maker, tried_out
 from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.on_top import asked_about, on_top
 from axiscal.document import nearest, shown
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread

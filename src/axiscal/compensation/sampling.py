@@ -20,7 +20,7 @@ from axiscal.compensation.conditional import mean_along, turned
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.units import format_quantity

@@ -9,7 +9,7 @@ import numpy as np
 from axiscal.compensation.effect import Control
 from axiscal.compensation.sampling import cross_tables
 from axiscal.compensation.surface import plane_axes
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 

@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.compensation.effect import Control
 from axiscal.compensation.hats import Hats
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array

@@ -11,8 +11,8 @@ from axiscal.campaign.campaign import Campaign, Milestone
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.record.events import Asked

@@ -25,9 +25,9 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Gap

@@ -12,7 +12,7 @@ from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.exceptions import TargetError
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.numerics.threads import one_thread

@@ -13,9 +13,9 @@ from axiscal.description.target import Target
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
 from axiscal.design.plan.task import Limits, Task
-from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.timed import Timed, timed
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation

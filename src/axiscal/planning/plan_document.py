@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from axiscal.design.plan.plan import Plan
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.planning.feasibility import reachable_rms
 from axiscal.planning.next_readings import placed

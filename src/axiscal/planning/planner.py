@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

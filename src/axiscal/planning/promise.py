@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

@@ -13,7 +13,7 @@ from axiscal.design.bound.row_curves import refuse_unless_polynomial
 from axiscal.design.gains.candidate_rows import MEMORY
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 

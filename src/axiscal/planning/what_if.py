@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.case import Case
-from axiscal.estimate.updating import blocks
+from axiscal.estimation.case import Case
+from axiscal.estimation.updating import blocks
 from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading

@@ -9,8 +9,8 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.zero_drift import paths
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.zero_drift import paths
 from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit

@@ -18,8 +18,8 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, effect_sentence
 from axiscal.compensation.on_top import informed
 from axiscal.error_model.volume import Box
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points

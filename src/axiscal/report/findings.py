@@ -8,10 +8,10 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.undescribed import undescribed
-from axiscal.estimate.case import Case
-from axiscal.estimate.changes import changes
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.zero_drift import paths
+from axiscal.estimation.case import Case
+from axiscal.estimation.changes import changes
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.misfit import Misfit, misfits
 from axiscal.inference.repeats import Trend, trend

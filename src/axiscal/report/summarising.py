@@ -9,9 +9,9 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.history import Moment, path
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.history import Moment, path
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading

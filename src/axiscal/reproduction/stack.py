@@ -18,7 +18,7 @@ from axiscal.design.step.best_step import best_step
 from axiscal.error_model.gauge import unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation

@@ -20,7 +20,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine

@@ -23,7 +23,7 @@ from axiscal.compensation.surface import (
     sum_of,
     with_height,
 )
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh

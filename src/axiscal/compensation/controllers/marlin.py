@@ -13,7 +13,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew, skew_control, skew_of
 from axiscal.compensation.surface import Mesh, height_seen, held_words, mesh_control, mesh_of, sum_of, with_height
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit

@@ -18,7 +18,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.table import CompensationTable, TableFile
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table

@@ -13,7 +13,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.old_maps import mesh_of_nodes
 from axiscal.compensation.surface import Mesh, height_seen, mesh_control, mesh_of, with_height
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map

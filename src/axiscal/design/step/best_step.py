@@ -18,7 +18,7 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up, starts
 from axiscal.design.step.starts_with_levers import dense_starts
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

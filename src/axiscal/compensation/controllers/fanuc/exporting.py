@@ -14,7 +14,7 @@ from axiscal.compensation.lookup import lookup_control
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import format_quantity
 

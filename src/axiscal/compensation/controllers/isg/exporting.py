@@ -28,7 +28,7 @@ from axiscal.compensation.sampling import axis_tables, points
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
 from axiscal.compensation.volumetric import SampledError, anchored, curves, tip_control
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 

@@ -19,7 +19,7 @@ from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables, cross_tables
 from axiscal.compensation.surface import sum_of
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array

@@ -12,7 +12,7 @@ import numpy as np
 from axiscal.compensation.controllers.linuxcnc.reader import ROWS
 from axiscal.compensation.sampling import own_table
 from axiscal.compensation.table import CompensationTable
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array

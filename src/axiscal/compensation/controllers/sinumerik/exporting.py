@@ -17,7 +17,7 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
 from axiscal.compensation.offer import Draft
 from axiscal.compensation.sampling import axis_tables, cross_tables
-from axiscal.estimate.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.units import from_unit
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
-from axiscal.estimate.absorbed import Absorbed, absorbed
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded, estimated
-from axiscal.estimate.history import path
-from axiscal.estimate.learnt import counts_to_learn_from, learnt
-from axiscal.estimate.located import located
-from axiscal.estimate.updating import blocks
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.history import path
+from axiscal.estimation.learnt import counts_to_learn_from, learnt
+from axiscal.estimation.located import located
+from axiscal.estimation.updating import blocks
 from axiscal.exceptions import ShapeError
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
@@ -43,7 +43,7 @@ def _one_by_one(case: Case, readings: Sequence[Reading], weights: Sequence[float
 
 @pytest.mark.parametrize("together", [7, 400])
 def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("axiscal.estimate.updating.AT_ONCE", together)
+    monkeypatch.setattr("axiscal.estimation.updating.AT_ONCE", together)
     problem = mixed()
     readings = _turning(problem, 60)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))

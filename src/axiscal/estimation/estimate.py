@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.estimate.absorbed import Absorbed
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimation import Estimation, Stages
-from axiscal.estimate.judged import Judged, judged, judged_at_once
-from axiscal.estimate.learnt import Learnt, counts_to_learn_from, learnt
-from axiscal.estimate.located import located
-from axiscal.estimate.reviewed import reviewed
-from axiscal.estimate.timed import Timed, timed
+from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation, Stages
+from axiscal.estimation.judged import Judged, judged, judged_at_once
+from axiscal.estimation.learnt import Learnt, counts_to_learn_from, learnt
+from axiscal.estimation.located import located
+from axiscal.estimation.reviewed import reviewed
+from axiscal.estimation.timed import Timed, timed
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.threads import one_thread
 

@@ -11,14 +11,14 @@ import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
-from axiscal.estimate.absorbed import Absorbed
-from axiscal.estimate.case import Case
-from axiscal.estimate.judged import Judged
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.learnt import Learnt
-from axiscal.estimate.machine_estimate import Estimate
-from axiscal.estimate.map_grid import map_grid
-from axiscal.estimate.timed import Timed
+from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.judged import Judged
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.learnt import Learnt
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.map_grid import map_grid
+from axiscal.estimation.timed import Timed
 from axiscal.inference.fit import Fit
 from axiscal.inference.implausible import objection
 from axiscal.inference.outliers import FEWEST, Doubt

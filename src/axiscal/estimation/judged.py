@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.inference.implausible import IMPLAUSIBLE, Plausibility, limit, nearest_first
 from axiscal.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.reading import Reading

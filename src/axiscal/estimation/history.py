@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
-from axiscal.estimate.absorbed import Absorbed
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.learnt import counts_to_learn_from, learnt
-from axiscal.estimate.located import located
-from axiscal.estimate.updating import blocks
+from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.learnt import counts_to_learn_from, learnt
+from axiscal.estimation.located import located
+from axiscal.estimation.updating import blocks
 from axiscal.numerics.threads import one_thread
 
 

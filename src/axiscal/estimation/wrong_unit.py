@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimate.inheritance import case_of
-from axiscal.estimate.judged import judged_at_once
-from axiscal.estimate.timed import Timed, timed
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.judged import judged_at_once
+from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import ReadingError
 from axiscal.inference.implausible import unit_guess
 from axiscal.measurement.instrument import INSTRUMENTS

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
-from axiscal.estimate.case import Case
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.estimation import Estimation
-from axiscal.estimate.inheritance import last_estimation
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import last_estimation
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 

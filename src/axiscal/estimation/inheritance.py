@@ -12,9 +12,9 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.case import Case, Inherited
-from axiscal.estimate.estimate import concluded
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

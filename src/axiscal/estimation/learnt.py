@@ -8,7 +8,7 @@ from math import ceil
 
 import numpy as np
 
-from axiscal.estimate.case import Case
+from axiscal.estimation.case import Case
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.outliers import FEWEST, Doubt, Verdict, verdict
 from axiscal.measurement.reading import Reading

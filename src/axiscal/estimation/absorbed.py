@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.belief import Innovations
-from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import Knowledge
-from axiscal.estimate.learnt import UNDISPUTED
-from axiscal.estimate.updating import blocks, widened
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.learnt import UNDISPUTED
+from axiscal.estimation.updating import blocks, widened
 from axiscal.inference.outliers import Doubt, Verdict
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen

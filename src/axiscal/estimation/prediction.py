@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.poses import RawPose

@@ -16,7 +16,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
-from axiscal.estimate.knowledge import Knowledge
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread

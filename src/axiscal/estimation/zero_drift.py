@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimate.estimation import Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from axiscal.estimate.absorbed import Absorbed, absorbed
-from axiscal.estimate.learnt import Learnt
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.learnt import Learnt
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 

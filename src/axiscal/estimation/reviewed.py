@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from axiscal.estimate.absorbed import MANY, Absorbed, absorbed
-from axiscal.estimate.learnt import weighed
+from axiscal.estimation.absorbed import MANY, Absorbed, absorbed
+from axiscal.estimation.learnt import weighed
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.estimate.case import Case
-from axiscal.estimate.knowledge import AT_ONCE, Block, Knowledge, block
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import AT_ONCE, Block, Knowledge, block
 from axiscal.measurement.reading import Reading
 
 
