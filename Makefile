@@ -42,6 +42,9 @@ bench-peers: .venv/dev.stamp $(PEERS:%=.venv-peers/%/stamp)
 docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.equations
 	$(BIN)/python -m tests.docs.examples
+	$(BIN)/python -m tests.docs.stories
+	$(BIN)/python -m tests.docs.api
+	$(BIN)/python -m tests.docs.result
 
 trust: .venv/dev.stamp
 	$(BIN)/python -m benchmarks.trust

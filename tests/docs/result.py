@@ -1,0 +1,140 @@
+"""docs/result.md and docs/result.schema.json: every field of `result.json`.  `python -m tests.docs.result` writes both.
+
+The models are the one description: the tests read documents with them, and a field that is not here is refused.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE, SCHEMA = DOCS / "result.md", DOCS / "result.schema.json"
+_HEAD = """\
+# `result.json`
+
+The document `axiscal-result/1`, which `--out DIR` receives and `--json` prints. Made by `make docs` from the models by
+which the tests read it; as a JSON schema: [result.schema.json](result.schema.json). Every `std` is one standard
+deviation.
+Fields may be added; what is here keeps its meaning.
+"""
+
+
+class Fields(BaseModel):
+    """A table in which every field is known."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Milestone(Fields):
+    """A row of `history`; reading 0 is the prior."""
+
+    reading: int = Field(description="number of the reading, 0 for the prior")
+    setup: str | None = Field(description="name of the set-up")
+    position: dict[str, float] | None = Field(description="coordinate by axis, mm or deg")
+    value: float | None = Field(description="what was read, in `unit`")
+    unit: str | None = Field(description="um or urad")
+    rms_um: float = Field(description="RMS standard deviation of the tool point over the volume after it")
+    worst_um: float = Field(description="largest standard deviation in the volume after it")
+    minutes: float = Field(description="machine time until then")
+    rejected: bool = Field(description="it is kept and not relied on")
+
+
+class ErrorCurve(Fields):
+    """An entry of `errors`; all lists have the length of `position`."""
+
+    axis: str = Field(description="the axis along which it changes")
+    position: list[float] = Field(description="coordinates, in `position_unit`")
+    mean: list[float] = Field(description="the estimate, in `value_unit`")
+    std: list[float] = Field(description="whole standard deviation, the rest that no spline follows included")
+    position_unit: str = Field(description="mm or deg")
+    value_unit: str = Field(description="um, urad or arcsec")
+    std_seen: list[float] = Field(description="the same without what no allowed reading can see")
+    prior_std: list[float] = Field(description="before any reading")
+    from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
+
+
+class ConstantValue(Fields):
+    """An entry of `constants`: a location error, a constant reversal, an unknown of a set-up."""
+
+    mean: float = Field(description="the estimate, in `unit`")
+    std: float = Field(description="its standard deviation")
+    unit: str = Field(description="um or urad")
+    prior_std: float = Field(description="before any reading")
+    seen: bool = Field(description="whether an allowed reading bears on it")
+
+
+class RejectedReading(Fields):
+    """An entry of `rejected`."""
+
+    reading: int = Field(description="its number")
+    setup: str = Field(description="name of the set-up")
+    position: dict[str, float] = Field(description="coordinate by axis, mm or deg")
+    value: float = Field(description="what was read, in `unit`")
+    unit: str = Field(description="um or urad")
+    reason: str = Field(description="why it is not believed, in words")
+
+
+class Warning(Fields):
+    """An entry of `warnings`."""
+
+    code: str = Field(description="lack-of-fit, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    error: str | None = Field(description="the error it is about")
+    text: str = Field(description="in words")
+
+
+class Result(Fields):
+    """The document."""
+
+    kind: Literal["axiscal-result/1"] = Field(alias="schema", description="name and version of the document")
+    machine: str = Field(description="name of the machine")
+    readings: int = Field(description="how many were taken")
+    minutes: float = Field(description="machine time")
+    stopped_because: str = Field(description="why the campaign ended, in words")
+    rms_um: float = Field(description="RMS standard deviation of the tool point over the volume (k = 1)")
+    worst_um: float = Field(description="largest standard deviation in the volume")
+    unseen_rms_um: float = Field(description="what no allowed reading can take away")
+    target_rms_um: float | None = Field(description="the RMS asked for")
+    target_worst_um: float | None = Field(description="the worst asked for")
+    promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
+    reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
+    history: list[Milestone] = Field(description="how well the machine was known after each reading")
+    errors: dict[str, ErrorCurve] = Field(description="error motions by ISO 230-1 name, reversals among them")
+    constants: dict[str, ConstantValue] = Field(description="location errors, reversals, unknowns of set-ups")
+    observability: list[str] = Field(description="what cannot be seen, in plain sentences")
+    rejected: list[RejectedReading] = Field(description="readings not believed, and why")
+    warnings: list[Warning] = Field(description="what is to be minded")
+    versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
+
+
+def page() -> str:
+    """Return the page: a table for each kind of object."""
+    return "\n".join([_HEAD, *(_table(each) for each in (Result, Milestone, ErrorCurve, ConstantValue))]) + "".join(
+        "\n" + _table(each) for each in (RejectedReading, Warning)
+    )
+
+
+def _table(model: type[Fields]) -> str:
+    rows = [f"| `{field.alias or name}` | {field.description} |" for name, field in model.model_fields.items()]
+    return "\n".join([f"## {model.__doc__ or ''}", "| field | is |", "|---|---|", *rows]) + "\n"
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON schema; fields that are added later do not break it."""
+    found = Result.model_json_schema(by_alias=True)
+    for each in (found, *found["$defs"].values()):
+        each.pop("additionalProperties", None)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
+
+
+def write() -> None:
+    """Write page and schema."""
+    PAGE.write_text(page(), encoding="utf-8")
+    SCHEMA.write_text(json.dumps(schema(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()
