@@ -22,6 +22,7 @@ from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
@@ -77,8 +78,13 @@ class Case:
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
         return Case(replace(self.description, machine=machine, setups=setups), self.inherited)
 
+    @property
+    def turned(self) -> bool:
+        """Whether an instrument may stand turned by more than is linear."""
+        return any(unknown.name in TURNS for setup in self.description.setups for unknown in setup.unknowns)
+
     def located(self, mean: Array) -> Case | None:
-        """Return the problem about the places where the stations of distances are found to be; None if these stay."""
+        """Return the problem about the stations of distances and the turns of trackers as found; None if these stay."""
         found = [self._found(index, mean) for index in range(len(self.description.setups))]
         if found == [setup.found for setup in self.description.setups]:
             return None
@@ -89,9 +95,10 @@ class Case:
     def _found(self, index: int, mean: Array) -> Vector | None:
         setup = self.description.setups[index]
         columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
-        if not set(SHIFTS) & set(columns):
+        names = next((names for names in (SHIFTS, TURNS) if set(names) & set(columns)), None)
+        if names is None:
             return setup.found
-        x, y, z = (float(columns.get(name, 0.0)) for name in SHIFTS)
+        x, y, z = (float(columns.get(name, 0.0)) for name in names)
         before = setup.found or (0.0, 0.0, 0.0)
         moved = max(abs(new - old) for new, old in zip((x, y, z), before, strict=True))
         return setup.found if moved < _STAYS else (x, y, z)

@@ -9,6 +9,7 @@ from math import ceil
 import numpy as np
 
 from axiscal.estimation.case import Case
+from axiscal.estimation.turned import turned
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.outliers import FEWEST, Doubt, Verdict, verdict
 from axiscal.measurement.reading import Reading
@@ -32,9 +33,11 @@ class Learnt:
 
 
 def counts_to_learn_from(case: Case, count: int) -> list[int]:
-    """Return the numbers of readings, up to a count, after which scales are learnt anew: by a third more each time."""
+    """Return the numbers of readings, up to a count, after which scales and turns are learnt anew: by a third more."""
     due: list[int] = []
-    while case.variable and (following := max(FEWEST, ceil((due[-1] if due else 0) * _GROWTH))) <= count:
+    while (case.variable or case.turned) and (
+        following := max(FEWEST, ceil((due[-1] if due else 0) * _GROWTH))
+    ) <= count:
         due.append(following)
     return due
 
@@ -44,6 +47,7 @@ def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Do
 
     case : as stated; readings : to learn from, those that are implausible among them
     """
+    case = turned(case, readings, implausible)
     found = weighed(case, readings, implausible)
     doubtful = {*implausible, *(doubt.reading for doubt in found.doubts)}
     plausible = sum(index not in implausible for index in range(len(readings)))

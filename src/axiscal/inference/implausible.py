@@ -15,9 +15,11 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.inference.outliers import Doubt
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
@@ -110,10 +112,14 @@ class Plausibility:
         return float(wandering(setup.drift, [apart])[0, 0])
 
     def _bent(self, reading: Reading) -> float:
-        """Return the variance by which a distance bends while its station is not located, m²."""
+        """Return the variance by which a reading bends while its station or its turn is not found, m²."""
         setup = self._setup(reading)
-        wide = sum(unknown.std**2 for unknown in setup.unknowns if unknown.name in SHIFTS)
-        return float((wide / (2 * _NEAREST)) ** 2)
+        wide, turned = (sum(u.std**2 for u in setup.unknowns if u.name in names) for names in (SHIFTS, TURNS))
+        if not turned:
+            return float((wide / (2 * _NEAREST)) ** 2)
+        place = frames(self.observation.errors.machine, np.array([reading.pose])).tcp[0]
+        away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
+        return float((turned * away / 2) ** 2)
 
     def _setup(self, reading: Reading) -> Setup:
         return next(setup for setup in self.observation.setups if setup.name == reading.setup)

@@ -186,9 +186,11 @@ class Observation:
         return added
 
     def nonlinear_part(self, setup: int, poses: Array) -> Array:
-        """Return what readings show beside rows times unknowns, where an instrument is not linear in them, (m,)."""
-        mounted = self.setups[setup]
-        return model_of(mounted).nonlinear_part(mounted, self._nominal(mounted, poses))
+        """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
+        mounted, model = self.setups[setup], model_of(self.setups[setup])
+        nominal, own = self._nominal(mounted, poses), np.array(mounted.direction)
+        each = [own if direction is None else direction for direction in directions_of(mounted)]
+        return np.stack([model.nonlinear_part(mounted, direction, nominal) for direction in each], axis=1)
 
     def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
         """Return what a unit of each error adds to readings, (functions, m); arguments as for `rows`.

@@ -70,10 +70,14 @@ def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
 
 def linear_values(observation: Observation, places: Places, readings: Sequence[Reading]) -> Array:
     """Return the values of all numbers of readings, what is not linear in the unknowns taken off, (m,)."""
-    beside = np.zeros(len(places))
+    beside = [np.zeros(0)] * len(places)
     for setup, mine in places.by_setup():
-        beside[mine] = observation.nonlinear_part(setup, places.poses[mine])
-    return np.array([value - beside[i] for i, reading in enumerate(readings) for value in reading.values])
+        parts = observation.nonlinear_part(setup, places.poses[mine])
+        for index, part in zip(np.arange(len(places))[mine], parts, strict=True):
+            beside[index] = part
+    return np.concatenate(
+        [np.array(r.values) - part for r, part in zip(readings, beside, strict=True)] or [np.zeros(0)]
+    )
 
 
 def visited_by(observation: Observation, readings: Sequence[Reading]) -> Observation:

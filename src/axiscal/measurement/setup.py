@@ -50,7 +50,8 @@ class Setup:
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
     station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
     growth : thermal expansion of the measured material at its temperature against 20 °C, a strain
-    found : how far from there its station has been found so far, m; None is nowhere else
+    found : how far from there its station has been found so far, m, or by how much a tracker is turned, rad; None is
+        nowhere else
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s

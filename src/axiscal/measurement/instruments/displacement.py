@@ -46,9 +46,9 @@ class Displacement:
         shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + grown
         return shown
 
-    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the growth that is known, (m,)."""
-        return _grown(setup.growth, np.array(setup.direction), nominal)
+        return _grown(setup.growth, direction, nominal)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""

@@ -69,7 +69,7 @@ class Distance:
         shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + unknowns.get("zero", 0.0)
         return shown
 
-    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
         shift = _found(setup) - _stated(setup)
         now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))

@@ -91,7 +91,7 @@ class Model(Protocol):
     ) -> Array:
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
-    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return what a reading shows beside its rows times the unknowns, where it is not linear in them, (m,)."""
 
     def check(self, setup: Setup, machine: Machine) -> None:
@@ -114,7 +114,7 @@ class Angle:
         """Return 1 for the zero, (m,)."""
         return np.ones(nominal.count)
 
-    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 

@@ -60,7 +60,7 @@ class Nest:
         shown: Array = (displaced(nominal, actual, unknowns) + zero + ball_moved(setup, unknowns, nominal)) @ direction
         return shown
 
-    def nonlinear_part(self, setup: Setup, nominal: Nominal) -> Array:
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 
