@@ -118,6 +118,8 @@ def test_all_tables_loaded_pass_and_are_all_checked(folder: Path) -> None:
     judgement = judged(check, truth, check.planned(), check.tables.control)
     assert judgement.verdict == "pass"
     assert {share.name for share in judgement.shares if share.checked} >= {"X", "Y", "Z", "Y over X", "reversal of X"}
+    assert judgement.idle == ()
+    assert "NOT CHECKED: axis" not in judgement_text(judgement)
     for share in judgement.shares:
         assert not share.checked or abs(share.value - 1) < 5 * share.std + 0.05
 
@@ -153,9 +155,10 @@ def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Pat
     judgement = judged(check, truth, along_x, check.tables.control)
     assert judgement.verdict == "pass"
     assert {"Y", "Z", "Y over X"} <= set(judgement.unchecked)
+    assert judgement.idle == ("Y", "Z")
     assert "X" not in judgement.unchecked
     text = judgement_text(judgement)
-    assert "only - NOT CHECKED: " in text
+    assert "only - NOT CHECKED: axis Y (not moved through its volume and read along), axis Z" in text
     assert text.index("PASS") < text.index("NOT CHECKED")
     assert judgement_document(judgement)["not_checked"] == list(judgement.unchecked)
     missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))

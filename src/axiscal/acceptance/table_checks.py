@@ -30,6 +30,7 @@ WORKS = 0.5
 """A share below this is nearer to a missing table, or one with the wrong sign, than to the one exported."""
 _NOTHING = 1e-9
 _FRESH = 0.05
+_ALONG, _THROUGH = 0.5, 0.5
 _ELSEWHERE = (0.5, 0.3, 0.7, 0.15, 0.85)
 
 
@@ -131,6 +132,21 @@ def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Arr
     open_ones = np.sum(right[told] ** 2, axis=0) < 1 - 1e-6
     stds = np.where(open_ones, np.inf, spread)
     return tuple(Share(p.name, float(v), float(s), p.size) for p, v, s in zip(parts, values, stds, strict=True))
+
+
+def idle_axes(estimate: Estimate, poses: Array, directions: Array) -> tuple[str, ...]:
+    """Return the axes of which values say nothing: moved over less than half of the volume while read along.
+
+    poses : (m, q) of the values; directions : (m, 3) in the workpiece frame.  A rotary axis is read by any direction.
+    """
+    turned = frames(estimate.machine, poses).rotations
+    idle = []
+    for k, (axis, (low, high)) in enumerate(zip(estimate.machine.axes, estimate.box, strict=True)):
+        along = np.abs(np.sum((turned[k] @ np.array(axis.direction)) * directions, axis=1)) > _ALONG
+        mine = poses[along | axis.rotary, k]
+        if high > low and (not len(mine) or np.ptp(mine) < _THROUGH * (high - low)):
+            idle.append(axis.name)
+    return tuple(idle)
 
 
 def _of_table(estimate: Estimate, table: CompensationTable) -> list[Part]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
-from axiscal.acceptance.table_checks import Part, Share, shares, taken
+from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
@@ -81,7 +81,8 @@ class Judgement:
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
     lines : set-ups that are judged against their own line; strained : datums further off than stated
     still : set-ups all of whose as-left readings show one and the same number
-    shares : how much of each table the readings show
+    shares : how much of each table the readings show; idle : axes that were not moved through their volume, or along
+        which nothing was read
     """
 
     verdict: Verdict
@@ -96,6 +97,7 @@ class Judgement:
     strained: tuple[Datum, ...]
     still: tuple[str, ...] = ()
     shares: tuple[Share, ...] = ()
+    idle: tuple[str, ...] = ()
 
     @property
     def loaded(self) -> bool:
@@ -248,6 +250,7 @@ def judge(
         strained,
         still,
         each,
+        idle_axes(estimate, places.poses[of], directions),
     )
 
 

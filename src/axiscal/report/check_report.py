@@ -82,6 +82,7 @@ def judgement_document(judgement: Judgement) -> dict[str, object]:
             for s in judgement.shares
         ],
         "not_checked": list(judgement.unchecked),
+        "axes_not_checked": list(judgement.idle),
         "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judgement.strained],
     }
 
@@ -112,13 +113,14 @@ def judgement_text(judgement: Judgement) -> str:
 
 
 def _holds_for(judgement: Judgement) -> str:
-    """Return which tables the verdict is about; those that were not checked are named beside it."""
-    checked = [share.name for share in judgement.shares if share.checked]
-    if not judgement.shares or not judgement.unchecked:
+    """Return which tables the verdict is about; axes and tables that were not checked are named beside it."""
+    others = [f"axis {name} (not moved through its volume and read along)" for name in judgement.idle]
+    silent = [share for share in judgement.shares if not share.checked]
+    others += [f"table {share.name} (corrects {share.size} at most)" for share in silent]
+    if not others:
         return ""
-    these = ", ".join(checked) or "none of the tables"
-    others = (f"{share.name} (corrects {share.size} at most)" for share in judgement.shares if not share.checked)
-    return f", for {these} only - NOT CHECKED: {', '.join(others)}"
+    checked = ", ".join(share.name for share in judgement.shares if share.checked)
+    return f", for {checked or 'what was read'} only - NOT CHECKED: {', '.join(others)}"
 
 
 def _why(judgement: Judgement) -> str:
