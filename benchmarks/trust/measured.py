@@ -57,11 +57,12 @@ def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> 
 
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
-    plain = estimation.case.observation
+    wide = estimation.banded
+    plain = wide.case.observation
     seen = plain.rows(0, poses, approaches)
     loose = seen.variances - plain.setups[0].noise ** 2
-    known = estimation.knowledge.belief.factor[: plain.size]
-    mean: Array = seen.rows @ estimation.knowledge.belief.mean[: plain.size]
+    known = wide.knowledge.belief.factor[: plain.size]
+    mean: Array = seen.rows @ wide.knowledge.belief.mean[: plain.size]
     return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)
 
 

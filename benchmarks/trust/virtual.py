@@ -100,11 +100,12 @@ def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator
 
 def _curve(estimation: Estimation, index: int, machine: VirtualMachine) -> Array:
     """Return at 101 positions whether one error's band holds its truth."""
-    function = estimation.case.errors.functions[index]
+    wide = estimation.banded
+    function, belief = wide.case.errors.functions[index], wide.knowledge.belief
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
     rows = function.basis.rows(positions)
-    variance = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
-    missed = machine.curves[index](positions) - rows @ estimation.knowledge.belief.mean[function.columns]
+    variance = np.sum((rows @ belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
+    missed = machine.curves[index](positions) - rows @ belief.mean[function.columns]
     held: Array = (np.abs(missed) <= BAND * np.sqrt(variance)).astype(float)
     return held
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
 from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.bands import banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.history import path
@@ -20,6 +21,7 @@ from axiscal.estimation.learnt import counts_to_learn_from, learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.updating import blocks
 from axiscal.exceptions import ShapeError
+from axiscal.inference.fit import Fit
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import drawn, mixed
@@ -74,16 +76,19 @@ def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
     moments, learnt_at = path(known), counts_to_learn_from(case, 23)
+    fit: Fit | None = None
     twin, implausible = Absorbed.nothing(case, known.stages.absorbed.verdict), known.stages.judged.implausible
     assert moments[0] == (case.yardstick.measure(case.prior), None, 0.0)
     assert len(moments) == 25
     assert bool(learnt_at) == bool(scales)
     for count, moment in enumerate(moments[1:24], start=1):
         if count in learnt_at:
-            twin = located(learnt(case, readings[:count], implausible), readings[:count], implausible)
+            now = learnt(case, readings[:count], implausible)
+            twin, fit = located(now, readings[:count], implausible), now.fit
         twin = absorbed(twin, readings[:count], implausible)
         assert moment.seconds == known.stages.timed.ends[count - 1]
-        np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-8)
+        wide, knowledge = banded(twin.case, twin.knowledge, fit)
+        np.testing.assert_allclose(moment.accuracy, wide.yardstick.measure(knowledge.belief), rtol=1e-8)
         assert moment.innovations is not None
         np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-8)
         sizes = moment.innovations.value - twin.innovations[-1].value

@@ -77,7 +77,7 @@ def test_the_likelihood_is_that_of_the_rescaled_model() -> None:
     logs = rng.normal(0, 0.4, len(scales))
     from axiscal.inference.scales import Scales
 
-    found = Scales(scales, tuple(np.exp(logs)), tuple(np.exp(logs)))
+    found = Scales(scales, tuple(np.exp(logs)))
     twin = Observation(ErrorModel(found.machine(machine)), found.setups(observation.setups))
     values = [reading.value for reading in readings]
     expected = multivariate_normal.logpdf(values, np.zeros(len(values)), _covered(twin, readings))

@@ -194,7 +194,7 @@ def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() ->
     observation = visited_by(observation, readings)
     rows, variances, _, _ = seen(observation, readings)
     expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
-    assert Evidence(problem.observation, readings).covariance() == pytest.approx(expected, rel=1e-9)
+    assert Evidence(problem.observation, readings).covariance(np.zeros(0)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_every_number_of_an_rtest_drifts_on_its_own() -> None:

@@ -6,7 +6,9 @@ positioning error of the axis and, through the mean lever arm, its angular error
 the same mean holds straightness and squareness. A table is not that curve but a line between points, so its values
 are the ones whose line is nearest to the curve.
 
-The deviation believed is the posterior mean: what the readings did not show is shrunk to nothing, not corrected.
+The deviation believed is the posterior mean: what the readings did not show is shrunk to nothing, not corrected. A
+point in a cell that was read takes the rest of the cell as well, so that a table leaves at the targets of a test what
+their scatter is and no more.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from axiscal.units import format_quantity
 _POINTS_PER_INTERVAL = 4
 _MOST_POINTS = 129
 _NOTHING = 1e-12
+_EDGE = 1e-6
 _SILENT, _DIFFERENCE = 0.95, 0.65
 _OPEN = 0.2  # where the prior was this narrow by construction, next to the table's zero, nothing is said
 
@@ -150,13 +153,23 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     departure = max(
         hats.departure(curve @ estimate.mean, values) for curve, values in zip(curves, (forward, reverse), strict=True)
     )
+    read = _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
     rest = _rest(estimate, axis, over)
     std = np.hypot(_std(rows, estimate.factor), rest)
     shape = np.hypot(np.sqrt(np.mean(_std(rows - rows.mean(axis=(0, 1)), estimate.factor) ** 2)), rest)
     silent = _silent(estimate, free, rows)
     return CompensationTable(
-        own.name, own.rotary, hats.points, forward, reverse, std, looked_up.name, silent, departure, float(shape)
+        own.name,
+        own.rotary,
+        hats.points,
+        forward + read,
+        reverse + read,
+        std,
+        looked_up.name,
+        silent,
+        departure,
+        float(shape),
     )
 
 
@@ -202,9 +215,36 @@ def _std(rows: Array, factor: Array) -> Array:
 
 def _rest(estimate: Estimate, axis: int, over: int) -> float:
     """Return the rest of the errors that the table follows directly, m or rad."""
-    along = estimate.machine.axes[axis]
-    name = f"E{along.positioning_error[1]}{estimate.machine.axes[over].name}"
-    return float(sum(f.rest for f in estimate.model.functions if f.name == name))
+    return float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
+
+
+def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array:
+    """Return what the readings say of that rest at the points of a table, (points,), nothing in cells not read.
+
+    Where a table is zero it stays zero. Over another axis of a machine that turns the error looks another way at every
+    pose, and nothing is said.
+    """
+    turns = any(each.rotary for each in estimate.machine.axes)
+    if axis != over and turns:
+        return np.zeros(len(points))
+    sign = float(estimate.machine.axes[over].sign * np.sum(estimate.machine.axes[axis].direction))
+    read = np.zeros(len(points))
+    for index in _followed(estimate, axis, over):
+        read += sign * _beside(estimate, index, points)
+    return read if turns else read - np.interp(np.clip(0.0, *points[[0, -1]]), points, read)
+
+
+def _beside(estimate: Estimate, index: int, points: Array) -> Array:
+    """Return the rest of an error at points, or of the cell on the other side of an edge on which a point lies."""
+    step = _EDGE * estimate.model.functions[index].cell
+    after, before = (estimate.rest_at(index, points + side * step) for side in (1, -1))
+    return np.where(after != 0, after, before)
+
+
+def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
+    """Return the indices of the errors that a table follows directly."""
+    name = f"E{estimate.machine.axes[axis].positioning_error[1]}{estimate.machine.axes[over].name}"
+    return [index for index, function in enumerate(estimate.model.functions) if function.name == name]
 
 
 def _says_something(table: CompensationTable) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -82,6 +83,12 @@ class Case:
     def turned(self) -> bool:
         """Whether an instrument may stand turned by more than is linear."""
         return any(unknown.name in TURNS for setup in self.description.setups for unknown in setup.unknowns)
+
+    def with_rests(self, rests: Mapping[str, float]) -> Case:
+        """Return the case with other rests of errors, by name, m or rad."""
+        machine = self.description.machine
+        errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.errors)
+        return Case(replace(self.description, machine=replace(machine, errors=errors)), self.inherited, self.both)
 
     def located(self, mean: Array) -> Case | None:
         """Return the problem about the stations of distances and the turns of trackers as found; None if these stay."""

@@ -43,7 +43,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     text = estimation.case.description.prior_text
     if not text:
         return
-    before, now = last_estimation(text), _alone(estimation)
+    before, now = last_estimation(text).banded, _alone(estimation).banded
     for function in now.case.errors.functions:
         if function.name in before.case.errors.names:
             change = _change(before, now, function)

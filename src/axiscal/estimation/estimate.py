@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.case import Case
+from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimation import Estimation, Stages
 from axiscal.estimation.judged import Judged, judged, judged_at_once
 from axiscal.estimation.learnt import Learnt, counts_to_learn_from, learnt
@@ -60,7 +61,8 @@ def _nothing(stated: Case) -> Stages:
 
 
 def _estimation(stated: Case, stages: Stages) -> Estimation:
-    times, plausible, scales, known = stages
+    times, plausible, scales, as_shown = stages
+    known = displayed(as_shown, times.readings, plausible.implausible)
     return Estimation(
         stated,
         known.case,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
 from typing import NamedTuple
@@ -12,11 +12,12 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
 from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.bands import banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Judged
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.map_grid import map_grid
 from axiscal.estimation.timed import Timed
 from axiscal.inference.fit import Fit
@@ -61,14 +62,23 @@ class Estimation:
     def accuracy(self) -> Accuracy:
         """How well the machine is known."""
         with one_thread():
-            return self.case.yardstick.measure(self.knowledge.belief)
+            return self.banded.case.yardstick.measure(self.banded.knowledge.belief)
+
+    @cached_property
+    def banded(self) -> Estimation:
+        """The same with the bands that are printed: they count that scales are only learnt."""
+        if self.fit is None:
+            return self
+        case, knowledge = banded(self.case, self.knowledge, self.fit)
+        return replace(self, case=case, knowledge=knowledge, fit=None)
 
     @cached_property
     def estimate(self) -> Estimate:
         """What tables are made of: the belief about the machine, over the volume of the target."""
-        description = self.case.description
+        description, wide = self.case.description, self.banded
         grid = map_grid(description.machine, description.setups, self.readings)
-        return Estimate(self.case.errors, self.knowledge.belief, description.target.volume, grid)
+        rests = rest_means(wide.knowledge.observation, wide.knowledge.belief.mean)
+        return Estimate(wide.case.errors, wide.knowledge.belief, description.target.volume, grid, rests)
 
     def misfit(self) -> float:
         """Return how many times as much as the model says the readings scatter about their predictions.

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
 from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.bands import banded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import counts_to_learn_from, learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.updating import blocks
+from axiscal.inference.fit import Fit
 from axiscal.numerics.threads import one_thread
 
 
@@ -31,14 +34,15 @@ def path(final: Estimation) -> list[Moment]:
     Scales are learnt as readings come, what the last one taught is known; those between two counts from which scales
     are learnt anew are taken together.
     """
-    known = Absorbed.nothing(final.stated, final.stages.absorbed.verdict)
-    found: list[_Known] = [(_accuracy(known), None)]
+    known, fit = Absorbed.nothing(final.stated, final.stages.absorbed.verdict), None
+    found: list[_Known] = [(_accuracy(known, fit), None)]
     readings, implausible, last = final.readings, final.stages.judged.implausible, _before_the_last(final)
     for due in counts_to_learn_from(final.stated, last):
-        found += _together(final, known, due - 1)
-        known = located(learnt(final.stated, readings[:due], implausible), readings[:due], implausible)
-        found.append((_accuracy(known), known.innovations[-1]))
-    found += _together(final, known, last)
+        found += _together(final, known, fit, due - 1)
+        scales = learnt(final.stated, readings[:due], implausible)
+        known, fit = located(scales, readings[:due], implausible), scales.fit
+        found.append((_accuracy(known, fit), known.innovations[-1]))
+    found += _together(final, known, fit, last)
     if last < len(readings):
         found.append((final.accuracy, final.innovations[-1]))
     return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
@@ -53,13 +57,15 @@ def _before_the_last(final: Estimation) -> int:
     return max(len(final.readings) - 1, 0) if moved or final.stated.variable else len(final.readings)
 
 
-def _together(final: Estimation, known: Absorbed, stop: int) -> Iterator[_Known]:
+def _together(final: Estimation, known: Absorbed, fit: Fit | None, stop: int) -> Iterator[_Known]:
     """Yield what is known after each reading since, up to a count."""
     start = len(known.innovations)
     weights = known.weights(start, stop, final.stages.judged.implausible)
     for case, part in blocks(known.case, known.knowledge, final.readings[start:stop], weights):
-        yield from zip(part.accuracies(case.yardstick), part.innovations, strict=True)
+        wide, before = banded(case, part.before, fit)
+        yield from zip(replace(part, before=before).accuracies(wide.yardstick), part.innovations, strict=True)
 
 
-def _accuracy(known: Absorbed) -> Accuracy:
-    return known.case.yardstick.measure(known.knowledge.belief)
+def _accuracy(known: Absorbed, fit: Fit | None) -> Accuracy:
+    case, knowledge = banded(known.case, known.knowledge, fit)
+    return case.yardstick.measure(knowledge.belief)

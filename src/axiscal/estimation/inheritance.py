@@ -56,7 +56,7 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 
     Its curves are read at the knots of today's.
     """
-    last = last_estimation(text)
+    last = last_estimation(text).banded
     before, belief = last.case.errors, last.knowledge.belief
     known = [function for function in errors.functions if function.name in before.names]
     across, extra = np.zeros((errors.size, before.size)), np.zeros(errors.size)

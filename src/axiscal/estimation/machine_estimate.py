@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
+from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _SILENT = 0.95
@@ -21,6 +24,7 @@ class Estimate:
 
     belief : over the machine's coefficients first, other unknowns after them
     box : the volume over which tables shall be good, bounds per axis in chain order, m or rad
+    rests : posterior mean of the rest of every cell, (cells,), m, of each displacement that has one, by its index
     grid : positions of X and of Y, m, on which the height was read as a map; None where it was not
     """
 
@@ -28,6 +32,7 @@ class Estimate:
     belief: Belief
     box: Box
     grid: tuple[Array, Array] | None = None
+    rests: Mapping[int, Array] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def machine(self) -> Machine:
@@ -56,4 +61,28 @@ class Estimate:
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation that is expected, (m, 3), m, workpiece frame.  poses, approaches : (m, q)."""
         expected: Array = self.model.rows(poses, approaches) @ self.mean
+        if self.rests:
+            levers = self.model.levers(poses)
+            for index in self.rests:
+                axis = self.model.functions[index].axis
+                expected = expected + self.rest_at(index, poses[:, axis])[:, None] * levers[index]
         return expected
+
+    def rest_at(self, function: int, positions: Array) -> Array:
+        """Return what the readings say of the rest of an error at positions, (m,): nothing in cells not read."""
+        if function not in self.rests:
+            return np.zeros(len(positions))
+        at_positions: Array = self.rests[function][self.model.functions[function].cells(positions)]
+        return at_positions
+
+
+def rest_means(observation: Observation, mean: Array) -> Mapping[int, Array]:
+    """Return the mean of the rest in every cell, of displacements by the index of their error.
+
+    mean : (size,) of all unknowns
+    """
+    functions, found = observation.errors.functions, dict[int, Array]()
+    for (index, cell), column in observation.cells.items():
+        if functions[index].kind == "motion" and not functions[index].angular:
+            found.setdefault(index, np.zeros(functions[index].cell_count))[cell] = mean[column]
+    return MappingProxyType(found)

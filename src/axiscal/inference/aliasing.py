@@ -26,15 +26,14 @@ class Alias:
     """Positions on an axis that hide what repeats.
 
     spacing : of the targets, m or rad, None where they are not equally spaced
-    error, period : the error whose period was stated, if one was
-    seen_as : the period it passes for, m or rad; infinite where it passes for a constant; None without a stated period
+    error, period : the error whose period is stated; seen_as : the one it passes for, m or rad, infinite for a constant
     """
 
     axis: Axis
     spacing: float | None
-    error: str | None = None
-    period: float | None = None
-    seen_as: float | None = None
+    error: str
+    period: float
+    seen_as: float
 
 
 def aliases(machine: Machine, readings: Sequence[Reading]) -> Iterator[Alias]:
@@ -44,12 +43,10 @@ def aliases(machine: Machine, readings: Sequence[Reading]) -> Iterator[Alias]:
         if len(targets) < _FEWEST:
             continue
         spacing = _spacing(targets)
-        periodic = [(e.name, e.period) for e in machine.errors if e.axis == axis.name and e.period is not None]
-        for name, period in periodic:
-            if spacing is not None or _in_phase(targets, period):
-                yield Alias(axis, spacing, name, period, _seen_as(spacing, period))
-        if spacing is not None and not periodic and any(e.axis == axis.name and not e.constant for e in machine.errors):
-            yield Alias(axis, spacing)
+        for entry in machine.errors:
+            period = entry.period if entry.axis == axis.name else None
+            if period is not None and (spacing is not None or _in_phase(targets, period)):
+                yield Alias(axis, spacing, entry.name, period, _seen_as(spacing, period))
 
 
 def _targets(positions: Sequence[float], axis: Axis) -> Array:

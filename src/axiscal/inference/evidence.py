@@ -13,12 +13,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.prior import distances, matern52
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
 from axiscal.inference.scales import Kind, Scale
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import inverse_of_product
+from axiscal.numerics.from_scipy import inverse_of_product, solution
+from axiscal.numerics.gaussian import lower_root
 
 
 class Evidence:
@@ -45,27 +48,45 @@ class Evidence:
             np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(numbers.values), 0))
         )
         self._fixed = unknowns @ unknowns.T + np.diag(numbers.extra_variance)
-        self._inherits = prior is not None
+        self._stds = np.array([unknown.std for setup in observation.setups for unknown in setup.unknowns])
+        self._inherited = None if prior is None else prior[1]
         if prior is not None:
             rows = self.rows[:, : len(prior[0])]
             self.values = self.values - rows @ prior[0]
             self._fixed = self._fixed + rows @ prior[1] @ rows.T
         self._noise, self._std_stated = numbers.noise, numbers.std_stated
         self._owners = [readings[int(i)].setup for i in numbers.reading]
+        self._functions = observation.errors.functions
         self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
-        lower: Array = np.asarray(np.linalg.cholesky(self._covariance(logs)), dtype=float)
+        lower = lower_root(self.covariance(logs))
         inverse = inverse_of_product(lower)
         alpha = inverse @ self.values
         value = -0.5 * float(self.values @ alpha) - float(np.log(np.diag(lower)).sum())
         pull = np.outer(alpha, alpha) - inverse
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
 
-    def covariance(self) -> Array:
-        """Return K (m, m) as stated."""
-        return self._covariance(np.zeros(len(self.scales)))
+    def log_likelihood(self, logs: Array) -> float:
+        """Return log p(y | θ) alone."""
+        lower = lower_root(self.covariance(logs))
+        half = solution(lower, self.values)
+        value = -0.5 * float(half @ half) - float(np.log(np.diag(lower)).sum())
+        return value - 0.5 * len(lower) * float(np.log(2 * np.pi))
+
+    def prior(self, logs: Array) -> Array:
+        """Return the covariance of errors and set-ups' unknowns before the readings, (k, k), in the order of `rows`."""
+        result = np.zeros((self.rows.shape[1],) * 2)
+        errors = len(result) - len(self._stds)
+        unknowns = np.arange(errors, len(result))
+        result[unknowns, unknowns] = self._stds**2
+        if self._inherited is not None:
+            result[:errors, :errors] = self._inherited
+            return result
+        for function in self._functions:
+            result[function.columns, function.columns] = self._prior_of(function, logs)
+        return result
 
     def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
         index = self._index.get((kind, owner))
@@ -79,9 +100,9 @@ class Evidence:
         stated = self._entries[name].length
         return None if stated is None else stated * self._factor("length", name, logs)
 
-    def _covariance(self, logs: Array) -> Array:
+    def covariance(self, logs: Array) -> Array:
         result: Array = self._fixed + np.diag(self._variances(logs))
-        if not self._inherits:
+        if self._inherited is None:
             result += self._curves @ self._priors(logs) @ self._curves.T
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
@@ -90,15 +111,21 @@ class Evidence:
         return result
 
     def _priors(self, logs: Array) -> Array:
-        """s² R of every error, along the diagonal."""
+        """s² R of every error that shows in the readings, along the diagonal."""
         result, start = np.zeros((self._curves.shape[1],) * 2), 0
         for part in self._parts:
-            name, stop = part.function.name, start + part.rows.shape[1]
-            std = self._entries[name].std * self._factor("std", name, logs)
-            length = self._length(name, logs) if stop - start > 1 else None
-            result[start:stop, start:stop] = std**2 * part.correlation(length)
+            stop = start + part.rows.shape[1]
+            result[start:stop, start:stop] = self._prior_of(part.function, logs)
             start = stop
         return result
+
+    def _prior_of(self, function: ErrorFunction, logs: Array) -> Array:
+        """s² R of one error."""
+        std = self._entries[function.name].std * self._factor("std", function.name, logs)
+        length = self._length(function.name, logs)
+        if length is None or function.basis.size == 1:
+            return std**2 * np.eye(function.basis.size)
+        return std**2 * matern52(distances(function.basis) / length)
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])

@@ -1,14 +1,19 @@
-"""The most probable scales after readings: marginal likelihood times weak priors, by its exact gradient."""
+"""The scales after readings: the most probable ones, by the exact gradient of likelihood times weak priors, and how far
+others remain possible.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.inference.evidence import Evidence
+from axiscal.inference.mixture import Mixture, mixture
 from axiscal.inference.scales import Scale, Scales, log_prior_precision
+from axiscal.inference.together import unfollowed
+from axiscal.inference.widening import Widening, mean_squares, widening
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -18,7 +23,6 @@ from axiscal.numerics.threads import one_thread
 _FARTHEST = 4.6
 _STEP = 1e-3
 _STEPS, _FEW_STEPS = 200, 40
-_FLATTEST = 0.3
 _MOST = 300
 
 
@@ -27,11 +31,13 @@ class Fit:
     """The most probable scales.
 
     stated, found : log marginal likelihood as stated, and at the scales
+    widening : what it adds to the bands that other scales remain possible
     """
 
     scales: Scales
     stated: float
     found: float
+    widening: Widening
 
     @property
     def gain(self) -> float:
@@ -58,10 +64,29 @@ def fit(
         (lowest(objective, start, -_FARTHEST, _FARTHEST, _STEPS) for start in _starts(scales)),
         key=lambda at: objective(at)[0],
     )
-    variances = _variances(lambda logs: objective(logs)[1], best)
-    cautious = [_cautious(*each) for each in zip(scales, best, variances, strict=True)]
-    found = Scales(scales, tuple(np.exp(best)), tuple(np.exp(cautious)))
-    return Fit(found, evidence.log_density(0 * best)[0], evidence.log_density(best)[0])
+    weak = log_prior_precision(scales)
+    possible = mixture(
+        lambda logs: evidence.log_likelihood(logs) - 0.5 * float(logs @ weak @ logs),
+        best,
+        _curvature(lambda logs: objective(logs)[1], best),
+        weak,
+        len(evidence.values),
+    )
+    found = Scales(scales, tuple(np.exp(best)))
+    told = evidence.log_likelihood(0 * best), evidence.log_likelihood(best)
+    return Fit(found, *told, widening(evidence, possible, _rests(observation, readings, scales, possible)))
+
+
+def _rests(
+    observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...], possible: Mixture
+) -> Mapping[str, float]:
+    """Return the rests that the bands count, by the name of their error: as learnt, and what no sum of curves holds."""
+    rests = mean_squares(possible, scales, "rest")
+    stated = {function.name: function.rest for function in observation.errors.functions}
+    noises = mean_squares(possible, scales, "noise")
+    for name, beyond in unfollowed(observation, readings, noises).items():
+        rests[name] = float(np.hypot(rests.get(name, stated[name]), beyond))
+    return rests
 
 
 def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
@@ -89,22 +114,12 @@ def _objective(evidence: Evidence, scales: tuple[Scale, ...]) -> Callable[[Array
     return objective
 
 
-def _cautious(scale: Scale, log: float, variance: float) -> float:
-    """Return the logarithm that the bands use: of the root mean square, and a quarter of a standard deviation more.
-
-    A length is taken shorter by one standard deviation.
-    """
-    spread = float(np.sqrt(variance))
-    return log - spread if scale.kind == "length" else log + variance + spread / 4
-
-
-def _variances(slope: Callable[[Array], Array], at: Array) -> Array:
-    """Return the variances of the logarithms by the curvature at the most probable ones (Laplace), (n,)."""
+def _curvature(slope: Callable[[Array], Array], at: Array) -> Array:
+    """Return the derivative of a slope at the most probable logarithms, (n, n)."""
     steps = _STEP * np.eye(len(at))
     curvature = np.array([(slope(at + step) - slope(at - step)) / (2 * _STEP) for step in steps])
-    values, vectors = np.linalg.eigh((curvature + curvature.T) / 2)
-    variances: Array = (vectors**2) @ (1.0 / np.maximum(values, _FLATTEST))
-    return variances
+    symmetric: Array = (curvature + curvature.T) / 2
+    return symmetric
 
 
 def _starts(scales: tuple[Scale, ...]) -> list[Array]:

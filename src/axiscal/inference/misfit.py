@@ -55,7 +55,7 @@ def misfits(observation: Observation, readings: Sequence[Reading]) -> tuple[Misf
     scales = all_scales(observation.errors.machine, observation.setups)
     evidence = Evidence(observation, sample, scales)
     logs = roughly(evidence, scales)
-    found = Scales(scales, tuple(np.exp(logs)), tuple(np.exp(logs)))
+    found = Scales(scales, tuple(np.exp(logs)))
     judge = _Judge(observation, evidence, found, logs, evidence.log_density(logs)[0])
     return tuple(judge.all())
 

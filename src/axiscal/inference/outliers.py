@@ -11,7 +11,8 @@ with r = e/(1 − h) and variance v/(1 − h) + σ², h = v w/σ²; one that is 
 at all. Readings are taken out one after the other, so that a bad one does not cast doubt on its neighbours, and as bad
 ones may cover each other, the few worst are each tried as the next. By the chain rule the squares of what is taken out
 add up to what the readings that stay gain in likelihood; what all explanations refuse that come near the best one is
-refused, so where two readings contradict each other and nobody can say which is wrong, both stay.
+refused, so where two readings contradict each other and nobody can say which is wrong, both stay. Readings that would
+be refused and agree with their neighbour are a fact about the curve: they stay, at full weight.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.inference.neighbours import Neighbours
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -79,7 +81,9 @@ def verdict(observation: Observation, readings: Sequence[Reading], prior: tuple[
     """
     if len(readings) < FEWEST:
         return Verdict((), tuple(1.0 for _ in readings))
-    return _OutlierSearch(Fitted.of(observation, readings, prior), readings).verdict()
+    return _OutlierSearch(
+        Fitted.of(observation, readings, prior), readings, Neighbours(observation, readings)
+    ).verdict()
 
 
 class _Explanation(NamedTuple):
@@ -104,7 +108,8 @@ class _Explanation(NamedTuple):
 class _OutlierSearch:
     """fitted : the readings and the estimate by them; free : readings that nobody vouches for."""
 
-    def __init__(self, fitted: Fitted, readings: Sequence[Reading]) -> None:
+    def __init__(self, fitted: Fitted, readings: Sequence[Reading], neighbours: Neighbours) -> None:
+        self._neighbours = neighbours
         self._fitted, self._counts = fitted, np.bincount(fitted.reading)
         self._free = np.array([not reading.accepted for reading in readings])
         self._weights = np.ones(len(readings))
@@ -126,9 +131,18 @@ class _OutlierSearch:
         near = [
             each for each in found if each.explains(usual) > enough and not each.refused.keys() <= best.refused.keys()
         ]
-        for reading in set(best.refused).intersection(*(each.refused for each in near)):
+        refused = set(best.refused).intersection(*(each.refused for each in near))
+        facts = self._neighbours.agreeing({index: self._side(best.fitted, index) for index in best.refused})
+        self._free[list(facts)] = False
+        for reading in refused - facts:
             self._refused[reading], self._weights[reading] = best.refused[reading] / usual, NOTHING
             self._fitted = self._fitted.without(reading)
+
+    @staticmethod
+    def _side(fitted: Fitted, reading: int) -> float:
+        """Return how far a reading that was taken out is from what the others predict, signed, its largest number."""
+        left = fitted.left[fitted.reading == reading]
+        return float(left[np.argmax(np.abs(left))])
 
     def _explanations(self) -> list[_Explanation]:
         """Return what may be wrong: nothing, or readings taken out as long as that explains more."""

@@ -46,23 +46,14 @@ class Scale(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """Estimated scales: their factors on what was stated, in the order of `of`.
-
-    factors : the most probable ones
-    cautious : root mean squares of them under what is still open, lengths shorter by a standard deviation; the bands
-        are made by these: where the readings say little about a scale, its band must allow for the larger ones
-    """
+    """The most probable scales: their factors on what was stated, in the order of `of`."""
 
     of: tuple[Scale, ...]
     factors: tuple[float, ...]
-    cautious: tuple[float, ...]
 
     def value(self, kind: Kind, owner: str) -> float | None:
         """Return the most probable scale, m, rad or the axis' unit; None where it was not estimated."""
-        return self._of(kind, owner, self.factors)
-
-    def _of(self, kind: Kind, owner: str, factors: tuple[float, ...]) -> float | None:
-        for scale, factor in zip(self.of, factors, strict=True):
+        for scale, factor in zip(self.of, self.factors, strict=True):
             if scale.kind == kind and scale.owner == owner:
                 return scale.stated * factor
         return None
@@ -73,16 +64,16 @@ class Scales:
 
     def setups(self, setups: Iterable[Setup]) -> tuple[Setup, ...]:
         """Return the set-ups with the noise that these scales make of theirs."""
-        return tuple(replace(s, noise=self._of("noise", s.name, self.cautious) or s.noise) for s in setups)
+        return tuple(replace(s, noise=self.value("noise", s.name) or s.noise) for s in setups)
 
     def _entry(self, entry: ErrorEntry, machine: Machine) -> ErrorEntry:
         # The knots stay where they were: a spline does not move because its prior was learnt.
         knots = None if entry.constant else entry.knot_count(machine.axis(entry.axis))
         return replace(
             entry,
-            std=self._of("std", entry.name, self.cautious) or entry.std,
-            length=self._of("length", entry.name, self.cautious) or entry.length,
-            rest=self._of("rest", entry.name, self.cautious) or entry.rest,
+            std=self.value("std", entry.name) or entry.std,
+            length=self.value("length", entry.name) or entry.length,
+            rest=self.value("rest", entry.name) or entry.rest,
             knots=knots,
             spacing=None,
         )

@@ -26,7 +26,7 @@ class Fitted:
     """
 
     def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
-        self._features, self.noise, self._values, self.reading = _short(features), noise, values, reading
+        self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
         self._inverse: Array = np.eye(self._features.shape[1])
         self._trust = 1.0 / noise
         self.left, self.spread = values.copy(), np.sum(self._features**2, axis=1)
@@ -44,13 +44,24 @@ class Fitted:
         features = np.hstack([numbers.rows[:, :size] @ root, *rests, numbers.unknowns()])
         return cls(features, numbers.noise + numbers.extra_variance, values, numbers.reading)
 
+    def covariance(self) -> Array:
+        """Return the covariance of the numbers before any was read, noise included, (m, m)."""
+        return self._features @ self._features.T + np.diag(self.noise)
+
+    def estimate(self, values: Array, precisions: Array) -> tuple[Array, Array]:
+        """Return mean and variance of the numbers without noise, (m,), if these values had these precisions 1/σ²."""
+        information = np.eye(self._features.shape[1]) + (self._features.T * precisions) @ self._features
+        spread = self._features @ np.asarray(np.linalg.inv(information), dtype=float)
+        mean: Array = spread @ (self._features.T @ (precisions * values))
+        return mean, np.einsum("mr,mr->m", spread, self._features)
+
     def weigh(self, weights: Array) -> None:
         """Estimate with a weight for each reading, (readings,)."""
         self._trust = weights[self.reading] / self.noise
         information = np.eye(self._features.shape[1]) + (self._features.T * self._trust) @ self._features
         self._inverse = np.asarray(np.linalg.inv(information), dtype=float)
         spread = self._features @ self._inverse
-        self.left = self._values - spread @ (self._features.T @ (self._trust * self._values))
+        self.left = self.values - spread @ (self._features.T @ (self._trust * self.values))
         self.spread = np.einsum("mr,mr->m", spread, self._features)
 
     def without(self, reading: int) -> Fitted:

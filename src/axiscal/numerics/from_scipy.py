@@ -27,6 +27,18 @@ def transposed_solution(upper: Array, right: Array) -> Array:
     return solved
 
 
+def solution(lower: Array, right: Array) -> Array:
+    """Return L⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
+    solved: Array = _function("scipy.linalg", "solve_triangular")(lower, right, lower=True, check_finite=False)
+    return solved
+
+
+def log_normal_share(below: Array) -> Array:
+    """Return log Φ(x), also far out in the tail, (n,)."""
+    shares: Array = _function("scipy.special", "log_ndtr")(below)
+    return shares
+
+
 def inverse_of_product(lower: Array) -> Array:
     """Return (L Lᵀ)⁻¹, (n, n).  lower : (n, n), lower triangular"""
     half = np.tril(_function("scipy.linalg.lapack", "dpotri")(lower, lower=1)[0])

@@ -53,6 +53,12 @@ def factorise(covariance: Array) -> Factors:
     return _scaled(Factors(triangle / pivots, pivots**2), scale)
 
 
+def lower_root(covariance: Array) -> Array:
+    """Return L (n, n) lower triangular with L Lᵀ the positive definite covariance."""
+    root: Array = np.asarray(np.linalg.cholesky(covariance), dtype=float)
+    return root
+
+
 def _scaled(factors: Factors, scale: Array) -> Factors:
     return Factors(factors.upper * scale[:, None] / scale, factors.diagonal * scale**2)
 

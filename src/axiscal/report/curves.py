@@ -28,12 +28,9 @@ _SEEN = 0.5
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    parts = _partial_residuals(estimation, readings)
-    return [
-        _curve(estimation, function, parts, truth)
-        for function in estimation.case.errors.functions
-        if function.basis.size > 1
-    ]
+    wide = estimation.banded
+    parts = _partial_residuals(wide, readings)
+    return [_curve(wide, function, parts, truth) for function in wide.case.errors.functions if function.basis.size > 1]
 
 
 def value_unit(function: ErrorFunction) -> str:
@@ -93,8 +90,9 @@ def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> 
 
 def constants(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    own = [_constant(estimation, f, truth) for f in estimation.case.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(estimation, truth) + _drifts(estimation, truth)
+    wide = estimation.banded
+    own = [_constant(wide, f, truth) for f in wide.case.errors.functions if f.basis.size == 1]
+    return own + _setup_unknowns(wide, truth) + _drifts(wide, truth)
 
 
 def _constant(estimation: Estimation, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:

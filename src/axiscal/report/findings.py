@@ -20,8 +20,10 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.report.contradictions import contradictions, explained, trusted
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
+from axiscal.report.wide_bands import wide_bands
 from axiscal.units import to_unit
 
 _OUTLIER, _MANY = 4.0, 0.1
@@ -53,13 +55,16 @@ def residual_check(estimation: Estimation) -> ResidualCheck | None:
 
 
 def findings(estimation: Estimation) -> list[Finding]:
-    """Return the warnings of an estimate."""
+    """Return the warnings of an estimate: where something explains what does not fit, that, and not its symptoms."""
+    compared = explained(estimation)
+    symptoms = [] if compared.caused else [*_scales(estimation), *_misfit(estimation)]
     return [
         *_unobservable(estimation),
         *_outliers(estimation),
-        *_scales(estimation),
+        *contradictions(estimation, compared),
+        *symptoms,
+        *wide_bands(estimation),
         *_aliasing(estimation),
-        *_misfit(estimation),
         *_drift(estimation),
         *_changes(estimation),
     ]
@@ -111,7 +116,7 @@ def _scales(estimation: Estimation) -> Iterator[Finding]:
         yield from _noises(estimation)
         return
     learnt = {(scale.kind, scale.owner) for scale in estimation.fit.scales.of} if estimation.fit else set()
-    for misfit in misfits(estimation.stated.observation, _trusted(estimation)):
+    for misfit in misfits(estimation.stated.observation, trusted(estimation)):
         if misfit.kind == "rough":
             yield _rough(misfit, estimation, ("rest", misfit.owner) in learnt)
         else:
@@ -125,11 +130,6 @@ def _noises(estimation: Estimation) -> Iterator[Finding]:
         noise = found.scales.value("noise", setup.name) if found else None
         if noise is not None and not 1 / _OTHER < noise / setup.noise < _OTHER:
             yield _off(Misfit(setup.name, "noise", setup.noise, noise), estimation, True)
-
-
-def _trusted(estimation: Estimation) -> list[Reading]:
-    doubted = {doubt.reading for doubt in estimation.outliers}
-    return [reading for index, reading in enumerate(estimation.readings) if index not in doubted]
 
 
 def _rough(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
@@ -172,11 +172,9 @@ def _alias_text(alias: Alias) -> str:
     spaced = f"The positions read on {name} are equally spaced"
     if alias.spacing is not None:
         spaced += f", {to_unit(alias.spacing, unit):.4g} {unit} apart"
-    if alias.period is None:
-        return f"{spaced}: an error that repeats within this distance cannot be told from a slow one; vary the targets."
     period = f"{to_unit(alias.period, unit):.4g} {unit}"
     seen_as = alias.seen_as
-    slow = "a constant" if seen_as is None or np.isinf(seen_as) else f"one of {to_unit(seen_as, unit):.4g} {unit}"
+    slow = "a constant" if np.isinf(seen_as) else f"one of {to_unit(seen_as, unit):.4g} {unit}"
     where = spaced if alias.spacing is not None else f"The positions read on {name} all lie alike in the period"
     return f"{where}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
 
@@ -197,7 +195,7 @@ def _misfit(estimation: Estimation) -> Iterator[Finding]:
 
 def _drift(estimation: Estimation) -> Iterator[Finding]:
     """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    told = [reading for reading in _trusted(estimation) if _side_known(reading, estimation.stated)]
+    told = [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
     for setup in estimation.stated.description.setups:
         found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(told, setup), setup)
         if found:

@@ -1,0 +1,181 @@
+"""What explains readings best: the model, or one departure from it, compared by how probable each makes them.
+
+    log p(y | h, s) = log N(y; 0, K) − ½ log|1 + s² M| + ½ uᵀ (s⁻² + M)⁻¹ u,    M = bᵀK⁻¹b,  u = bᵀK⁻¹y
+
+the size of a departure normal with std s, s = 1, 2, 4 … 64 σ with falling weights, σ the noise. Under the model the
+evidence ratio E = Σ π_h p(y | h)/p(y | model) is a test martingale in the readings as they come: it ever reaches 20 in
+at most 5 % of campaigns, however often one looks (Ville; Shafer, Shen, Vereshchagin and Vovk 2011).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.fit import drawn
+from axiscal.inference.scales import Kind, all_scales
+from axiscal.inference.weighted_fit import Fitted
+from axiscal.measurement.departures import Departure, Family, departures
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import solution
+from axiscal.numerics.gaussian import lower_root
+
+PRIOR: Mapping[Family, float] = MappingProxyType(
+    {
+        "drift": 0.12,
+        "levelling": 0.06,
+        "step": 0.06,
+        "pitch": 0.08,
+        "bump": 0.17,
+        "reversal": 0.05,
+        "bad": 0.06,
+        "scale": 0.02,
+    }
+)
+"""How probable each family is beside the model's 0.40 before any reading; shared evenly over its places."""
+MODEL = 0.40
+SIZES = 2.0 ** np.arange(7)
+"""Standard deviations of a departure's size, in units of the noise."""
+_SIZE_WEIGHTS = np.array([0.26, 0.22, 0.18, 0.13, 0.10, 0.07, 0.04])
+SURE = 20.0
+"""Odds from which the model is taken to be contradicted: under it they are reached in one campaign of twenty."""
+_SCALES = 0.10
+_FACTORS: Mapping[Kind, tuple[float, ...]] = MappingProxyType(
+    {"noise": (1.0, 2.0, 5.0), "std": (1 / 3, 1.0, 3.0), "length": (0.4, 1.0, 2.5)}
+)
+_MOST, _FEW = 300, 120
+_FEWEST = 3
+_MOST_LOG = 600.0
+
+
+class Explanation(NamedTuple):
+    """One family, owner by owner.
+
+    odds : against the model; size, std : posterior mean and standard deviation of the size at its likeliest place
+    """
+
+    family: Family
+    owner: str
+    place: float
+    odds: float
+    size: float
+    std: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Comparison:
+    """explanations : the likeliest first; evalue : E after all readings; highest : the largest E after any of them
+
+    scales : odds that the model's own scales are others
+    """
+
+    explanations: tuple[Explanation, ...]
+    evalue: float
+    highest: float
+    scales: float = 0.0
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the readings contradict the model, at whatever time one looked."""
+        return self.highest >= SURE
+
+    @property
+    def caused(self) -> bool:
+        """Whether a departure explains that better than other scales would."""
+        return self.contradicted and self.explanations[0].odds > self.scales
+
+
+def compared(
+    observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
+) -> Comparison:
+    """Return how much better than the model each departure explains readings.
+
+    observation : before any cell is visited; prior : mean and covariance of the errors, where they are not as stated
+    """
+    chosen = drawn(readings, _MOST)
+    if len(chosen) < _FEWEST:
+        return Comparison((), 1.0, 1.0)
+    fitted = Fitted.of(observation, chosen, prior)
+    lower = lower_root(fitted.covariance())
+    possible = list(departures(observation, chosen))
+    unit = float(np.sqrt(np.median(fitted.noise)))
+    columns = np.stack([_two(each.columns) for each in possible], axis=1)
+    y, parts = solution(lower, fitted.values), solution(lower, columns.reshape(len(columns), -1)).reshape(columns.shape)
+    ends = np.flatnonzero(np.diff(fitted.reading, append=-1) != 0)
+    shares = _shares(possible)
+    ratios = _ratios(parts, y, unit, ends)
+    along = ratios @ shares
+    found = _explained(possible, parts, y, unit, shares * ratios[-1])
+    return Comparison(found, float(along[-1]), float(along.max()), _other_scales(observation, chosen, prior))
+
+
+def _other_scales(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None) -> float:
+    """Return the odds of other scales than stated: noise, size and length of all errors by common factors."""
+    scales = tuple(s for s in all_scales(observation.errors.machine, observation.setups) if s.kind in _FACTORS)
+    evidence = Evidence(observation, drawn(readings, _FEW), scales, prior)
+    stated = evidence.log_likelihood(np.zeros(len(scales)))
+    every = [dict(zip(_FACTORS, factors, strict=True)) for factors in product(*_FACTORS.values())]
+    logs = np.array([[np.log(factors[scale.kind]) for scale in scales] for factors in every])
+    ratios = [np.exp(min(evidence.log_likelihood(each) - stated, _MOST_LOG)) for each in logs]
+    return _SCALES / MODEL * float(np.mean(ratios))
+
+
+def _two(columns: Array) -> Array:
+    """Return one or two columns as two, the second one empty, (m, 2)."""
+    return columns if columns.shape[1] > 1 else np.hstack([columns, np.zeros_like(columns)])
+
+
+def _shares(possible: Sequence[Departure]) -> Array:
+    """Return the prior probability of each departure over that of the model."""
+    counts = {family: sum(each.family == family for each in possible) for family in PRIOR}
+    return np.array([PRIOR[each.family] / counts[each.family] / MODEL for each in possible])
+
+
+def _ratios(parts: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Array:
+    """Return p(y | h)/p(y | model) of each departure after each reading, averaged over sizes, (n, h).
+
+    parts : (m, h, 2) whitened b; y : (m,) whitened; M and u are sums over the readings so far
+    """
+    one, other = parts[:, :, 0], parts[:, :, 1]
+    own, across, others = (np.cumsum(product, axis=0)[ends] for product in (one * one, one * other, other * other))
+    pull, second = (np.cumsum(part * y[:, None], axis=0)[ends] for part in (one, other))
+    ratio = np.zeros_like(own)
+    for size, weight in zip(unit * SIZES, _SIZE_WEIGHTS, strict=True):
+        a, b, c = 1 + size**2 * own, 1 + size**2 * others, size**2 * across
+        determinant = a * b - c * c
+        gained = size**2 * (b * pull**2 - 2 * c * pull * second + a * second**2) / determinant
+        ratio += weight * np.exp(np.minimum(0.5 * gained, _MOST_LOG)) / np.sqrt(determinant)
+    return ratio
+
+
+def _explained(
+    possible: Sequence[Departure], parts: Array, y: Array, unit: float, odds: Array
+) -> tuple[Explanation, ...]:
+    """Return the families with what they hold, over all places of one owner."""
+    groups: dict[tuple[Family, str], list[int]] = {}
+    for index, each in enumerate(possible):
+        groups.setdefault((each.family, each.owner), []).append(index)
+    found = []
+    for (family, owner), members in groups.items():
+        best = max(members, key=lambda index: odds[index])
+        size, std = _size(parts[:, best], y, unit)
+        found.append(Explanation(family, owner, possible[best].place, float(odds[members].sum()), size, std))
+    return tuple(sorted(found, key=lambda each: -each.odds))
+
+
+def _size(part: Array, y: Array, unit: float) -> tuple[float, float]:
+    """Return posterior mean and std of the size at the widest prior; of two columns the amplitude.  part : (m, 2)"""
+    used = part[:, np.any(part != 0, axis=0)]
+    inverse = np.linalg.inv(used.T @ used + np.eye(used.shape[1]) / (unit * SIZES[-1]) ** 2)
+    mean = inverse @ (used.T @ y)
+    size = float(mean[0]) if len(mean) == 1 else float(np.linalg.norm(mean))
+    return size, float(np.sqrt(np.trace(inverse) / max(len(mean), 1)))

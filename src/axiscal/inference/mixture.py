@@ -1,0 +1,80 @@
+"""All scales that the readings leave possible, each with its weight: draws about the most probable ones.
+
+A band made at one set of scales is too narrow where the readings hardly tell the scales. So they are averaged over
+(Rue, Martino and Chopin 2009): draws θ_l from a multivariate t of six degrees of freedom about the most probable
+logarithms θ̂, its shape the inverse curvature H of minus the log posterior there (Laplace), weights
+w_l ∝ p(θ_l | y) / q(θ_l). A curvature counts as no flatter than the scales' own prior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.numerics import Array
+
+_FREEDOM = 6.0
+_SEED = 48
+_FEWEST, _MOST, _NUMBERS = 48, 192, 12_000
+POOR = 5.0
+"""Fewer draws' worth than this are doubled, once."""
+_NOTHING = 1e-3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Mixture:
+    """Draws of the logarithms of the scales' factors.
+
+    logs : (l, n), the first one the most probable; weights : (l,), sum 1
+    """
+
+    logs: Array
+    weights: Array
+
+    @property
+    def size(self) -> float:
+        """How many equally good draws they are worth: 1/Σw² (ESS)."""
+        return float(1.0 / np.sum(self.weights**2))
+
+    def parts(self) -> Iterator[tuple[Array, float]]:
+        """Yield the draws that count with their weights, which sum to 1."""
+        counts = self.weights > _NOTHING
+        kept = self.weights[counts] / self.weights[counts].sum()
+        yield from zip(self.logs[counts], kept.tolist(), strict=True)
+
+    def mean_square(self, index: int) -> float:
+        """Return the mean square of the factor of one scale."""
+        return float(sum(weight * np.exp(2 * logs[index]) for logs, weight in self.parts()))
+
+
+def mixture(density: Callable[[Array], float], best: Array, curvature: Array, prior: Array, numbers: int) -> Mixture:
+    """Return draws about the most probable logarithms.
+
+    density : log p(θ | y) up to a constant; best : (n,) θ̂; curvature : (n, n) H; prior : (n, n) precision of the prior
+    numbers : of the readings: the more, the costlier a draw
+    """
+    root = _root(curvature, prior)
+    count = int(np.clip(_NUMBERS // max(numbers, 1), _FEWEST, _MOST))
+    found = _drawn(density, best, root, count)
+    return found if found.size >= POOR else _drawn(density, best, root, 2 * count)
+
+
+def _drawn(density: Callable[[Array], float], best: Array, root: Array, count: int) -> Mixture:
+    rng, size = np.random.default_rng(_SEED), len(best)
+    draws = rng.standard_normal((count, size)) * np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, (count, 1)))
+    draws[0] = 0.0
+    logs = best + draws @ root.T
+    proposed = -(_FREEDOM + size) / 2 * np.log1p(np.sum(draws**2, axis=1) / _FREEDOM)
+    ratios = np.array([density(each) for each in logs]) - proposed
+    weights = np.exp(ratios - ratios.max())
+    return Mixture(logs, weights / weights.sum())
+
+
+def _root(curvature: Array, prior: Array) -> Array:
+    """Return R with R Rᵀ the inverse of the curvature, where that is no flatter than the prior, (n, n)."""
+    whitening = np.linalg.inv(np.linalg.cholesky(prior))
+    values, vectors = np.linalg.eigh(whitening @ curvature @ whitening.T)
+    root: Array = whitening.T @ (vectors / np.sqrt(np.maximum(values, 1.0)))
+    return root

@@ -1,0 +1,144 @@
+"""What machine and instruments may do that a model does not hold, as columns b that readings would show.
+
+Under a departure of size s the readings are y = model + s b. Each family is the same in all set-ups and axes; a family
+with places has one column for each place that it may be at.
+
+    drift             τ, hours since the set-up began; levelling off 1 − exp(−3τ)
+    step              1 where the axis is beyond a place, times the lever of the error
+    pitch             cos, sin 2πt/p times the lever (screw pitch, encoder line)
+    bump              exp(−(t − c)²/w²) times the lever
+    reversal varies   ±½ exp(−(t − c)²/w²), w a quarter of the travel, times the lever
+    scale             (t − middle)/travel times the lever (thermal growth, a wrong scale)
+    bad reading       1 for one reading
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+Family = Literal["drift", "levelling", "step", "pitch", "bump", "reversal", "scale", "bad"]
+
+_HOUR, _LEVELLING = 3600.0, 1200.0
+_PLACES = 48
+"""Steps and bumps are looked for at so many places along an axis."""
+_PITCHES = (5e-3, 10e-3, 20e-3)
+"""Usual pitches of screws, m, where an axis states none."""
+_FINEST, _MOST_PITCHES = 2.0, 60
+"""A scan over frequencies ends at so many turns per reading, and takes at most so many."""
+_OWN_SHARE, _QUARTER = 0.8, 0.25
+_FELT = 1e-12
+_A_LINE = 3
+"""So many readings tell a rate from a zero."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Departure:
+    """One departure that may be.
+
+    columns : (m, r) b; its size has the unit of what `columns` are per: m, rad, or per hour of drift
+    owner : the set-up, or the error whose curve departs; place : where, m or rad; the pitch, or the index of a reading
+    """
+
+    family: Family
+    owner: str
+    columns: Array
+    place: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Numbers:
+    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (functions, m)."""
+
+    setup: NDArray[np.intp]
+    reading: NDArray[np.intp]
+    number: NDArray[np.intp]
+    time: Array
+    poses: Array
+    approaches: Array
+    effects: Array
+
+
+def departures(observation: Observation, readings: Sequence[Reading]) -> Iterator[Departure]:
+    """Yield what readings could show that the model does not hold; numbers in the order of the readings."""
+    seen = _numbers(observation, readings)
+    for index, setup in enumerate(observation.setups):
+        for number in range(len(directions_of(setup))):
+            yield from _drifts(seen, index, number, setup.name)
+    for index, function in enumerate(observation.errors.functions):
+        if np.any(np.abs(seen.effects[index]) > _FELT):
+            yield from _of_error(observation, seen, index, function)
+    for index in range(len(readings)):
+        yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
+
+
+def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
+    names = {setup.name: index for index, setup in enumerate(observation.setups)}
+    owners = np.array([names[reading.setup] for reading in readings])
+    reading = np.repeat(np.arange(len(readings)), [len(each.values) for each in readings])
+    number = np.concatenate([np.arange(len(each.values)) for each in readings])
+    poses = np.array([each.pose for each in readings])[reading]
+    approaches = np.array([each.approach for each in readings], dtype=float)[reading]
+    effects = np.zeros((len(observation.errors.functions), len(reading)))
+    for index, setup in enumerate(observation.setups):
+        for which, direction in enumerate(directions_of(setup)):
+            mine = (owners[reading] == index) & (number == which)
+            if np.any(mine):
+                effects[:, mine] = observation.effects(index, poses[mine], approaches[mine], direction)
+    times = np.array([each.time or 0.0 for each in readings])[reading]
+    return _Numbers(owners[reading], reading, number, times, poses, approaches, effects)
+
+
+def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Departure]:
+    mine = (seen.setup == setup) & (seen.number == number)
+    if mine.sum() < _A_LINE:
+        return
+    since = np.where(mine, seen.time - seen.time[mine].min(), 0.0)
+    if np.ptp(since) > 0:
+        yield Departure("drift", name, (since / _HOUR)[:, None], float(number))
+        yield Departure("levelling", name, np.where(mine, 1 - np.exp(-since / _LEVELLING), 0.0)[:, None], float(number))
+
+
+def _of_error(observation: Observation, seen: _Numbers, index: int, function: ErrorFunction) -> Iterator[Departure]:
+    if function.kind == "location" or (function.kind == "motion" and function.basis.size == 1):
+        return
+    axis, lever = observation.errors.machine.axes[function.axis], seen.effects[index]
+    at, (low, high) = seen.poses[:, function.axis], axis.travel
+    travel = high - low
+    if function.kind == "reversal":
+        for centre in np.linspace(low, high, 5):
+            hump = np.exp(-(((at - centre) / (_QUARTER * travel)) ** 2))
+            yield Departure("reversal", function.name, (lever * hump)[:, None], float(centre))
+        return
+    places = np.linspace(low, high, _PLACES + 1)
+    for place in places[1:-1]:
+        yield Departure("step", function.name, (lever * (at > place))[:, None], float(place))
+    width = travel / max(len(function.basis.knots) - 1, 1)
+    for place in np.arange(low, high, _OWN_SHARE * width):
+        yield Departure("bump", function.name, (lever * np.exp(-(((at - place) / width) ** 2)))[:, None], float(place))
+    yield Departure("scale", function.name, (lever * (at - (low + high) / 2) / travel)[:, None])
+    for pitch in _pitches(observation, function, travel, len(at), axis.rotary):
+        turns = 2 * np.pi * at / pitch
+        columns = np.column_stack([lever * np.cos(turns), lever * np.sin(turns)])
+        yield Departure("pitch", function.name, columns, pitch)
+
+
+def _pitches(
+    observation: Observation, function: ErrorFunction, travel: float, count: int, rotary: bool
+) -> Sequence[float]:
+    """Return the stated period, or usual pitches and a scan over frequencies in steps of half a turn per travel."""
+    entry = next(e for e in observation.errors.machine.errors if e.name == function.name)
+    if entry.period is not None:
+        return [entry.period]
+    slowest = 2.0 * max(len(function.basis.knots) - 1, 1) / 2
+    turns = np.arange(slowest, min(_FINEST * count, slowest + _MOST_PITCHES / 2), 0.5)
+    return [*(travel / turns).tolist(), *([] if rotary else _PITCHES)]

@@ -1,0 +1,60 @@
+"""Bands that came out wider than what was stated beforehand, each with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from axiscal.error_model.iso230 import words
+from axiscal.error_model.model import ErrorFunction
+from axiscal.estimation.estimation import Estimation
+from axiscal.inference.fit import Fit
+from axiscal.inference.mixture import POOR
+from axiscal.report.curves import value_unit
+from axiscal.report.summary import Finding
+from axiscal.units import to_unit
+
+_BAND = 1.96
+_WIDER, _MOSTLY, _LARGER = 1.05, 0.5, 1.2
+
+
+def wide_bands(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a sentence for each curve whose band is wider than stated, and where bands rest on too few good draws."""
+    if estimation.fit is None:
+        return
+    for stated, function in zip(
+        estimation.stated.errors.functions, estimation.banded.case.errors.functions, strict=True
+    ):
+        before = float(np.sqrt(stated.covariance[0, 0] + stated.rest**2))
+        after = _rms(estimation, function)
+        if function.kind == "motion" and after > _WIDER * before:
+            unit = value_unit(function)
+            now, was = (f"±{to_unit(_BAND * each, unit):.2g} {unit}" for each in (after, before))
+            text = f"The band of {function.name} ({words(function.name)}) is {now}, wider than the {was} that were "
+            yield Finding(
+                "prior-misfit", function.name, f"{text}stated: {_reason(estimation.fit, stated, function, after)}."
+            )
+    if estimation.fit.widening.size < POOR:
+        text = (
+            f"The bands average over scales by draws of which {estimation.fit.widening.size:.1f} count: they are rough."
+        )
+        yield Finding("prior-misfit", None, f"{text} State more of the priors, or take more readings.")
+
+
+def _rms(estimation: Estimation, function: ErrorFunction) -> float:
+    """Return the RMS standard deviation of a curve over its travel, rest included, m or rad."""
+    factor = estimation.banded.knowledge.belief.factor[function.columns]
+    gram = function.basis.gram() / float(np.ptp(function.basis.knots))
+    return float(np.sqrt(np.sum(gram * (factor @ factor.T)) + function.rest**2))
+
+
+def _reason(fit: Fit, stated: ErrorFunction, function: ErrorFunction, after: float) -> str:
+    unit = value_unit(function)
+    if function.rest**2 > _MOSTLY * after**2:
+        size = f"{to_unit(function.rest, unit):.2g} {unit}"
+        return f"the readings leave room for {size} of detail between them that no spline follows"
+    std = fit.scales.value("std", function.name)
+    if std is not None and std**2 > _LARGER**2 * stated.covariance[0, 0]:
+        return f"the readings look like a std of {to_unit(std, unit):.2g} {unit}"
+    return "so few readings leave open how large and how smooth it is"
