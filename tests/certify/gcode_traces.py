@@ -74,9 +74,9 @@ def _read(lines: list[str], patterns: dict[str, Callable[[re.Match[str]], list[E
 
 def read_linuxcnc(text: str) -> list[Event]:
     """G53 with G1 in every block; G4 P in seconds."""
-    head, exact_stop, *body, end = text.splitlines()
+    head, quiet, exact_stop, *body, end = text.splitlines()
     assert head == "G21 G90 G94 G17 G40 G49 G80"
-    assert (exact_stop, end) == ("G61", "M2")
+    assert (quiet, exact_stop, end) == ("M5 M9", "G61", "M2")
     return _read(
         body,
         {
@@ -90,8 +90,8 @@ def read_linuxcnc(text: str) -> list[Event]:
 
 def read_sinumerik(text: str) -> list[Event]:
     """SUPA in every block; G4 F in seconds; an axis whose name has a digit takes a =."""
-    transformation, modal, group, *body, end = text.splitlines()
-    assert transformation == "TRAFOOF"
+    transformation, modal, quiet, group, *body, end = text.splitlines()
+    assert (transformation, quiet) == ("TRAFOOF", "M5 M9")
     assert modal.split() == ["G710", "G90", "G94", "G17", "G40", "G60", "D0"]
     assert end == "M30"
     named = re.fullmatch(r"FGROUP\(([A-Z0-9,]+)\)", group)
@@ -114,7 +114,8 @@ def read_heidenhain(text: str) -> list[Event]:
     """Numbered blocks; M91 in every move; cycle 9 in seconds, in two blocks."""
     numbered = [line.partition(" ") for line in text.splitlines()]
     assert [int(number) for number, _, _ in numbered] == list(range(len(numbered)))
-    begin, *body, end_program, end = [block for _, _, block in numbered]
+    begin, spindle, coolant, *body, end_program, end = [block for _, _, block in numbered]
+    assert (spindle, coolant) == ("M5", "M9")
     name = begin.removeprefix("BEGIN PGM ").removesuffix(" MM")
     assert re.fullmatch("[A-Z0-9_]{1,16}", name)
     assert (begin, end_program, end) == (f"BEGIN PGM {name} MM", "M30", f"END PGM {name} MM")
@@ -132,11 +133,13 @@ def read_heidenhain(text: str) -> list[Event]:
 
 def read_fanuc(text: str) -> list[Event]:
     """G54 that has been compared with the machine's zero after every stop; G4 P in whole milliseconds."""
-    percent, number, tool, modal, work, exact, *body, cutting, end, alarm, last = text.splitlines()
-    assert (percent, tool, modal, work, exact, cutting, end, last) == (
+    percent, number, tool, modal, spindle, coolant, work, exact, *body, cutting, end, alarm, last = text.splitlines()
+    assert (percent, tool, modal, spindle, coolant, work, exact, cutting, end, last) == (
         "%",
         "IF[#4008NE49]GOTO9000",
         "G21 G90 G94 G17 G40 G49 G80",
+        "M5",
+        "M9",
         "G54",
         "G61",
         "G64",
@@ -193,6 +196,7 @@ SILENT = {
     "ON_RESET()",
 }
 """Calls that set what a measuring program may set; beside them offsets of nothing but zeros."""
+AT_THE_START = {"STOP_SPINDLE_TURNING(0)", "MIST_OFF()", "FLOOD_OFF()"}
 AT_THE_END = {"STOP_SPINDLE_TURNING(0)", "SET_SPINDLE_MODE(0 0.0000)", "PROGRAM_END()"}
 
 
@@ -222,6 +226,8 @@ def read_canonical(calls: list[str]) -> list[Event]:
     at, feed, ending = dict.fromkeys("XYZABC", 0.0), 0.0, False
     for call in calls:
         name, _, rest = call.partition("(")
+        if not events and call in AT_THE_START:
+            continue
         ending = ending or call in AT_THE_END or (name == "SET_G5X_OFFSET" and bool(events))
         assert not (ending and name in {"STRAIGHT_FEED", "DWELL", "PROGRAM_STOP"})
         if name == "SET_FEED_RATE":

@@ -22,7 +22,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.setup import Setup
 from tests.certify.gcode import HOSTILE, Judge, Plan, judged
-from tests.certify.gcode_traces import READERS
+from tests.certify.gcode_traces import READERS, Move
 
 TABLE = Axis.named("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = Axis.named("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
@@ -60,6 +60,7 @@ def single(name: str) -> Machine:
 def test_a_program_for_linuxcnc() -> None:
     assert text_of("linuxcnc", UP, DOWN).splitlines() == [
         "G21 G90 G94 G17 G40 G49 G80",
+        "M5 M9",
         "G61",
         "(AXISCAL MEASURING PROGRAM)",
         "(MACHINE MILL _OLD_)",
@@ -418,3 +419,29 @@ def test_a_program_knows_its_name() -> None:
     (program,) = programs(MACHINE, [SETUP], [UP], dialect("heidenhain"))
     assert isinstance(program, Program)
     assert program.text.splitlines()[0] == f"0 BEGIN PGM {program.name} MM"
+
+
+def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
+    """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
+    axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")
+    mill = Machine("m", axes, 0.0, (), "", "")
+    probe = Setup("p", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
+    rng = np.random.default_rng(3)
+    poses = [tuple(map(float, rng.uniform(0.01, 0.4, 3))) for _ in range(12)]
+    poses.append((*poses[-1][:2], 0.05))  # only Z moves: no need to go clear
+    places = [Place("p", pose, (1, -1, 1)) for pose in poses]
+    (program,) = programs(mill, [probe], places, dialect("linuxcnc"), ProgramOptions(clearance=("Z", 0.45)))
+    at: dict[str, float] = {}
+    seen = 0
+    for event in READERS["linuxcnc"](program.text):
+        if not isinstance(event, Move):
+            continue
+        far = [axis for axis in "XY" if axis in event.to and abs(event.to[axis] - at.get(axis, -99.0)) > 1.0001]
+        seen += bool(far)
+        assert not far or (at["Z"] == 450.0 and "Z" not in event.to)
+        at |= event.to
+    assert seen >= 12
+    assert at["Z"] == 450.0
+    assert "Z goes to 450.0000 mm before others move, and at the end" in " ".join(program.notes)
+    with pytest.raises(ProgramError, match="outside its travel"):
+        programs(mill, [probe], places, dialect("linuxcnc"), ProgramOptions(clearance=("Z", 0.6)))

@@ -10,7 +10,7 @@ import pytest
 
 from axiscal.exceptions import ControlError
 from axiscal.gcode import dialect, programs
-from axiscal.lab.linuxcnc import Joint, run
+from axiscal.lab.linuxcnc import Joint, Session, Settings, run
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
@@ -109,6 +109,27 @@ def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else
                 assert step.motor["XYZC".index(word[0])] == pytest.approx(float(word[1:]), abs=1e-6)
     with pytest.raises(ControlError, match="limit"):
         run(joints, ["G53 G1 X45.6001 F9000"])
+
+
+def test_a_machine_set_up_in_inches_goes_to_the_same_places() -> None:
+    axes = tuple(Axis.named(name, False, (0.0, 0.2), speed=0.5) for name in "XYZ")
+    machine = Machine("m", axes, 0.0, (), "", "")
+    setup = Setup("s", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
+    rng = np.random.default_rng(5)
+    places = [Place("s", tuple(map(float, rng.uniform(0.01, 0.19, 3))), (1, -1, 0)) for _ in range(5)]
+    (program,) = programs(machine, [setup], places, dialect("linuxcnc"))
+    codes = [line for line in program.text.splitlines()[:-1] if line[0] == "G" or line == "M5 M9"]
+    joints = [Joint(axis, 0.0, 200 / 25.4, 200.0, 2e4) for axis in "XYZ"]
+    with Session(joints, Settings(unit="in")) as session:
+        steps = session.move(codes)
+        assert session.errors == ()
+    checked = 0
+    for code, step in zip(codes, steps, strict=True):
+        for word in code.split()[2:] if code.startswith("G53") else []:
+            if word[0] in "XYZ":
+                assert step.motor["XYZ".index(word[0])] * 25.4 == pytest.approx(float(word[1:]), abs=1e-5)
+                checked += 1
+    assert checked > 15
 
 
 def test_the_campaign_says_how_much_it_read() -> None:

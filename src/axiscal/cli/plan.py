@@ -13,11 +13,13 @@ from axiscal.cli.texts import count_text, micrometres
 from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
+from axiscal.document import shown
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
-from axiscal.exceptions import PlanError, TargetError
-from axiscal.gcode import write_programs
+from axiscal.exceptions import PlanError, ProgramError, TargetError
+from axiscal.gcode import ProgramOptions, write_programs
 from axiscal.gcode.controls import dialect
+from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
@@ -41,6 +43,19 @@ def plan(
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
+    dwell: Annotated[
+        bool, typer.Option("--dwell", help="Programs wait the reading time at a reading, instead of stopping.")
+    ] = False,
+    feed: Annotated[
+        float, typer.Option(metavar="SHARE", help="Feed of programs, as a share of each axis' speed.")
+    ] = 1.0,
+    order: Annotated[
+        str | None, typer.Option(metavar="GROUPS", help='Axes that move together, one group after another: "Z,X Y".')
+    ] = None,
+    clearance: Annotated[
+        str | None,
+        typer.Option(metavar="AXIS=PLACE", help='What goes clear before other axes move, and at the end: "Z=-5 mm".'),
+    ] = None,
     compare: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
     ] = None,
@@ -76,12 +91,14 @@ def plan(
       axiscal plan campaign.toml --readings 40
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
+      axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --order "Z,X Y" --dwell
       axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 12 --prove
     """
 
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
+    how_driven = _driven(dwell, feed, order, clearance)
     if gcode is not None:
         dialect(gcode)
     case = case_of(read_campaign(campaign, target_needed=False))
@@ -96,7 +113,7 @@ def plan(
     proposal = proposed(case, limits, how, lambda step: tell(f"{step} ..."))
     if prove:
         proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell(f"{step} ..."))
-    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
+    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out, how_driven)
     if json:
         say_document(plan_document(case, proposal))
         return
@@ -142,10 +159,23 @@ def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json
     say(f"The picture is in {page}.")
 
 
-def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
+def _driven(dwell: bool, feed: float, order: str | None, clearance: str | None) -> ProgramOptions:
+    """Return how programs go to their readings; raises ProgramError, UnitError."""
+    groups = None if order is None else tuple(tuple(group.split()) for group in order.split(","))
+    clear = None
+    if clearance is not None:
+        axis, equals, place = clearance.partition("=")
+        if not equals:
+            raise ProgramError(f"{shown(clearance)} is not AXIS=PLACE", 'Write --clearance "Z=-5 mm"')
+        clear = axis.strip(), parse_quantity(place.strip(), "angle" if axis.strip()[:1] in ROTARY_LETTERS else "length")
+    return ProgramOptions("dwell" if dwell else "stop", feed, groups, clear)
+
+
+def _programs(case: Case, made: Plan, controller: str, out: Path, options: ProgramOptions) -> list[Path]:
 
     out.mkdir(parents=True, exist_ok=True)
-    return write_programs(case.description.machine, case.description.setups, placed(case, made), controller, out)
+    machine, setups = case.description.machine, case.description.setups
+    return write_programs(machine, setups, placed(case, made), controller, out, options)
 
 
 def _table(case: Case, limits: Limits, proposal: Proposal) -> str:

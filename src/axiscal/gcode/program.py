@@ -14,12 +14,13 @@ from axiscal.gcode.listing import Listed, listing
 from axiscal.gcode.plain_words import plain, program_name
 from axiscal.gcode.program_options import ProgramOptions
 from axiscal.gcode.scale import AxisScale
-from axiscal.gcode.steps import Arrival, Dwell, Halt, Move, Remark, Step, run_through
+from axiscal.gcode.steps import Arrival, Clearance, Dwell, Halt, Move, Remark, Step, run_through
 from axiscal.gcode.targets import ReadingTarget, target
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
+from axiscal.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +80,7 @@ class _Writer:
         self._machine, self._dialect, self._options = machine, dialect, options
         self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
         self._groups = groups(machine, options)
+        self._clearance = _clearance(machine, self._scales, options)
 
     def program(self, number: int, setup: Setup, places: Sequence[tuple[int, Place]]) -> Program:
         dialect = self._dialect
@@ -93,7 +95,7 @@ class _Writer:
     def _steps(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
         targets = [target(self._scales, setup.name, number, place.pose, place.approach) for number, place in places]
         reading = setup.reading_time if self._options.wait == "dwell" else None
-        return run_through(targets, self._scales, self._groups, setup.settle, reading)
+        return run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance)
 
     def _head(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> list[str]:
         return [
@@ -140,18 +142,38 @@ class _Writer:
         return (
             *self._dialect.notes,
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
-            f"At every place the axes move in this order: {order_text(self._groups)}. Nothing is known here of what "
-            "stands in the way: watch the first run at reduced feed.",
+            f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()} Nothing is known "
+            "here of what stands in the way: watch the first run at reduced feed.",
             "Jog the axes only at the first two stops, before and at the mounting of the instrument; from there the "
             "program goes to its start again. At a reading nothing may be moved by hand.",
             f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
         )
+
+    def _clear(self) -> str:
+        if self._clearance is None:
+            return ""
+        scale = self._scales[self._clearance[0]]
+        return f" {scale.axis.name} goes to {self._clearance[1]} {scale.unit} before others move, and at the end."
 
     def _overruns(self) -> str:
         def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
             return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
 
         return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
+
+
+def _clearance(machine: Machine, scales: Sequence[AxisScale], options: ProgramOptions) -> Clearance | None:
+    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel."""
+    if options.clearance is None:
+        return None
+    name, place = options.clearance
+    index = machine.index(name)
+    number = scales[index].nearest(place)
+    if number is None:
+        unit, travel = scales[index].unit, f"{scales[index].low} to {scales[index].high}"
+        what = f"{name} is to go clear at {format_quantity(place, unit)}, outside its travel"
+        raise ProgramError(what, f"Choose a place within {travel} {unit}")
+    return index, number
 
 
 def order_text(order: Sequence[Group]) -> str:

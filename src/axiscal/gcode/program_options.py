@@ -16,11 +16,13 @@ class ProgramOptions:
         reading time
     feed : feed as a share of each axis' speed, above 0, at most 1
     order : names of axes that move together, group after group; None: linear axes first, then rotary ones
+    clearance : name of the axis that goes clear before others move, and at the end, with its coordinate, m or rad
     """
 
     wait: Literal["stop", "dwell"] = "stop"
     feed: float = 1.0
     order: tuple[tuple[str, ...], ...] | None = None
+    clearance: tuple[str, float] | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.feed <= 1:

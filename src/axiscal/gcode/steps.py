@@ -64,12 +64,17 @@ class Arrival:
 Step = Move | Dwell | Halt | Remark | Arrival
 
 
+Clearance = tuple[int, Decimal]
+"""Index of the axis that goes clear before others move, and where it is clear, mm or deg."""
+
+
 def run_through(
     targets: Sequence[ReadingTarget],
     scales: Sequence[AxisScale],
     groups: Sequence[Group],
     settle: float,
     reading: float | None,
+    clearance: Clearance | None = None,
 ) -> Iterator[Step]:
     """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
 
@@ -79,16 +84,46 @@ def run_through(
     standing = targets[0].turning
     for text in ("PRESS START WHEN THE WAY TO THE START IS CLEAR", "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"):
         yield from (Remark(text), Halt())
-        yield from (Move({k: standing[k] for k in group.axes}, group.feed(None), 0.0) for group in groups)
+        yield from _to_the_start(standing, groups, clearance)
     for target in targets:
-        turning = target.way_in(standing)
-        yield from _moves(standing, turning, scales, groups)
-        yield from _moves(turning, target.position, scales, groups)
-        standing = target.position
+        clear = _cleared(standing, clearance)
+        turning = target.way_in(clear if _others_move(standing, target.position, clearance) else standing)
+        stops = [turning, target.position]
+        if _others_move(standing, turning, clearance):
+            stops = [clear, _cleared(turning, clearance), *stops]
+        for stop in stops:
+            yield from _moves(standing, stop, scales, groups)
+            standing = stop
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
         yield from _dwells(settle)
         yield from [Halt()] if reading is None else _dwells(reading)
+    yield from _moves(standing, _cleared(standing, clearance), scales, groups)
+
+
+def _to_the_start(start: Decimals, groups: Sequence[Group], clearance: Clearance | None) -> Iterator[Move]:
+    """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
+    apart = None if clearance is None else clearance[0]
+    own = [group for group in groups if apart in group.axes]
+    yield from (Move({clearance[0]: clearance[1]}, group.feed(None), 0.0) for group in own if clearance)
+    for group in groups:
+        to = {k: start[k] for k in group.axes if k != apart}
+        yield from [Move(to, group.feed(None), 0.0)] if to else []
+    yield from (Move({k: start[k] for k in group.axes if k == apart}, group.feed(None), 0.0) for group in own)
+
+
+def _cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
+    """Return the place with the axis of the clearance where it is clear."""
+    if clearance is None:
+        return place
+    return tuple(clearance[1] if k == clearance[0] else value for k, value in enumerate(place))
+
+
+def _others_move(start: Decimals, stop: Decimals, clearance: Clearance | None) -> bool:
+    """Return whether there is a clearance and an axis moves that is not its own."""
+    return clearance is not None and any(
+        k != clearance[0] and a != b for k, (a, b) in enumerate(zip(start, stop, strict=True))
+    )
 
 
 def _dwells(seconds: float) -> Iterator[Dwell]:

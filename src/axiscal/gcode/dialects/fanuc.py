@@ -34,11 +34,21 @@ class Fanuc(Dialect):
     )
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
-        """Return number, check and safety line, and exact stop; G49 alone may move an axis, so it must be in force.
+        """Return number, check, safety line, spindle and coolant off, exact stop.
 
-        In cutting mode (G64) a block begins while the one before still brakes: an overrun would be cut short.
+        G49 alone may move an axis, so it must be in force. In cutting mode (G64) a block begins while the one before
+        still brakes: an overrun would be cut short.
         """
-        return ["%", f"O{_FIRST + number}", "IF[#4008NE49]GOTO9000", "G21 G90 G94 G17 G40 G49 G80", "G54", "G61"]
+        return [
+            "%",
+            f"O{_FIRST + number}",
+            "IF[#4008NE49]GOTO9000",
+            "G21 G90 G94 G17 G40 G49 G80",
+            "M5",
+            "M9",
+            "G54",
+            "G61",
+        ]
 
     def stop(self, axes: Sequence[Axis]) -> list[str]:
         """Return M0, which also ends reading ahead, and then the proof that G54 is the machine's zero.

@@ -27,12 +27,12 @@ class Heidenhain(Dialect):
 
     def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str]) -> str:
         """Return the program with its blocks numbered; MM is said in its first and last block."""
-        blocks = [f"BEGIN PGM {name} MM", *lines, *self.closing, f"END PGM {name} MM"]
+        blocks = [f"BEGIN PGM {name} MM", *self.opening(number, axes), *lines, *self.closing, f"END PGM {name} MM"]
         return "".join(f"{place} {block}\n" for place, block in enumerate(blocks))
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
-        """Return nothing: Klartext is absolute, and the unit is said when it begins."""
-        return []
+        """Return spindle and coolant off: Klartext is absolute, and the unit is said when it begins."""
+        return ["M5", "M9"]
 
     def stop(self, axes: Sequence[Axis]) -> list[str]:
         """Return a programmed stop."""

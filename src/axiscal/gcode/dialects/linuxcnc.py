@@ -9,19 +9,19 @@ from axiscal.machine.axis import Axis
 
 
 class LinuxCNC(Dialect):
-    """Programs for LinuxCNC 2.8 or later on a metric machine."""
+    """Programs for LinuxCNC 2.8 or later, set up in mm or in inches: G21 holds for machine coordinates too."""
 
     title = "LinuxCNC"
     suffix = "ngc"
     notes = (
         "Tried on LinuxCNC's own interpreter (rs274), not on a machine.",
-        "For machines set up in mm and degrees (LINEAR_UNITS = mm); a machine set up in inches is not supported.",
+        "Coordinates are in mm (G21) and deg, whatever LINEAR_UNITS says: tried with mm and with inch.",
         "Rotary axes must not be WRAPPED_ROTARY, and a five-axis kinematics must be in its joint (identity) mode.",
     )
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
-        """Return the safety line, and exact stop."""
-        return ["G21 G90 G94 G17 G40 G49 G80", "G61"]
+        """Return the safety line, spindle and coolant off, and exact stop."""
+        return ["G21 G90 G94 G17 G40 G49 G80", "M5 M9", "G61"]
 
     @property
     def closing(self) -> list[str]:

@@ -31,9 +31,9 @@ class Sinumerik(Dialect):
         return f"; {text}"
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
-        """Return metric, absolute, mm/min, no compensation, exact stop, no transformation."""
+        """Return metric, absolute, mm/min, no compensation, exact stop, no transformation, spindle off."""
         names = ",".join(axis.name for axis in axes)
-        return ["TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", f"FGROUP({names})"]
+        return ["TRAFOOF", "G710 G90 G94 G17 G40 G60 D0", "M5 M9", f"FGROUP({names})"]
 
     @property
     def closing(self) -> list[str]:
