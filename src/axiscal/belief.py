@@ -49,7 +49,7 @@ class Innovations:
 
     @property
     def p_value(self) -> float:
-        """Probability of a chi-square at least this large, were belief and noise right."""
+        """Probability of a chi-square at least this large, if belief and noise are right."""
         return chi_square_tail(self.degrees, self.chi_square)
 
 
@@ -119,11 +119,11 @@ class Belief:
         return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
 
     def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
-        """Return what many updates make of the belief, all at once, and what each of them was surprised by.
+        """Return the belief after many updates, made all at once, with the innovations of each.
 
         rows : (m, n); values, noise : (m,); used : (m,) the variances of the updates, infinite for none
-        reading : (m,) ascending; numbers of one reading are expected by what was known before the first of them
-        The cost of some updates for hundreds.  Raises ShapeError.
+        reading : (m,) ascending; numbers of one reading are predicted from what was known before the first of them
+        Hundreds of updates cost no more than a few made one by one.  Raises ShapeError.
         """
         table, read, own = self._readings(rows, values, noise)
         counted = np.concatenate([[0], np.cumsum(np.isfinite(used))])

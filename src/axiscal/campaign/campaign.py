@@ -279,7 +279,7 @@ class Campaign:
     def adopt(self, readings: tuple[Reading, ...]) -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
-        How often a set-up was mounted for them nobody has said: it counts once, whatever the order of a file's rows.
+        Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
         """
         self._refuse_finished()
         setups = dict.fromkeys(reading.setup for reading in readings)

@@ -19,7 +19,7 @@ _COSTS = 1.01
 class Stand:
     """What was to come before a reading that nobody asked for.
 
-    setup : where the person stood; planned : the readings to come; rms : that they promised, m
+    setup : the one that is mounted; planned : the readings to come; rms : that they promised, m
     """
 
     setup: str

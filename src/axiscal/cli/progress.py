@@ -1,4 +1,4 @@
-"""What stderr is told of a campaign: prospects, and progress as one line that changes, or one line per reading."""
+"""What stderr shows of a campaign: prospects, and progress as one line that changes, or one line per reading."""
 
 from __future__ import annotations
 

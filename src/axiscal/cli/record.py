@@ -96,10 +96,10 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
         return ""
     turned = [e.axis for e in machine.errors if e.kind == "reversal" and e.axis in silent]
     wider = f"; the reading counts as less sure, by half the reversal of {' and '.join(turned)}" if turned else ""
-    told = " ".join(f"{name}+" for name in silent)
+    example = " ".join(f"{name}+" for name in silent)
     return (
         f"without --approach nothing is supposed of the side from which {' and '.join(silent)} came{wider}. "
-        f'If you know it, take this back (axiscal undo) and add it, as in --approach "{told}".'
+        f'If you know it, take this back (axiscal undo) and add it, as in --approach "{example}".'
     )
 
 

@@ -29,7 +29,7 @@ GRACE = 2.0
 LONGEST = 100_000
 """Characters in one answer."""
 WIDEST = 1e6
-"""So many times larger or smaller than the noise of its set-up, a standard deviation is a slip."""
+"""A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
 _REMEDY = 'Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}'
 

@@ -63,9 +63,9 @@ class LinuxcncMachine:
         self._build = build or Build()
         files = {} if tables is None else tables.files
         joints = [joint for k in self._axes for joint in self._joints(self._machine.axes[k], files)]
-        told = self._told(files)
-        self._session: Session = Session(joints, told)
-        self._wait_until_corrected(told.hal)
+        settings = self._settings(files)
+        self._session: Session = Session(joints, settings)
+        self._wait_until_corrected(settings.hal)
         if self._build.tcp:
             self._session.move([f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"])
         self._last: tuple[Array, Array, Array] | None = None
@@ -74,7 +74,7 @@ class LinuxcncMachine:
     def sent(self, poses: Array, approaches: Array) -> Array:
         """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad.
 
-        Where it stands already LinuxCNC is not moved again.
+        LinuxCNC is not moved where it stands already.
         """
         import numpy as np
 
@@ -92,7 +92,7 @@ class LinuxcncMachine:
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """What LinuxCNC has told the operator."""
+        """The messages of LinuxCNC to the operator."""
         return self._session.errors
 
     def close(self) -> None:
@@ -147,8 +147,8 @@ class LinuxcncMachine:
         joint = Joint(axis.name, low * scale, high * scale, 5000 * fast, 5e5 * fast, table)
         return [joint, joint] if axis.name in self._build.pairs else [joint]
 
-    def _told(self, files: Mapping[str, str]) -> Settings:
-        """Return what LinuxCNC is told beside its joints: HAL files in their order, or the place of axes as built."""
+    def _settings(self, files: Mapping[str, str]) -> Settings:
+        """Return what LinuxCNC is given besides its joints: HAL files in their order, or the place of axes as built."""
         from axiscal.compensation.controllers.linuxcnc import pivots
         from axiscal.lab.linuxcnc import Settings
 
