@@ -30,7 +30,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.rigid import Motion
 
 _SHORTEST = 1e-4
-"""A base without length, m: the slope of a chord so short is that of the curve."""
+"""Stands for a base without length, m: the slope of so short a chord is that of the curve."""
 Curve = Callable[[Array], Array]
 """Positions (m,) of the error's axis -> values (m,), m or rad."""
 
@@ -46,7 +46,7 @@ class VirtualMachine:
     """A machine whose errors are known to the simulation only.
 
     model : names the errors it has; curves : one for each; offsets : per set-up name the values of its own unknowns
-    drifts : per set-up name how far its zeros have moved by then
+    drifts : per set-up name how far its zeros have moved after so many seconds
     """
 
     model: ErrorModel
@@ -109,7 +109,7 @@ class VirtualMachine:
         return tuple(_displayed(value, setup.resolution) for value in each)
 
     def _chord(self, setup: Setup, poses: Array) -> Actual:
-        """Return how the way lies under one foot of a level against the other, per length between them."""
+        """Return by how much the way differs between the two feet of a level, per length between them."""
         (axis,) = setup.moves
         low, high = self.model.machine.axes[axis].travel
         half = max(setup.base or 0.0, _SHORTEST) / 2
@@ -121,7 +121,7 @@ class VirtualMachine:
         return Actual(slope, np.zeros_like(slope))
 
     def _way(self, axis: int, poses: Array) -> Array:
-        """Return where the TCP would be displaced to by the shape of the way of one axis alone, (m, 3), m."""
+        """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
         small = self.model.compose(self.values(poses), np.zeros_like(poses))
         own = np.arange(len(poses[0]))[:, None, None] == axis
         way = SmallMotions(small.displacement * own, np.zeros_like(small.rotation), small.tilt * own)
@@ -177,7 +177,7 @@ class Simulator:
 
 
 def _displayed(value: float, resolution: float) -> float:
-    """Return a value as a display shows it that moves in steps, m or rad."""
+    """Return a value as a display that moves in steps shows it, m or rad."""
     return round(value / resolution) * resolution if resolution else value
 
 

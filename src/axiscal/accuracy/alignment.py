@@ -1,4 +1,4 @@
-"""A rigid motion of the part is not an error: it is aligned by probing before it is machined.
+"""A rigid motion of the part is not an error: the part is aligned by probing before it is machined.
 
 With T(p) = [I, −(p − p̄)×] (3 × 6) what is left of H is H − T E[TᵀT]⁻¹ E[TᵀH], and of the mean variance
 

@@ -1,4 +1,4 @@
-"""What a reading shall make small: J = tr(W C), as its Gram matrix W or as a root V of it, W = VᵀV.
+"""What a reading is to make small: J = tr(W C), as its Gram matrix W or as a root V of it, W = VᵀV.
 
 The two are types of their own: where a root is asked for, a Gram matrix is refused, and a bare array too.
 """

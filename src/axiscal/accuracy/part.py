@@ -15,7 +15,7 @@ from axiscal.numerics.spread import even_points
 Span = tuple[float, float]
 POSES = 4000
 _TRIED = 16
-"""So many times more places are looked at than are wanted before fewer are taken."""
+"""How many times more places are tried than are wanted before fewer are returned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class PartVolume:
     """Where the work is done.
 
     spans : along x, y, z, m, workpiece frame; radius : of a cylinder about z instead of the spans along x and y, m
-    turns : (rotary axes,) from where to where each turns, rad, in chain order
+    turns : (rotary axes,) the range in which each turns, rad, in chain order
     """
 
     spans: tuple[Span, Span, Span]
@@ -38,8 +38,8 @@ class PartVolume:
         low, high = np.array(self.turns).reshape(-1, 2).T
         park[:, [axis.rotary for axis in machine.axes]] = low + (high - low) * unit[:, 3:]
         found = tip_at(machine, park, self._points(unit[:, :3]))
-        taken: Array = found[Room.empty(machine).in_travel(found)][:count]
-        return taken
+        reachable: Array = found[Room.empty(machine).in_travel(found)][:count]
+        return reachable
 
     def _points(self, unit: Array) -> Array:
         low, high = np.array(self.spans).T

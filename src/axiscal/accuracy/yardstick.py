@@ -42,7 +42,7 @@ class Accuracy(NamedTuple):
     rest: float = 0.0
 
     def attainable(self, target: float) -> float:
-        """Return the target that the readings can be held to: one that the rests alone (nearly) use up is widened by
+        """Return the target that readings can be held to: one that the rests alone (nearly) use up is widened by
         them, or no reading would ever end the campaign.
         """
         return target if self.rest <= _REST_SHARE * target else float(np.hypot(target, self.rest))
@@ -72,7 +72,7 @@ class Yardstick:
 
     @cached_property
     def _shift(self) -> Array:
-        """E[H] in the directions in which the constant shift is not counted, else nought, (3, size)."""
+        """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
         shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
         return shift
 
@@ -93,7 +93,7 @@ class Yardstick:
 
     @cached_property
     def _unseen_shift(self) -> float:
-        """What of it is a constant shift in the other directions, m²."""
+        """The part of it that is a constant shift in the other directions, m²."""
         return float(np.sum(((self.moments.mean - self._shift) @ self.unseen) ** 2))
 
     def measure(self, belief: Belief) -> Accuracy:

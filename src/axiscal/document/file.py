@@ -62,7 +62,7 @@ class Document:
         return None
 
     def fault(self, failure: InputError, *keys: Key) -> InputError:
-        """Return a failure placed in this file at the line of a key path, its text led by the dotted path."""
+        """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
         led = type(failure)(f"{dotted(keys)}: {failure.what}", failure.remedy) if keys else failure
         return led.at(self.path, self.line(*keys))
 

@@ -83,11 +83,11 @@ def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
     if (listed := _miscounted_list(keys, kind)) is not None:
         return f"{dotted(listed)} has the wrong number of entries", f"Write {listed[-1]} = {_example(model, listed)}"
     name = keys[-1] if keys else ""
-    where = f"[{dotted(keys[:-1])}]" if keys[:-1] else "the file"
+    table = f"[{dotted(keys[:-1])}]" if keys[:-1] else "the file"
     if kind == "missing":
-        return f'"{name}" is missing in {where}', f"Add a line such as {name} = {_example(model, keys)}"
+        return f'"{name}" is missing in {table}', f"Add a line such as {name} = {_example(model, keys)}"
     if kind == "extra_forbidden":
-        return f'unknown key "{dotted((name,))}" in {where}', _known_keys(model, keys)
+        return f'unknown key "{dotted((name,))}" in {table}', _known_keys(model, keys)
     value = f"{dotted(keys)}: {shown(detail['input'])}"
     context: dict[str, Any] = detail.get("ctx", {})
     if kind in ("unit", "fault"):

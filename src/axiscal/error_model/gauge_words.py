@@ -131,7 +131,7 @@ def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int
 
 
 def _convention(members: list[Aspect], turning: bool) -> str:
-    """What to think of a group: which of its errors hold the whole of it."""
+    """How to read a group: which of its errors hold the whole of it."""
     held = [a.function.name for a in members if a.function.kind == "location"]
     if held:
         return (

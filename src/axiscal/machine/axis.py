@@ -53,7 +53,7 @@ class Axis:
     origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
     stated_overrun : m or rad, None for the usual one
     stated_turns : whole turns below and above its travel of one turn that the control allows, None where nobody said
-    counting : as stated, None for ISO 841 without a word about it
+    counting : as stated, None where nothing is said, which means ISO 841
     """
 
     name: str
@@ -105,7 +105,7 @@ class Axis:
 
     @property
     def reversed(self) -> bool:
-        """Whether it counts against ISO 841."""
+        """Whether its coordinate grows against the direction of ISO 841."""
         return self.counting == "reversed"
 
     @property
@@ -121,7 +121,7 @@ class Axis:
 
     @property
     def overrun(self) -> float:
-        """From how far away a place is come to where the side counts, m or rad."""
+        """The distance over which a place is approached where the side counts, m or rad."""
         usual = min(ROTARY_OVERRUN if self.rotary else LINEAR_OVERRUN, OVERRUN_SHARE * self.length)
         return usual if self.stated_overrun is None else self.stated_overrun
 

@@ -1,4 +1,4 @@
-"""From the tables of machine.toml to a machine: what no single key can tell is checked here."""
+"""From the tables of machine.toml to a machine: what no single key can show is checked here."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LEAST_OVERRUN = 1e-5
 LARGEST_OVERRUN = 0.25
 """Share of the travel."""
 _FAR = 1000 * math.tau
-"""rad; further no control counts the turns of an axis."""
+"""rad; no control counts the turns of an axis further."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,8 +53,8 @@ def _sides(words: list[str], text: str) -> tuple[list[str], list[str]]:
     """Return the words between w and b and those between b and t."""
     for end, word in ((0, "w"), (-1, "t")):
         if not words or words[end] != word:
-            where = "begin with w, the workpiece" if word == "w" else "end with t, the tool"
-            raise ChainError(f"the chain {shown(text)} does not {where}", _EXAMPLE)
+            rule = "begin with w, the workpiece" if word == "w" else "end with t, the tool"
+            raise ChainError(f"the chain {shown(text)} does not {rule}", _EXAMPLE)
     inner = words[1:-1]
     if inner.count("b") != 1:
         times = "no" if "b" not in inner else "more than one"

@@ -20,7 +20,7 @@ def error_entries(
 ) -> tuple[ErrorEntry, ...]:
     """Return the prior of every error; each error is there once, whatever its spelling.  What is wrong is noted.
 
-    described : axes that have a table; errors of one that is not among `axes`, for it is wrong itself, are passed over
+    described : axes that have a table; those not among `axes` have a faulty table; their errors are passed over
     """
     if not tables:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'

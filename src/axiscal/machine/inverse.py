@@ -14,13 +14,13 @@ from axiscal.numerics import Array
 
 _FLAT = 1e-6
 _REACHED = 1e-9
-"""A place that is further off than this, m, cannot be gone to by the linear axes that there are."""
+"""A place that stays further off than this, m, is out of reach of the machine's linear axes."""
 
 
 def linear_axes(machine: Machine) -> tuple[int, ...]:
     """Return the indices of the axes that carry the tool point to a place: X, Y, Z as far as they are there.
 
-    Of a second set U, V, W only what is needed beside them goes: the others stand where they are.
+    Of a second set U, V, W only the axes that are needed as well move; the others stay where they are.
     """
     chosen: list[int] = []
     directions = np.zeros((0, 3))
@@ -36,7 +36,7 @@ def linear_axes(machine: Machine) -> tuple[int, ...]:
 def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
     """Return the poses with the linear axes moved so that the tool point is at places of the workpiece frame.
 
-    poses : (m, q) m or rad; points : (m, 3) m; returns (m, q), where no linear axes reach a place: not a number
+    poses : (m, q) m or rad; points : (m, 3) m; returns (m, q), NaN where the linear axes do not reach a place
     """
     axes, result = list(linear_axes(machine)), poses.copy()
     result[:, axes] = 0.0
@@ -50,7 +50,7 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
 
 
 def _solved(ways: Array, away: Array) -> Array:
-    """Return the travels that make up ways, or come nearest, (m, k).  ways : (m, 3, k); away : (m, 3)."""
+    """Return the travels that add up to the ways, or come nearest, (m, k).  ways : (m, 3, k); away : (m, 3)."""
     if ways.shape[2] == 3 and np.all(np.abs(np.linalg.det(ways)) > _FLAT):
         return np.asarray(np.linalg.solve(ways, away[:, :, None])[:, :, 0], dtype=np.float64)
     return np.asarray((np.linalg.pinv(ways) @ away[:, :, None])[:, :, 0], dtype=np.float64)

@@ -1,4 +1,4 @@
-"""A quantity of the description between limits, outside of which a unit was confused."""
+"""A quantity of the description between limits, outside which a unit has been confused."""
 
 from __future__ import annotations
 

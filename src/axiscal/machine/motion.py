@@ -1,8 +1,8 @@
-"""How a machine goes from place to place while measuring: what moves together, from where it comes, how long it takes.
+"""How a machine goes from place to place while measuring: what moves together, from which side, for how long.
 
 Axes of one family go together along a straight line from rest to rest, X Y Z first, then U V W, P Q R, and A B C: so
-a feed means the same on every control, and what turns does so while the slides stand. A long turn is made in parts,
-since a control may take the short way round where an axis has no end. An axis that would not come to a place over at
+a feed means the same on every control, and rotary axes turn while the slides stand. A long turn is made in parts,
+since a control may take the short way round where an axis has no end. An axis that would not come to its place over at
 least its overrun from the side that counts first goes past it. Plans, records and programs all go by these rules.
 """
 
@@ -29,7 +29,7 @@ def family_groups(machine: Machine) -> tuple[tuple[int, ...], ...]:
 
 
 def turn_parts(largest: Array) -> Array:
-    """Return in how many parts moves are made.  largest : rad, of what turns in each of them"""
+    """Return in how many parts moves are made.  largest : rad, the largest turn in each of them"""
     parts: Array = np.maximum(np.ceil(largest / LARGEST_TURN - _SLACK), 1.0)
     return parts
 
@@ -59,7 +59,7 @@ def _straight_seconds(axes: list[Axis], moved: Array) -> Array:
 
 
 def turning(machine: Machine, start: Array, stop: Array, approach: Array) -> Array:
-    """Return where moves turn to come from the right side: their end, where they do so anyway.
+    """Return where moves turn back to come from the right side: their end, if they come from there anyway.
 
     start, stop : (..., q) m or rad; approach : (..., q) +1, −1, 0 for any side
     """

@@ -1,4 +1,4 @@
-"""Sizes that can be written but hardly be meant: a slip of unit makes a machine of half a kilometre."""
+"""Sizes that can be written but can hardly be meant: a slip of unit makes a machine of half a kilometre."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arrays in, arrays out; no word of machines."""
+"""Arrays in, arrays out; nothing here knows of machines."""
 
 import numpy as np
 from numpy.typing import NDArray

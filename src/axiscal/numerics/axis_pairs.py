@@ -43,18 +43,18 @@ class Pairs:
             result = result + values.reshape([-1 if i == k else 1 for i in axes])
         return result
 
-    def along(self, axis: int, where: NDArray[np.intp]) -> Array:
-        """Return the form at every lattice position of one axis, (n, p_axis).  where : (n, axes), lattice indices."""
-        rest = np.full(len(where), self.constant)
-        result = np.tile(self.single[axis], (len(where), 1))
+    def along(self, axis: int, points: NDArray[np.intp]) -> Array:
+        """Return the form at every lattice position of one axis, (n, p_axis).  points : (n, axes), lattice indices."""
+        rest = np.full(len(points), self.constant)
+        result = np.tile(self.single[axis], (len(points), 1))
         for k, values in enumerate(self.single):
             if k != axis:
-                rest += values[where[:, k]]
+                rest += values[points[:, k]]
         for (k, m), table in self.double.items():
             if axis not in (k, m):
-                rest += table[where[:, k], where[:, m]]
+                rest += table[points[:, k], points[:, m]]
             else:
-                result += table.T[where[:, m]] if k == axis else table[where[:, k]]
+                result += table.T[points[:, m]] if k == axis else table[points[:, k]]
         result += rest[:, None]
         return result
 

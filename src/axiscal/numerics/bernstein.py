@@ -1,8 +1,8 @@
 """The largest squared length of a sum of polynomial curves, one per axis, enclosed by branch and bound.
 
-|f + Σ_k c_k(t_k)|² is looked for over all t. On an interval a curve lies in the hull of its Bernstein control points,
+|f + Σ_k c_k(t_k)|² is sought over all t. On an interval a curve lies in the hull of its Bernstein control points,
 and a squared length is convex: over a box of intervals it is at most what the sums of control points reach. Whole
-ranges of intervals go first where the sum of the largest scalar products of each pair of axes is small enough already;
+ranges of intervals are dropped first where the sum of the largest scalar products of each pair of axes is small enough;
 boxes that may still hold more are halved (de Casteljau) until the gap is closed.
 """
 
@@ -46,9 +46,9 @@ def bernstein(degree: int, t: Array) -> Array:
 
 
 def steepest(fixed: Array, curves: list[BezierCurve], level: float, gap: float, boxes: int) -> Steepest:
-    """Enclose the largest |fixed + Σ curves|²; what is not above level · (1 + gap) is not looked at closer.
+    """Enclose the largest |fixed + Σ curves|²; what is not above level · (1 + gap) is not followed further.
 
-    fixed : (w,); boxes : to look at before what is still open is taken at its upper bound
+    fixed : (w,); boxes : how many to look at; what is then still open counts with its upper bound
     """
     search = _BoxSearch(fixed, curves, level, gap)
     open_ones = _Ranges(fixed, curves).worth_a_look(search, boxes)
@@ -64,18 +64,18 @@ class _Boxes(NamedTuple):
     upper: Array
     pieces: list[BezierCurve]
 
-    def taken(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> _Boxes:
+    def chosen(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> _Boxes:
         """Return some of the boxes."""
         return _Boxes(self.upper[which], [BezierCurve(*(part[which] for part in piece)) for piece in self.pieces])
 
     def batches(self) -> list[_Boxes]:
-        """Return the boxes a few at a time, those first that may hold most."""
+        """Return the boxes a few at a time, beginning with those that may hold most."""
         order = np.argsort(-self.upper, kind="stable")
-        return [self.taken(order[start : start + _BATCH]) for start in range(0, len(order), _BATCH)]
+        return [self.chosen(order[start : start + _BATCH]) for start in range(0, len(order), _BATCH)]
 
 
 class _BoxSearch:
-    """What is found so far.  closed : the largest upper bound of what is not looked at any more."""
+    """What is found so far.  closed : the largest upper bound of what has been set aside."""
 
     def __init__(self, fixed: Array, curves: list[BezierCurve], level: float, gap: float) -> None:
         self.fixed, self.level, self.gap = fixed, level, gap
@@ -105,7 +105,7 @@ class _BoxSearch:
         self.best = max(self.best, float(corners.max()))
         worth = self.worthwhile(upper)
         if worth.any():
-            open_ones += _halved(_Boxes(upper, last.pieces).taken(worth)).batches()
+            open_ones += _halved(_Boxes(upper, last.pieces).chosen(worth)).batches()
 
 
 @dataclass(frozen=True, eq=False)

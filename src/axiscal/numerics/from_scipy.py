@@ -1,4 +1,4 @@
-"""What is used of scipy. It is loaded at the first call: that costs half a second, which most commands need not wait.
+"""What axiscal uses of scipy, loaded at the first call: most commands are spared the half second that this takes.
 
 scipy brings a BLAS of its own, which is held to one thread like that of numpy.
 """
@@ -17,7 +17,7 @@ from axiscal.numerics.threads import hold_loaded_libraries
 
 
 def chi_square_tail(degrees: float, value: float) -> float:
-    """Return the probability of a chi-square of so many degrees of freedom at least as large as `value`."""
+    """Return the probability that a chi-square of these degrees of freedom is at least `value`."""
     return float(_function("scipy.special", "chdtrc")(degrees, value))
 
 

@@ -163,8 +163,8 @@ def extend(factors: Factors, extra: Array) -> Factors:
 class Together(NamedTuple):
     """Factors and mean after many readings, and what was known before each of them.
 
-    expected, variance : (m,) of what each row tells, noise apart, after the readings before it that count
-    losses : (m, n), each row d takes d dᵀ off the covariance; nought where a reading does not count
+    expected, variance : (m,) of each row's value without its noise, given the readings that count before it
+    losses : (m, n), each row d takes d dᵀ off the covariance; zero where a reading does not count
     """
 
     factors: Factors
@@ -181,22 +181,22 @@ def condition_together(
 
     rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
     before : (m,) how many of the readings that count come before each
-    With C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes:
-    C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ. In the end S R⁻¹ stands for S, RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come from
-    QR of what they are the roots of, so that wide priors keep their digits (Bierman 1977, ch. IV).
+    With C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes
+    away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ. In the end S R⁻¹ stands for S, RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come
+    from QR of what they are the roots of, so that wide priors keep their digits (Bierman 1977, ch. IV).
     """
     counts, start = np.isfinite(noise), root(factors)
     seen = rows @ start
     own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
     upper = _triangle(np.vstack([np.diag(std), own.T]))
-    taken = transposed_solution(upper, np.column_stack([own, left]))
-    felt = taken[:, :-1] @ seen.T
-    felt[np.arange(len(felt))[:, None] >= before] = 0.0
-    variance = np.maximum(np.einsum("ij,ij->i", seen, seen) - np.einsum("ij,ij->j", felt, felt), 0.0)
-    expected = rows @ mean + taken[:, -1] @ felt
+    solved = transposed_solution(upper, np.column_stack([own, left]))
+    learnt = solved[:, :-1] @ seen.T
+    learnt[np.arange(len(learnt))[:, None] >= before] = 0.0
+    variance = np.maximum(np.einsum("ij,ij->i", seen, seen) - np.einsum("ij,ij->j", learnt, learnt), 0.0)
+    expected = rows @ mean + solved[:, -1] @ learnt
     after, moved = _after(start, own / std[:, None], left / std)
     losses = np.zeros_like(rows)
-    losses[counts] = taken[:, :-1] @ start.T
+    losses[counts] = solved[:, :-1] @ start.T
     return Together(_from_triangle(after, factors), mean + moved, expected, variance, losses)
 
 

@@ -15,7 +15,7 @@ Answer = TypeVar("Answer")
 def remembered(question: Callable[Concatenate[Of, About], Answer]) -> Callable[Concatenate[Of, About], Answer]:
     """Decorate a function of an object that does not change and of numbers, such as that of a set-up.
 
-    The object compares by its identity, and the answer must not hold it.
+    The object compares by its identity. An answer must not refer to it, or it would live for ever.
     """
     answers: WeakKeyDictionary[Of, dict[object, Answer]] = WeakKeyDictionary()
 

@@ -15,11 +15,11 @@ from axiscal.numerics import Array
 
 _STARTS = 4
 _KICKS = 12
-"""Parts of a way are exchanged by lot so often: what 2-opt and Or-opt cannot do in one step."""
+"""How often parts of a way are exchanged at random, a change that 2-opt and Or-opt cannot make in one step."""
 _ROUNDS = 400
 _WORK = 20_000_000
 _MANY = 160
-"""Ways through more places than this are improved by turning parts of them alone."""
+"""Ways through more places than this are improved only by reversing parts of them."""
 _GAIN = 1e-9
 _LONGEST_SEGMENT = 3
 
@@ -47,7 +47,7 @@ def route(seconds: Array, first: Array | None = None) -> Order:
 
 
 def _kicked(order: list[int], table: Array) -> list[int]:
-    """Return the way, or a shorter one found by exchanging two neighbouring parts of it, by lot, and improving that."""
+    """Return the way, or a shorter one found by exchanging two neighbouring parts at random and improving that."""
     rng, shortest = np.random.default_rng(0), route_seconds(order, table)
     for _ in range(min(_KICKS, _MANY // len(order) * 2) if len(order) > 4 else 0):
         a, b, c = np.sort(rng.choice(np.arange(1, len(order) + 1), 3, replace=False)).tolist()

@@ -60,7 +60,7 @@ _LIMIT = _Limit()
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Hold BLAS to one thread in a `with` or, as a decorator, in a function; doors may stand behind doors."""
+    """Hold BLAS to one thread in a `with` or, as a decorator, in a function; doors may be nested."""
     _LIMIT.enter()
     try:
         yield

@@ -1,4 +1,4 @@
-"""From places uphill to where a sum of curves is longest nearby, axis by axis with ever shorter steps."""
+"""Climbing from given places to where a sum of curves is longest nearby, axis by axis with ever shorter steps."""
 
 from __future__ import annotations
 
