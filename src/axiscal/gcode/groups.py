@@ -14,7 +14,7 @@ from axiscal.machine.motion import FAMILIES, family_groups
 from axiscal.units import to_unit
 
 FASTEST = 99_999
-"""mm/min or deg/min; it is not known that every control reads a longer number."""
+"""mm/min or deg/min; not every control is known to read a longer number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +85,6 @@ def _written(axis: Axis, value: float) -> float:
 
 
 def _along(limits: Sequence[float], ways: Sequence[float]) -> float:
-    """Return the most along a straight way that exceeds the limit of no axis."""
+    """Return the most along a straight way that keeps within the limits of all axes."""
     length = math.hypot(*ways)
     return min(limit * length / way for limit, way in zip(limits, ways, strict=True) if way)

@@ -1,4 +1,4 @@
-"""The readings of a program as tables: which is where and when, and the form that their values are written into."""
+"""The readings of a program as tables: where and when each is taken, and the form for their values."""
 
 from __future__ import annotations
 

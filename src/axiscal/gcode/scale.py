@@ -11,7 +11,7 @@ from axiscal.machine.axis import Axis
 from axiscal.units import to_unit
 
 _NOISE = 9
-"""Decimals in mm or deg behind which a number in binary is noise: 1e-12 m."""
+"""Decimals in mm or deg beyond which a binary number is noise: 1e-12 m."""
 
 
 def exact(value: float) -> Decimal:

@@ -27,7 +27,7 @@ LONGEST_WAIT = 3600.0
 class Move:
     """A straight move: index of each axis named -> where to, mm or deg; feed in mm/min or deg/min.
 
-    seconds : how long it takes; 0 where it begins nobody knows where
+    seconds : how long it takes; 0 where nobody knows where it begins
     """
 
     to: Places
@@ -78,7 +78,7 @@ def run_through(
 ) -> Iterator[Step]:
     """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
 
-    After the instrument is mounted every axis is sent to the start once more, for who had to jog.
+    After the instrument is mounted every axis is sent to the start once more, in case somebody had to jog.
     Raises ProgramError for waits or feeds that cannot be.
     """
     standing = targets[0].turning

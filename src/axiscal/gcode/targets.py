@@ -17,7 +17,7 @@ _ROUNDED = 3
 
 @dataclass(frozen=True, slots=True)
 class ReadingTarget:
-    """A reading: its number in the plan, where the axes stand, and from where they come at least.
+    """A reading: its number in the plan, where the axes stand, and how far off their way to it begins at least.
 
     turning : the position, less the overrun where the side counts; approach : +1, −1, 0 per axis
     """
@@ -43,32 +43,32 @@ def target(
     approach: Sequence[int],
 ) -> ReadingTarget:
     """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
-    where = f"reading {number} of the set-up {shown(setup)}"
+    label = f"reading {number} of the set-up {shown(setup)}"
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
-        raise ProgramError(f"{where} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
-    placed = [_placed(s, where, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
+        raise ProgramError(f"{label} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
+    placed = [_placed(s, label, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
     position, turning = zip(*placed, strict=True)
     return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))
 
 
-def _placed(scale: AxisScale, where: str, value: float, side: int) -> tuple[Decimal, Decimal]:
+def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Decimal, Decimal]:
     """Return position and turning point of one axis."""
     number = scale.nearest(value)
     if number is None:
-        what = f"{where}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
+        what = f"{label}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
         raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
     if side == 0:
         return number, number
     sided = _sided(scale, number, side)
     if sided is None:
-        raise _no_room(scale, where, number, side)
+        raise _no_room(scale, label, number, side)
     return sided
 
 
 def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
     """Return a position and its turning point, at the other end of a turn where this one leaves no room for it.
 
-    None where no end leaves room: what rounding to the numbers of the program takes is not asked for.
+    None where no end leaves room; room lost by rounding to the numbers of the program is forgiven.
     """
     wanted = scale.above(scale.axis.overrun)
     least = wanted - _ROUNDED * scale.step
@@ -79,11 +79,11 @@ def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decim
     return None
 
 
-def _no_room(scale: AxisScale, where: str, number: Decimal, side: int) -> ProgramError:
+def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> ProgramError:
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
     overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (
-        f"{where} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
+        f"{label} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
         f"the travel, which ends at {end} {scale.unit}, leaves less than the overrun of {overrun} to come from there"
     )
     return ProgramError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")

@@ -107,8 +107,8 @@ class Curve:
         if self.rest > 0:
             raise ShapeError(f"{self.name} has a rest that readings share; give its readings to `ac.estimate`")
         row = self.spline.rows(np.array([si(t, "length")]))
-        told = self.belief.update(row, [si(value, "length")], [si(noise, "length") ** 2])
-        return self.of(self.name, self.spline, told)
+        belief = self.belief.update(row, [si(value, "length")], [si(noise, "length") ** 2])
+        return self.of(self.name, self.spline, belief)
 
     def plot(self) -> Any:
         """Return a plotly figure: mean, and the band that holds it with 95 %."""

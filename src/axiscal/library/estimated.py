@@ -41,8 +41,8 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     Raises InputError with file, line, value and remedy.
     """
     description = campaign.description if isinstance(campaign, Case) else read_campaign(campaign, target_needed=False)
-    taken = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
-    return Estimated(concluded(case_of(description), taken))
+    at_hand = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
+    return Estimated(concluded(case_of(description), at_hand))
 
 
 def _read(file: str | Path, description: CampaignDescription) -> tuple[Reading, ...]:

@@ -1,4 +1,4 @@
-"""A plan as it is looked at in Python: figures, places, a table and a picture."""
+"""A plan as Python shows it: figures, places, a table and a picture."""
 
 from __future__ import annotations
 

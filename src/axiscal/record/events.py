@@ -32,9 +32,9 @@ class Created:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in their order; what was planned before is no longer.
+    """The readings to come, in their order; they replace what was planned before.
 
-    basis : what the plan rests on beside the places of the readings before it, in words
+    basis : what the plan rests on besides the places of the readings before it, in words
     """
 
     places: tuple[Place, ...]
@@ -43,7 +43,7 @@ class Planned:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A reading is wanted: its number from 1, and where."""
+    """A reading is wanted: its number from 1, and its place."""
 
     reading: int
     place: Place

@@ -45,8 +45,8 @@ def _fields(event: Event) -> dict[str, object]:
             return {"reading": event.reading, **_place_fields(event.place)}
         case Recorded(reading):
             of_value = {"value": reading.value, "std": reading.std, "others": reading.others}
-            told = {"accepted": reading.accepted, "time": reading.time}
-            return {**_place_fields(reading.place), **of_value, **told}
+            circumstances = {"accepted": reading.accepted, "time": reading.time}
+            return {**_place_fields(reading.place), **of_value, **circumstances}
     return asdict(event)
 
 
@@ -89,7 +89,7 @@ def _created(fields: Mapping[str, Any]) -> Created:
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
     std = None if fields["std"] is None else _number(fields["std"])
-    accepted = fields.get("accepted", False)  # records of before it could be said
+    accepted = fields.get("accepted", False)  # older records could not say it
     others = tuple(_number(value) for value in fields.get("others", ()))
     time = None if fields.get("time") is None else _number(fields["time"])
     if not isinstance(accepted, bool):
@@ -103,7 +103,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "created": _created,
     "planned": lambda fields: Planned(
         tuple(_place(place) for place in fields["places"]),
-        _text(fields.get("grounds", "")),  # records of before plans said what they rest on
+        _text(fields.get("grounds", "")),  # plans of older records do not say what they rest on
     ),
     "asked": lambda fields: Asked(_whole(fields["reading"]), _place(fields)),
     "recorded": _recorded,

@@ -40,7 +40,7 @@ class Record:
         refuse_existing(path)
         draft = path.with_name(f".{path.name}.{os.getpid()}.new")
         try:
-            with _told(path), cls(path, _connect(f"file:{quote(str(draft))}?mode=rwc")) as record:
+            with _record_errors(path), cls(path, _connect(f"file:{quote(str(draft))}?mode=rwc")) as record:
                 _migrate(record._connection)
                 record.append(created)
             _publish(draft, path)
@@ -58,7 +58,7 @@ class Record:
         mode = "rw" if write or lasting else "ro"  # who may write also clears away the write-ahead log on closing
         if mode == "ro" and not os.access(path.parent, os.W_OK) and not any(side.exists() for side in _sidecars(path)):
             mode = "ro&immutable=1"  # a write-ahead log cannot be opened in a folder that is read-only
-        with _told(path):
+        with _record_errors(path):
             record = cls(path, _connect(f"file:{quote(str(path.absolute()))}?mode={mode}", write))
             try:
                 record._check(write)
@@ -74,7 +74,7 @@ class Record:
         """
         at = datetime.now(UTC).isoformat(timespec="milliseconds")
         rows = [(*encode(event), at) for event in events]
-        with _told(self.path), _transaction(self._connection):
+        with _record_errors(self.path), _transaction(self._connection):
             if after is not None and self.last() != after:
                 raise RecordError(
                     "Another process has written to this record in the meantime",
@@ -87,19 +87,19 @@ class Record:
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""
-        with _told(self.path):
+        with _record_errors(self.path):
             row = self._connection.execute("SELECT coalesce(max(id), 0) FROM events").fetchone()
         return int(row[0])
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
-        with _told(self.path):
+        with _record_errors(self.path):
             rows = self._connection.execute("SELECT id, at, kind, payload FROM events ORDER BY id").fetchall()
             return tuple(Stored(number, at, decode(kind, payload)) for number, at, kind, payload in rows)
 
     def state(self) -> State:
         """Return the state folded from all events."""
-        with _told(self.path):
+        with _record_errors(self.path):
             return fold(self.events())
 
     def copy(self, path: Path) -> None:
@@ -109,7 +109,7 @@ class Record:
         self.refuse_other(path)
         draft = path.with_name(f".{path.name}.{os.getpid()}.new")
         try:
-            with _told(path):
+            with _record_errors(path):
                 self._connection.execute("VACUUM INTO ?", (str(draft),))
                 os.replace(draft, path)
                 _sync_folder(path.parent)
@@ -260,7 +260,7 @@ def _migrate(connection: sqlite3.Connection) -> None:
 
 
 @contextlib.contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _record_errors(path: Path) -> Iterator[None]:
     """Turn what SQLite, the file system or a foreign writer did into a RecordError."""
     try:
         yield

@@ -92,7 +92,7 @@ def _or_none(value: float) -> float | None:
 
 
 def _plain(micrometres: Array) -> Array:
-    """Return figures with what is only rounding as 0 (not −0 either)."""
+    """Return figures with mere rounding as 0 (and never as −0)."""
     return np.where(np.abs(micrometres) < _ROUNDING, 0.0, micrometres)
 
 

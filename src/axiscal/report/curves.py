@@ -67,7 +67,7 @@ def _curve(
 
 
 def _turned(axis: Axis) -> str:
-    """Return why a curve has not the sign of its readings: it names what the carriage does (ISO 230-1)."""
+    """Return why a curve does not have the sign of its readings: it names what the carriage does (ISO 230-1)."""
     if not axis.workpiece_side:
         return ""
     return f"; {axis.name} carries the workpiece: readings show this with the other sign"

@@ -70,7 +70,7 @@ def _tables(estimation: Estimation, controller: str, folder: Path, warnings: Seq
 
 
 def warned(offered: Export, warnings: Sequence[str]) -> Export:
-    """Return an export whose README.txt says what is to be minded about the estimate behind the files."""
+    """Return an export whose README.txt warns of what is doubtful in the estimate behind the files."""
     if not warnings:
         return offered
     minded = "\n".join(f"- {text}" for text in warnings)

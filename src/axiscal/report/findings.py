@@ -29,10 +29,10 @@ from axiscal.units import to_unit
 _OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
 _TINY = 0.02
-"""Readings that scatter by so little of what is stated are written in another unit, or are no readings."""
+"""Readings that scatter by less than this share of what is stated are in another unit, or are no readings."""
 _SHOWS, _AN_HOUR = 3.0, 3600.0
 _OTHER = 1.5
-"""By this factor a noise is another than stated."""
+"""A noise that differs by this factor is not as stated."""
 _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
@@ -124,7 +124,7 @@ def _scales(estimation: Estimation) -> Iterator[Finding]:
 
 
 def _noises(estimation: Estimation) -> Iterator[Finding]:
-    """Say which noises were learnt that are not as stated."""
+    """Say which of the noises learnt are not as stated."""
     found = estimation.fit
     for setup in estimation.stated.description.setups if found else ():
         noise = found.scales.value("noise", setup.name) if found else None
@@ -175,8 +175,8 @@ def _alias_text(alias: Alias) -> str:
     period = f"{to_unit(alias.period, unit):.4g} {unit}"
     seen_as = alias.seen_as
     slow = "a constant" if np.isinf(seen_as) else f"one of {to_unit(seen_as, unit):.4g} {unit}"
-    where = spaced if alias.spacing is not None else f"The positions read on {name} all lie alike in the period"
-    return f"{where}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
+    spacing = spaced if alias.spacing is not None else f"The positions read on {name} all lie alike in the period"
+    return f"{spacing}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
 
 
 def _misfit(estimation: Estimation) -> Iterator[Finding]:
@@ -195,9 +195,9 @@ def _misfit(estimation: Estimation) -> Iterator[Finding]:
 
 def _drift(estimation: Estimation) -> Iterator[Finding]:
     """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    told = [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
+    usable = [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
     for setup in estimation.stated.description.setups:
-        found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(told, setup), setup)
+        found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(usable, setup), setup)
         if found:
             yield Finding("drift", None, found)
 

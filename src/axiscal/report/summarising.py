@@ -38,11 +38,11 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a truth that is known, a finished standard
+    """What a campaign itself does not know: tables that were written, a known truth, a finished standard
     test.
 
     compared : whether the traditional way, with as many readings, is drawn beside the accuracy
-    warnings : of what was given, beside those of the estimate
+    warnings : about what was given, besides those of the estimate
     """
 
     tables: Sequence[TableOffer] = ()
@@ -164,8 +164,8 @@ def _tool_points(problem: Case, readings: Sequence[Reading]) -> list[Point]:
 
 def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     axes = campaign.description.machine.axes
-    taken = sum(reading.setup == setup.name for reading in campaign.state.readings)
+    count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
     unit = reading_unit(setup)
     noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
-    return SetupUse(setup.name, setup.instrument, direction_text(setup), moves, noise, taken)
+    return SetupUse(setup.name, setup.instrument, direction_text(setup), moves, noise, count)

@@ -27,7 +27,7 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What a LinuxCNC is told beside its joints.
+    """What a LinuxCNC is given besides its joints.
 
     hal : text that is run after motion has been loaded, such as corrections over other axes
     kinematics : name of the module; unit : mm or in; servo_period : s
@@ -92,13 +92,13 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
 
 
 def motors(joints: Sequence[Joint], hal: str) -> list[str]:
-    """Return the pin or signal of each joint that holds what its motor is told."""
+    """Return the pin or signal of each joint that holds the position its motor is sent to."""
     moved = _moved(hal)
     return [f"{moved[n]}-motor" if n in moved else f"joint.{n}.motor-pos-cmd" for n in range(len(joints))]
 
 
 def _moved(hal: str) -> dict[int, str]:
-    """Return by joint how the text calls those whose motors it moves, such as axiscal-x."""
+    """Return the names that the text gives to the joints whose motors it moves, such as axiscal-x."""
     return {int(number): name for name, number in re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)}
 
 
@@ -115,6 +115,6 @@ def _hal(joints: Sequence[Joint], hal: str) -> str:
     moved = _moved(hal)
     fed_back = (n for n in range(len(joints)) if n not in moved)
     lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in fed_back]
-    # where a motor really turns, its encoder shows what it was told
+    # where a motor really turns, its encoder shows where it was sent
     wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", hal)
     return "\n".join(lines) + "\n" + wired

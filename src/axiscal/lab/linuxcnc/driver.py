@@ -31,7 +31,7 @@ def wait(condition: Any, seconds: float) -> bool:
 class RunningControl:
     """The running LinuxCNC.
 
-    motors : the pin or signal of each joint that holds what its motor is told
+    motors : the pin or signal of each joint that holds the position its motor is sent to
     """
 
     def __init__(self, motors: list[str]) -> None:
@@ -84,7 +84,7 @@ class RunningControl:
         return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
 
     def sent(self) -> list[float]:
-        """Read what every motor is told."""
+        """Read the position that every motor is sent to."""
         return [hal.get_value(name) for name in self.motors]
 
     def pins(self, name: str) -> list[float]:
@@ -104,7 +104,7 @@ class RunningControl:
 
     def _still(self) -> bool:
         before = self.pins("pos-cmd"), self.sent()  # a correction over another axis comes at a limited speed
-        time.sleep(0.003)  # three servo cycles: "in position" may be told a cycle early
+        time.sleep(0.003)  # three servo cycles: "in position" may come a cycle early
         return (self.pins("pos-cmd"), self.sent()) == before
 
     def _settled(self) -> bool:
@@ -113,7 +113,7 @@ class RunningControl:
 
 
 def answer(machine: RunningControl, asked: Any) -> dict[str, Any]:
-    """Make the moves, or read pins; whatever goes wrong is told: LinuxCNC hides a DISPLAY program's exit status."""
+    """Make the moves, or read pins; whatever goes wrong is reported: LinuxCNC hides a DISPLAY program's exit status."""
     result: dict[str, Any] = {"steps": [], "errors": [], "failure": None}
     try:
         if isinstance(asked, dict):

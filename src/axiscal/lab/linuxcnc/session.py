@@ -43,7 +43,7 @@ def available() -> bool:
 class Ending:
     """What a move ended with, one number for each joint in mm or deg.
 
-    motor : what the motors are told; command : the positions that LinuxCNC shows; settled : the correction had arrived
+    motor : where the motors are sent; command : the positions that LinuxCNC shows; settled : the correction had arrived
     probe : position and whether the probe touched, of the last probing move
     """
 
@@ -55,7 +55,7 @@ class Ending:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A whole job: motor commands after homing, each move's end, and what the operator was told."""
+    """A whole job: motor commands after homing, each move's end, and the messages to the operator."""
 
     start: tuple[float, ...]
     steps: tuple[Ending, ...]
@@ -65,8 +65,8 @@ class Run:
 class Session:
     """A LinuxCNC that is switched on, homed, and takes G-code lines; a context manager.
 
-    joints : in the order of their numbers; settings : what LinuxCNC is told beside them
-    start : what the motors were told after homing; errors : what the operator was told so far
+    joints : in the order of their numbers; settings : what LinuxCNC is given besides them
+    start : where the motors were sent after homing; errors : messages to the operator so far
     Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses a move.
     """
 
@@ -167,11 +167,11 @@ def _step(found: dict[str, Any]) -> Ending:
     return Ending(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
 
 
-def _fill(work: Path, told: Sequence[str], texts: Mapping[str, str]) -> None:
+def _fill(work: Path, motors: Sequence[str], texts: Mapping[str, str]) -> None:
     work.chmod(0o755)
     for name, text in texts.items():
         (work / name).write_text(text, encoding="utf-8", newline="")
-    (work / "job.json").write_text(json.dumps({"motors": list(told)}))
+    (work / "job.json").write_text(json.dumps({"motors": list(motors)}))
     shutil.copy(_DRIVER, work / "driver.py")
     (work / "driver.py").chmod(0o755)
     (work / "rt").mkdir()
@@ -245,7 +245,7 @@ def _wait_for_others(seconds: float) -> None:
 
 
 def _running() -> str:
-    """Name the processes of a LinuxCNC that are alive, not those that only wait to be buried."""
+    """Name the processes of a LinuxCNC that are alive, not those that have ended and only wait to be noticed."""
     names = set()
     for entry in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):
