@@ -17,14 +17,14 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 
 MANY = 16
-"""Fewer readings are taken one by one: as fast, and a campaign that is measured goes on where it was."""
+"""Fewer readings than this are taken in one by one: as fast, and a campaign in progress goes on where it was."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Absorbed:
     """case : with the set-ups that were read from other sides than they say; verdict : how much the readings count
 
-    innovations : what each of the readings surprised by that are in the knowledge
+    innovations : of each reading in the knowledge
     """
 
     case: Case
@@ -44,7 +44,7 @@ class Absorbed:
 
 
 def absorbed(before: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
-    """Return what is known after readings.  readings : all, the first of which are in what was known before"""
+    """Return what is known after readings.  readings : all; the first of them are in what was known before"""
     start, known = len(before.innovations), before
     weights = before.weights(start, len(readings), implausible)
     if len(weights) >= MANY:
@@ -62,5 +62,5 @@ def _after_one(before: Absorbed, reading: Reading, weight: float) -> Absorbed:
     expected = opened.belief.predict(numbers.rows)
     surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
     belief = opened.belief.update(numbers.rows, numbers.values, numbers.variances / weight) if weight else opened.belief
-    after = Knowledge(opened.observation, belief)  # what surprised is to be seen at its full weight
+    after = Knowledge(opened.observation, belief)  # a surprise is to be seen at its full size
     return Absorbed(widened(before.case, reading), before.verdict, after, (*before.innovations, surprise))

@@ -1,4 +1,4 @@
-"""What a campaign's description makes of the mathematics: the error model, the set-ups, and the yardstick."""
+"""The mathematics that a campaign's description stands for: the error model, the set-ups, and the yardstick."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Case:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
 
     inherited : the prior of the errors where an earlier campaign left one
-    both : set-ups that were read from both sides, or from sides that nobody told, whatever their description allows
+    both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     """
 
     description: CampaignDescription
@@ -75,7 +75,7 @@ class Case:
         return visit_seconds(machine, setup, start, np.array(place.pose), place.approach)
 
     def rescaled(self, scales: Scales) -> Case:
-        """Return the problem with priors and noise as learnt."""
+        """Return the case with priors and noise as learnt."""
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
         return Case(replace(self.description, machine=machine, setups=setups), self.inherited)
 
@@ -91,7 +91,7 @@ class Case:
         return Case(replace(self.description, machine=replace(machine, errors=errors)), self.inherited, self.both)
 
     def located(self, mean: Array) -> Case | None:
-        """Return the problem about the stations of distances and the turns of trackers as found; None if these stay."""
+        """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""
         found = [self._found(index, mean) for index in range(len(self.description.setups))]
         if found == [setup.found for setup in self.description.setups]:
             return None

@@ -21,7 +21,7 @@ _CHANCE = 6e-5
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """An error that has changed: by how much where it has most, beside its mean (m or rad).
+    """An error that has changed: where it has most, and by how much, its mean apart (m or rad).
 
     chance : probability of such a difference if it had not changed
     """

@@ -42,7 +42,7 @@ class Stages(NamedTuple):
 class Estimation:
     """stated : the case as described; case : with scales as learnt, and stations and sides as found
 
-    readings : each with its time; seconds : of machine time that they take; innovations : what each surprised by
+    readings : each with its time; seconds : of machine time that they take; innovations : of each
     outliers : the readings that are not believed, first those that cannot be, then those that others contradict
     fit : the scales, None where none were learnt; learnt_from : number of readings that they were learnt from
     """

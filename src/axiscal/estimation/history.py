@@ -1,4 +1,4 @@
-"""How a campaign went, said when it is over: which readings are bad is known from the first one on."""
+"""How a campaign went, seen when it is over: which readings are bad is known from the first one on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from axiscal.numerics.threads import one_thread
 
 
 class Moment(NamedTuple):
-    """What is known after a reading, what this surprised by (None before the first), and after how many seconds."""
+    """What is known after a reading, its innovations (None before the first), and after how many seconds."""
 
     accuracy: Accuracy
     innovations: Innovations | None
@@ -31,8 +31,8 @@ def path(final: Estimation) -> list[Moment]:
     """Return what was known before the first reading and after each.
 
     final : a concluded one
-    Scales are learnt as readings come, what the last one taught is known; those between two counts from which scales
-    are learnt anew are taken together.
+    Scales are learnt as readings come, and what the last one taught is known already. Readings between two counts after
+    which scales are learnt anew are taken in together.
     """
     known, fit = Absorbed.nothing(final.stated, final.stages.absorbed.verdict), None
     found: list[_Known] = [(_accuracy(known, fit), None)]

@@ -1,6 +1,6 @@
 """Last time's result as this time's prior: what a finished campaign knew, and what is left of it by now.
 
-Between two campaigns each error keeps a share ρ of what it was and takes the rest anew from the stated prior:
+Between two campaigns each error keeps a share ρ of what it was and takes what is missing anew from the stated prior:
 mean ρ m, covariance ρ² C + (1 − ρ²) C₀ (a stationary first-order drift). ρ = 1 has not changed, ρ = 0 is all new.
 """
 

@@ -1,4 +1,4 @@
-"""Second stage: the readings that cannot be, whatever the machine is like."""
+"""Second stage: the implausible readings, which cannot be right whatever the machine is like."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from axiscal.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.reading import Reading
 
 _LEARNABLE = 4.0
-"""So many times larger than stated an error may be where its std is to be learnt."""
+"""How many times larger than stated an error may be where its std is to be learnt."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Judged:
-    """plausibility : what readings may be after those judged; implausible : those that cannot be, by index from 0"""
+    """plausibility : what readings may be after those judged; implausible : by index from 0"""
 
     plausibility: Plausibility
     implausible: Mapping[int, Doubt]
@@ -32,7 +32,7 @@ class Judged:
 
 
 def judged(readings: Sequence[Reading], before: Judged) -> Judged:
-    """Return the readings that cannot be, each judged by those that came before it.
+    """Return the implausible readings, each judged by those that came before it.
 
     readings : all; before : the judgement of the first of them
     """
@@ -47,7 +47,7 @@ def judged(readings: Sequence[Reading], before: Judged) -> Judged:
 
 
 def judged_at_once(case: Case, readings: Sequence[Reading]) -> Judged:
-    """Return those that cannot be of readings that are all there are, the nearest to their middle judged first."""
+    """Return the implausible ones where no reading is to follow; those nearest to their middle are judged first."""
     order = nearest_first(readings)
     after = Judged.none(case).plausibility.after([readings[index] for index in order])
     most = limit(after.sizes)

@@ -21,7 +21,7 @@ UNDISPUTED = Verdict((), ())
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Learnt:
-    """case : with the scales as learnt; verdict : how much each reading counts that they were learnt from
+    """case : with the scales as learnt; verdict : how much each of the readings counts
 
     fit : the scales, None where none were learnt; count : number of readings that they were learnt from
     """

@@ -13,7 +13,7 @@ _ROUNDS = 12
 
 
 def located(learnt: Learnt, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
-    """Return what readings make known about the places of stations that they show, taken anew until these stay.
+    """Return what readings make known, with stations moved to the places that they show until these stay.
 
     A distance is linear about the place that its station is taken to be at, so a better place makes a better estimate.
     """

@@ -12,15 +12,15 @@ from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 
 _AHEAD = 64
-"""So many are taken before it is looked whether one of them surprises."""
+"""So many readings are taken in before they are searched for one that surprises."""
 _SURPRISING = 2.0
-"""Standard deviations from which a new reading makes all be looked at: one in twenty does by chance."""
+"""Standard deviations from which a new reading makes us weigh all again: one in twenty does by chance."""
 
 
 def reviewed(before: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
     """Return what is known after readings; where one surprises, how much each counts is found anew.
 
-    readings : all, the first of which are in what was known before
+    readings : all; the first of them are in what was known before
     """
     known, count = before, len(readings)
     while (start := len(known.innovations)) < count:
@@ -32,7 +32,7 @@ def reviewed(before: Absorbed, readings: Sequence[Reading], implausible: Mapping
 def _looked_at(known: Absorbed, start: int, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
     """Return the same, or what is known up to the first reading that changes how much another one counts.
 
-    start : so many readings have been looked at
+    start : how many readings have been looked at
     """
     for count in range(start + 1, len(known.innovations) + 1):
         if np.sqrt(known.innovations[count - 1].chi_square) < _SURPRISING:

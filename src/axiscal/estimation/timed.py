@@ -14,7 +14,7 @@ from axiscal.measurement.reading import Reading
 class Timed:
     """Readings with their times.
 
-    given : as they were recorded; readings : where no clock was looked at, with the time at which a plan has them
+    given : as they were recorded; readings : the same, with the time of the plan where no clock was read
     ends : (m,) seconds of machine time after each: mounting, travel, settling, reading
     """
 

@@ -26,7 +26,7 @@ def blocks(
 
 
 def _parts(case: Case, readings: Sequence[Reading]) -> Iterator[tuple[Case, int, int]]:
-    """Yield the case as it is after readings, and which, in parts through which it stays.
+    """Yield parts of the readings through which the case stays the same: the case, and from which to before which.
 
     It changes where a reading came from a side that its set-up does not allow.
     """

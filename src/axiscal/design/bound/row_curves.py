@@ -1,7 +1,7 @@
-"""The rows of a set-up as a sum of polynomial curves, one per axis, where they are that: no lever arms, no turning.
+"""The rows of a set-up as a sum of polynomial curves, one per axis, where they are one: no lever arms, no turning.
 
 On each interval between knots a row of a machine whose errors simply add up is a polynomial of one axis plus one of
-the next (B&H eq. 28-30). Whether it is, is looked at in poses all over the travels.
+the next (B&H eq. 28-30). Whether it is one is tried in poses all over the travels.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from axiscal.numerics import Array
 
 _MODERATE = 1e13
 _SPARE = 48
-"""So many columns may a factor have beyond its rows before it is made square again."""
+"""How many columns a factor may have beyond its rows before it is made square again."""
 
 
 class RankOne(NamedTuple):

@@ -43,8 +43,8 @@ def after_readings(known: DenseState, places: Places) -> DenseState:
     before = opened(known, places)
     rows, noise, _ = rows_at(before.observation, places)
     crossed = before.covariance @ rows.T
-    taken: Array = crossed @ np.linalg.inv(np.diag(noise) + rows @ crossed) @ crossed.T
-    return before._replace(covariance=before.covariance - taken)
+    lost: Array = crossed @ np.linalg.inv(np.diag(noise) + rows @ crossed) @ crossed.T
+    return before._replace(covariance=before.covariance - lost)
 
 
 def value(known: DenseState, gram: Gram) -> float:

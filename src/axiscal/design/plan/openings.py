@@ -20,7 +20,7 @@ _FRESH = 0.99
 
 
 class _Group(NamedTuple):
-    """Candidates that find out the same thing first.  columns : of the unknowns that it is"""
+    """Candidates that find out the same thing first.  columns : of the unknowns that make it up"""
 
     candidates: NDArray[np.intp]
     columns: NDArray[np.intp]

@@ -91,7 +91,7 @@ def make_plan(
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : seconds for climbing off the lattice
-    bounded : whether the lower bound is wanted; progress : told what is being done
+    bounded : whether the lower bound is wanted; progress : is given what is being done, in words
     """
     _refuse(task, limits)
     spent = Patience(patience)

@@ -1,8 +1,8 @@
 """The rest of a plan, renewed while measuring: from the readings that are still open, by what exchanges still help.
 
 Readings of linear instruments sharpen a belief by where they are taken, not by what they say: as long as each is taken
-where it was planned and is believed, the rest of a plan is still the plan. Otherwise it is begun with here, so that
-the renewed plan is no worse than the old one, and little has to be looked at.
+where it was planned and is believed, the rest of a plan is still the plan. Otherwise the search here begins with it, so
+that the renewed plan is no worse than the old one, and little has to be looked at.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ _LOOKED_AT = 400
 
 
 class _Sieve(NamedTuple):
-    """So many readings, if they gain at least this share of the best, go so many of Newton's steps on."""
+    """At most so many readings, each with at least this share of the best gain, go on by so many of Newton's steps."""
 
     most: int
     share: float
@@ -161,7 +161,7 @@ def _finalists(climbs: list[Climb]) -> list[Climb]:
 
 
 def _sifted(climb: Climb, stage: int, best: float) -> Climb:
-    """Return those that pass a sieve of their set-up, its Newton steps on."""
+    """Return those that pass a sieve of their set-up, moved on by its Newton steps."""
     sieves = _sieves(climb.scorer.observation, climb.setup)
     if stage >= len(sieves) or len(climb.moves) == 1:
         return climb

@@ -179,7 +179,7 @@ class Climb:
 
     def _move_best_axis(self) -> None:
         """Look along every axis exactly, and move the one that gains most."""
-        poses, gains, where = self.poses, np.full(len(self.poses), -np.inf), np.zeros(len(self.poses))
+        poses, gains, there = self.poses, np.full(len(self.poses), -np.inf), np.zeros(len(self.poses))
         which = np.zeros(len(self.poses), dtype=np.intp)
         continuous = [k for k in self.moves if not self._raster(k)]
         found = [(k, *self._on_raster(k)) for k in self.moves if self._raster(k)]
@@ -187,9 +187,9 @@ class Climb:
             found += self._exactly(continuous)
         for axis, position, gain in found:
             better = gain > gains
-            which[better], where[better], gains[better] = axis, position[better], gain[better]
+            which[better], there[better], gains[better] = axis, position[better], gain[better]
         better = gains > self.gains
-        poses[better, which[better]] = where[better]
+        poses[better, which[better]] = there[better]
         self.gains = np.where(better, gains, self.gains)
         for axis in self.moves:
             self._turn(axis)

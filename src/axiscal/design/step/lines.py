@@ -23,7 +23,7 @@ from axiscal.numerics.remembered import remembered
 _SAME = 1e-14
 _FOLLOWS = 1e-9
 _ROUNDING = 1e-12
-"""A lever of this size is none: m/rad, 1, or rad/rad."""
+"""A lever of this size counts as none: m/rad, 1, or rad/rad."""
 
 
 class _Own(NamedTuple):
@@ -124,7 +124,7 @@ class _Number:
 
 
 class SampledLines:
-    """The same where no such vectors tell the gain: the lever is another function of the axis, as for an instrument
+    """The same where no such vectors give the gain: the lever is another function of the axis, as for an instrument
     that looks towards a station, or feet stand aside of the position.
     """
 

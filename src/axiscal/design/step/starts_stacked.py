@@ -59,17 +59,17 @@ def adds_up(observation: Observation, setup: int) -> bool:
 
 
 def starts(scorer: Scorer, setup: int) -> Starts:
-    """Return the points of a fine lattice over a set-up that adds up which no neighbour beats."""
+    """Return the points that no neighbour beats on a fine lattice over a set-up that adds up."""
     stack = _stack(scorer.observation, setup)
     sizes = [len(grid.positions) for grid in stack.grids]
     above, below = stack.tables(scorer)
     if np.prod(sizes) <= _EVERY_POINT:
-        where, gains = peaks(above.everywhere() / below.everywhere())
+        points, gains = peaks(above.everywhere() / below.everywhere())
     else:
-        where, gains = _climbed(above, below, sizes)
-    poses = np.tile(np.array(scorer.observation.setups[setup].park), (len(where), 1))
+        points, gains = _climbed(above, below, sizes)
+    poses = np.tile(np.array(scorer.observation.setups[setup].park), (len(points), 1))
     approaches = np.zeros_like(poses)
-    for grid, index in zip(stack.grids, where.T, strict=True):
+    for grid, index in zip(stack.grids, points.T, strict=True):
         poses[:, grid.axis], approaches[:, grid.axis] = grid.positions[index], grid.signs[index]
     return Starts(poses, approaches, gains)
 
@@ -146,21 +146,21 @@ def peaks(gains: Array) -> tuple[NDArray[np.intp], Array]:
         along, covered = np.moveaxis(gains, axis, 0), np.moveaxis(beaten, axis, 0)
         covered[:-1] |= along[1:] > along[:-1]
         covered[1:] |= along[:-1] > along[1:]
-    where = np.argwhere(~beaten)
-    return where, gains[tuple(where.T)]
+    points = np.argwhere(~beaten)
+    return points, gains[tuple(points.T)]
 
 
 def _climbed(above: Pairs, below: Pairs, sizes: list[int]) -> tuple[NDArray[np.intp], Array]:
     """Return the lattice points that evenly spread starts reach, axis by axis, and their gains."""
-    where = (even_points(_CLIMBERS, len(sizes)) * sizes).astype(np.intp)
-    gains = np.zeros(len(where))
+    points = (even_points(_CLIMBERS, len(sizes)) * sizes).astype(np.intp)
+    gains = np.zeros(len(points))
     for _ in range(_SWEEPS):
         before = gains
         for axis in range(len(sizes)):
-            ratio = above.along(axis, where) / below.along(axis, where)
-            where[:, axis] = ratio.argmax(axis=1)
+            ratio = above.along(axis, points) / below.along(axis, points)
+            points[:, axis] = ratio.argmax(axis=1)
             gains = ratio.max(axis=1)
         if np.all(gains <= before * (1 + 1e-12)):
             break
-    _, first = np.unique(where, axis=0, return_index=True)
-    return where[first], gains[first]
+    _, first = np.unique(points, axis=0, return_index=True)
+    return points[first], gains[first]
