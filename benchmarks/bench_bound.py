@@ -103,7 +103,7 @@ def best_of_all(scores: Scores, readings: int, start: int = 0) -> float:
 def causes() -> None:
     """Print the ratio where the zeros of the set-ups are known, and where there are no rests."""
     problem = five_axis(2000)
-    machine = problem.observation.errors.machine
+    machine = problem.observation.machine
     bare = replace(machine, errors=tuple(replace(error, rest=None) for error in machine.errors))
     known = tuple(replace(setup, unknowns=()) for setup in problem.observation.setups)
     print("five axes, 2,000 candidates: what set-ups and rests do; root of J, um")

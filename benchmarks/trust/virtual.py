@@ -101,12 +101,10 @@ def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator
 def _curve(estimation: Estimation, index: int, machine: VirtualMachine) -> Array:
     """Return at 101 positions whether one error's band holds its truth."""
     wide = estimation.banded
-    function, belief = wide.case.errors.functions[index], wide.knowledge.belief
+    function = wide.case.errors.functions[index]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-    rows = function.basis.rows(positions)
-    variance = np.sum((rows @ belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
-    missed = machine.curves[index](positions) - rows @ belief.mean[function.columns]
-    held: Array = (np.abs(missed) <= BAND * np.sqrt(variance)).astype(float)
+    mean, std = wide.estimate.curve(function.name, positions)
+    held: Array = (np.abs(machine.curves[index](positions) - mean) <= BAND * std).astype(float)
     return held
 
 
@@ -157,8 +155,7 @@ def _shift(clean: Estimation, other: Estimation) -> float:
     """Return the largest distance between two estimates, in units of the second one's σ."""
     largest = 0.0
     for function in clean.case.errors.functions:
-        rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
-        std = np.sqrt(np.sum((rows @ other.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
-        moved = rows @ (other.knowledge.belief.mean[function.columns] - clean.knowledge.belief.mean[function.columns])
-        largest = max(largest, float(np.max(np.abs(moved) / std)))
+        positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
+        was, now = (each.estimate.curve(function.name, positions) for each in (clean, other))
+        largest = max(largest, float(np.max(np.abs(now.mean - was.mean) / now.std)))
     return largest

@@ -51,13 +51,13 @@ def random_case(generator: np.random.Generator) -> Case:
 def shortfall(case: Case, points: int) -> float:
     """Return by how much the best of an exhaustive lattice beats the chosen reading, as a share of its gain."""
     scorer = Scorer.of(case.observation, case.belief, case.root)
-    machine = case.observation.errors.machine
+    machine = case.observation.machine
     step = best_of(scorer, spread(machine, case.observation.setups, 1500))
     return max(float(gains.max()) for gains in _exhaustive(case, scorer, points)) / step.gain - 1
 
 
 def _exhaustive(case: Case, scorer: Scorer, points: int) -> list[Array]:
-    axes = case.observation.errors.machine.axes
+    axes = case.observation.machine.axes
     per_axis = round(points ** (1 / len(axes)))
     grid = np.meshgrid(*(np.linspace(*axis.travel, per_axis) for axis in axes), indexing="ij")
     poses = np.stack([g.ravel() for g in grid], axis=1)
@@ -99,7 +99,7 @@ def _setup(generator: np.random.Generator, machine: Machine) -> Setup:
 
 
 def _random_poses(generator: np.random.Generator, observation: Observation, count: int) -> tuple[Array, Array]:
-    axes = observation.errors.machine.axes
+    axes = observation.machine.axes
     low, high = np.array([axis.travel for axis in axes]).T
     poses = generator.uniform(low, high, (count, len(axes)))
     return poses, generator.choice([-1.0, 1.0], (count, len(axes)))

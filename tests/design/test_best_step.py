@@ -54,7 +54,7 @@ def test_lines_give_the_gain_of_every_pose_on_them(setup: int, axis: int) -> Non
     asked = read(levered(), generator, 6)
     scorer = Scorer.of(asked.observation, asked.belief, asked.root)
     poses, approaches = random_poses(asked, generator, 4)
-    positions = np.linspace(*asked.observation.errors.machine.axes[axis].travel, 37)
+    positions = np.linspace(*asked.observation.machine.axes[axis].travel, 37)
     lines = lines_along(scorer, setup, axis, poses, approaches)
     own = lines.forms(np.tile(positions, (4, 1)), np.arange(4))
     for together, apart in zip(lines.on(positions), own, strict=True):

@@ -91,7 +91,7 @@ def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
 def test_lines_bring_the_plain_gain(axis: int, nest: bool) -> None:
     asked = _asked(2, nest)
     poses, approaches = random_poses(asked, np.random.default_rng(axis), 1)
-    positions = np.linspace(*asked.observation.errors.machine.axes[axis].travel, 9)
+    positions = np.linspace(*asked.observation.machine.axes[axis].travel, 9)
     for setup in (0, 1):
         above, below = lines_along(asked.state.scorer(), setup, axis, poses, approaches).on(positions)
         line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))

@@ -50,7 +50,7 @@ def test_readings_that_cost_differently_and_points_off_the_lattice() -> None:
 def test_what_few_readings_must_leave() -> None:
     asked = splines(3, 7, 1e-9, 400)
     state = asked.state
-    lattice = spread(asked.observation.errors.machine, asked.observation.setups, 5)
+    lattice = spread(asked.observation.machine, asked.observation.setups, 5)
     value = state.after_readings(lattice).value
     assert rank_bound(state, 5) <= value * (1 + 1e-12)
     assert rank_bound(state, 0) == pytest.approx(state.value)

@@ -32,7 +32,7 @@ def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
     assert asked.state.after_readings(found).value < 0.98 * asked.state.after_readings(places).value
     np.testing.assert_array_equal(found.setups, places.setups)
     np.testing.assert_array_equal(found.approaches, places.approaches)
-    for axis, at in zip(asked.observation.errors.machine.axes, found.poses.T, strict=True):
+    for axis, at in zip(asked.observation.machine.axes, found.poses.T, strict=True):
         assert np.all((axis.travel[0] <= at) & (at <= axis.travel[1]))
 
 
@@ -46,7 +46,7 @@ def test_seven_readings_on_seven_knots_find_their_places() -> None:
 @pytest.mark.parametrize("instrument", ["indicator", "rtest"])
 def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
     asked = levered(50, reversal=False)
-    machine = asked.observation.errors.machine
+    machine = asked.observation.machine
     bare = replace(machine, errors=tuple(replace(e, rest=None) for e in machine.errors))
     setups = asked.observation.setups
     if instrument == "rtest":

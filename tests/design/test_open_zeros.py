@@ -27,7 +27,7 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
     first, second = asked.observation.setups
     first = replace(first, instrument=instrument, unknowns=tuple(Unknown(name, std) for name in names))
     second = replace(second, unknowns=(Unknown("zero", 2 * std),))
-    return problem(asked.observation.errors.machine, (first, second), candidates)
+    return problem(asked.observation.machine, (first, second), candidates)
 
 
 @pytest.mark.parametrize("std", [1e-6, 3e-5, 1e-3])

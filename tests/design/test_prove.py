@@ -88,7 +88,7 @@ def test_a_reading_of_three_values_counts_three_times() -> None:
     asked = plates()
     (first, second), zeros = asked.observation.setups, tuple(Unknown(f"zero_{a}", 1e-4) for a in "xyz")
     nest = replace(first, instrument="rtest", unknowns=zeros)
-    asked = problem(asked.observation.errors.machine, (nest, second), 300)
+    asked = problem(asked.observation.machine, (nest, second), 300)
     plan = make_plan(asked, Limits(readings=4), bounded=False)
     bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
     assert 0.3 * plan.value < bound <= plan.value

@@ -43,7 +43,7 @@ def worth(asked: Task, places: Places) -> float:
 
 def way(asked: Task, places: Places) -> float:
     """Return the seconds of readings in this order, one after the other."""
-    machine, before, seconds = asked.observation.errors.machine, asked.here, 0.0
+    machine, before, seconds = asked.observation.machine, asked.here, 0.0
     for place in map(places.at, range(len(places))):
         setup = asked.observation.setups[place.setups[0]]
         if before is None or before.setups[0] != place.setups[0]:

@@ -127,7 +127,7 @@ def test_lines_of_three_values_are_their_gains(axis: int) -> None:
     asked, rng = mixed(50, (0,)), np.random.default_rng(axis)
     scorer = asked.state.scorer()
     poses, approaches = random_poses(asked, rng, 3)
-    positions = np.linspace(*asked.observation.errors.machine.axes[axis].travel, 23)
+    positions = np.linspace(*asked.observation.machine.axes[axis].travel, 23)
     above, below = lines_along(scorer, 0, axis, poses, approaches).on(positions)
     start = asked.state.value
     for line in range(3):

@@ -69,7 +69,7 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
 
 def random_poses(asked: Task, generator: np.random.Generator, count: int) -> tuple[Array, Array]:
     """Return poses and approaches anywhere in the travels, each (count, axes)."""
-    low, high = np.array([axis.travel for axis in asked.observation.errors.machine.axes]).T
+    low, high = np.array([axis.travel for axis in asked.observation.machine.axes]).T
     return generator.uniform(low, high, (count, len(low))), generator.choice([-1.0, 1.0], (count, len(low)))
 
 

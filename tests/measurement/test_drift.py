@@ -110,10 +110,8 @@ def _covered(estimation: Estimation, machine: VirtualMachine) -> float:
     held = []
     for function, curve in zip(estimation.case.errors.functions, machine.curves, strict=True):
         positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-        rows = function.basis.rows(positions)
-        variance = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2
-        missed = curve(positions) - rows @ estimation.knowledge.belief.mean[function.columns]
-        held.append(np.abs(missed) <= 1.96 * np.sqrt(variance))
+        mean, std = estimation.estimate.curve(function.name, positions)
+        held.append(np.abs(curve(positions) - mean) <= 1.96 * std)
     return float(np.mean(np.concatenate(held)))
 
 

@@ -22,7 +22,7 @@ def test_what_a_display_rounds_off_counts_at_once() -> None:
 
 def test_a_simulated_display_shows_whole_steps() -> None:
     observation = observed('resolution = "5 um"\nunknowns = {}')
-    machine, rng = Simulator(observation.errors.machine, observation.setups).drawn(1), np.random.default_rng(0)
+    machine, rng = Simulator(observation.machine, observation.setups).drawn(1), np.random.default_rng(0)
     shown = np.array([machine.read(observation.setups[0], (x,), (1,), rng) for x in np.linspace(0, 1, 20)])
     assert np.ptp(shown) > 5e-6
     assert np.round(shown / 5e-6) * 5e-6 == pytest.approx(shown, abs=1e-15)

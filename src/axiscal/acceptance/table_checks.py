@@ -217,8 +217,7 @@ def _at(estimate: Estimate, part: Part, over: int | None) -> tuple[float, ...]:
 
 
 def _ways(setup: Setup, part: Part) -> tuple[int, ...]:
-    given = {"both": (1, -1), "+": (1,), "-": (-1,)}[setup.approach]
-    return given if part.both else given[:1]
+    return setup.sides if part.both else setup.sides[:1]
 
 
 def _place(
@@ -232,7 +231,7 @@ def _place(
     options += [_posed(estimate, setup, over, target + share * (middle - target), 0.5) for share in (0.15, 0.3)]
     pose = next((one for one in options if _fresh(estimate.machine, index, one, used)), first)
     sides = np.zeros(len(pose))
-    sides[list(setup.moves)] = -1.0 if setup.approach == "-" else 1.0
+    sides[list(setup.moves)] = setup.sides[0]
     sides[over] = way
     return pose, sides
 

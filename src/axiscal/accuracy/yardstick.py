@@ -133,7 +133,7 @@ class Yardstick:
     @cached_property
     def _poses(self) -> tuple[Array, Array]:
         poses = self._places
-        if not any(f.kind == "reversal" for f in self.errors.functions):
+        if not self.errors.reversing:
             return poses, np.ones_like(poses)
         return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
 

@@ -100,6 +100,11 @@ class ErrorModel:
         """The functions by name."""
         return {function.name: function for function in self.functions}
 
+    @cached_property
+    def reversing(self) -> frozenset[int]:
+        """The axes that have a reversal: what is seen there depends on the side from which they come."""
+        return frozenset(function.axis for function in self.functions if function.kind == "reversal")
+
     def levers(self, poses: Array) -> Array:
         """Return the TCP deviation per unit of each function, (functions, m, 3), m or m/rad.  poses : (m, q)."""
         shape = (len(self.functions), len(poses), 3)

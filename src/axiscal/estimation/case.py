@@ -192,9 +192,9 @@ class Case:
     def came_as_allowed(self, reading: Reading) -> bool:
         """Whether the moving axes came from sides that the set-up allows, where they have a reversal to show."""
         setup = self.description.setup(reading.setup)
-        sides = {"both": (1, -1), "+": (1,), "-": (-1,)}["both" if setup.name in self.both else setup.approach]
-        reverses = {function.axis for function in self.errors.functions if function.kind == "reversal"}
-        return all(reading.approach[k] in sides for k in setup.sided(self.errors.machine.axes) if k in reverses)
+        sides = (1, -1) if setup.name in self.both else setup.sides
+        sided, reversing = setup.sided(self.errors.machine.axes), self.errors.reversing
+        return all(reading.approach[k] in sides for k in sided if k in reversing)
 
     def _allowed_rows(self) -> Array:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""

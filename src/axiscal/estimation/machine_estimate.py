@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,13 @@ from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _SILENT = 0.95
+
+
+class Band(NamedTuple):
+    """mean, std : (m,) m or rad, the standard deviation with what no spline follows."""
+
+    mean: Array
+    std: Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,6 +56,13 @@ class Estimate:
     def factor(self) -> Array:
         """F (size, n) with F Fᵀ the posterior covariance of the machine's coefficients."""
         return self.belief.factor[: self.model.size]
+
+    def curve(self, name: str, positions: Array) -> Band:
+        """Return an error at positions of its axis, m or rad."""
+        function = self.model.names[name]
+        rows = function.basis.rows(positions)
+        variances = np.sum((rows @ self.factor[function.columns]) ** 2, axis=1) + function.rest**2
+        return Band(rows @ self.mean[function.columns], np.sqrt(variances))
 
     def sees(self, rows: Array) -> bool:
         """Return whether the readings say anything of the shape of a deviation, its mean taken off.  rows : (m, size)

@@ -57,7 +57,7 @@ class Evidence:
         self._noise, self._std_stated = numbers.noise, numbers.std_stated
         self._owners = [readings[int(i)].setup for i in numbers.reading]
         self._functions = observation.errors.functions
-        self._entries = {entry.name: entry for entry in observation.errors.machine.errors}
+        self._entries = {entry.name: entry for entry in observation.machine.errors}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""

@@ -117,7 +117,7 @@ class Plausibility:
         wide, turned = (sum(u.std**2 for u in setup.unknowns if u.name in names) for names in (SHIFTS, TURNS))
         if not turned:
             return float((wide / (2 * _NEAREST)) ** 2)
-        place = frames(self.observation.errors.machine, np.array([reading.pose])).tcp[0]
+        place = frames(self.observation.machine, np.array([reading.pose])).tcp[0]
         away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
         return float((turned * away / 2) ** 2)
 

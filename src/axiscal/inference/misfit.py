@@ -52,7 +52,7 @@ def misfits(observation: Observation, readings: Sequence[Reading]) -> tuple[Misf
     if len(readings) < FEWEST:
         return ()
     sample = drawn(readings, _MOST)
-    scales = all_scales(observation.errors.machine, observation.setups)
+    scales = all_scales(observation.machine, observation.setups)
     evidence = Evidence(observation, sample, scales)
     logs = roughly(evidence, scales)
     found = Scales(scales, tuple(np.exp(logs)))

@@ -9,13 +9,14 @@ mean, std = curve([0.1, 0.2])
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from axiscal.belief import Belief
 from axiscal.error_model.prior import matern52
+from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ShapeError
 from axiscal.library.drawn_line import DrawnLine
 from axiscal.library.quantity import Quantity, si
@@ -30,13 +31,6 @@ _DEGREE = 6
 _NINETY_FIVE = 1.96
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
-
-
-class Band(NamedTuple):
-    """mean, std : (m,) m or rad, the standard deviation with what no spline follows."""
-
-    mean: Array
-    std: Array
 
 
 class Curve:

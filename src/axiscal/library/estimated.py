@@ -17,10 +17,11 @@ from axiscal.error_model.model import ErrorFunction
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.prediction import tcp_prediction
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
-from axiscal.library.curve import Band, Curve
+from axiscal.library.curve import Curve
 from axiscal.library.html import html_table
 from axiscal.library.measured_case import Case
 from axiscal.library.quantity import Quantity, si

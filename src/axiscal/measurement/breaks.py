@@ -38,7 +38,7 @@ def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[i
     are squares, and products of as many as a reading has numbers.
     """
     times = INSTRUMENTS[observation.setups[setup].instrument].values
-    if not observation.errors.machine.axes[axis].rotary:
+    if not observation.machine.axes[axis].rotary:
         angular = any(f.angular for f in observation.errors.functions)
         return times * (8 if angular else 6), 0.0
     return 6 * times, 2 * times * float(np.max(np.diff(breaks_along(observation, axis, setup))))
@@ -51,7 +51,7 @@ def _knots(observation: Observation, axis: int) -> list[Array]:
 def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:
     """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
     mounted, shifts = observation.setups[setup], np.zeros(1)
-    low, high = mounted.span(observation.errors.machine.axes[axis], axis)
+    low, high = mounted.span(observation.machine.axes[axis], axis)
     if mounted.base and axis in mounted.moves:
         shifts = np.array([foot.shift for foot in feet(mounted.base)])
     everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - shifts)

@@ -36,8 +36,7 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
 
 def _approaches(machine: Machine, setup: Setup, positive: NDArray[np.bool_]) -> Array:
     result = np.zeros((len(positive), len(machine.axes)))
-    signs = {"both": np.where(positive, 1.0, -1.0), "+": np.ones(positive.shape), "-": -np.ones(positive.shape)}
-    result[:, list(setup.moves)] = signs[setup.approach]
+    result[:, list(setup.moves)] = np.where(positive, setup.sides[0], setup.sides[-1])
     return result
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorModel
+from axiscal.machine.description import Machine
 from axiscal.measurement.cells import Cell, RestEffect, add_rest, cell_columns, rest_effects
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
@@ -56,6 +57,11 @@ class Observation:
     setups: tuple[Setup, ...]
     cells: Mapping[Cell, int] = field(default_factory=lambda: MappingProxyType({}))
     courses: Mapping[Zero, Course] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def machine(self) -> Machine:
+        """The machine that is read."""
+        return self.errors.machine
 
     @property
     def size(self) -> int:

@@ -104,6 +104,11 @@ class Setup:
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
 
     @property
+    def sides(self) -> tuple[int, ...]:
+        """The directions from which a moving axis may come, +1 and −1; the usual one first."""
+        return {"both": (1, -1), "+": (1,), "-": (-1,)}[self.approach]
+
+    @property
     def rounding(self) -> float:
         """Standard deviation of what the display rounds off, q/√12, m or rad (GUM F.2.2.1)."""
         return self.resolution / math.sqrt(12.0)

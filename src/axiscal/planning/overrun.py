@@ -26,11 +26,10 @@ def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) 
     """
     if setup.chart is not None:  # its places are come to with room, and lie where the chart has them
         return pose, approach
-    reverses = {function.axis for function in errors.functions if function.kind == "reversal"}
     at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
     for k, axis in enumerate(errors.machine.axes):
         place = _with_room(axis, at[k], approach[k], setup.raster[k])
-        if place != at[k] and k in reverses:
+        if place != at[k] and k in errors.reversing:
             at[k] = place
         elif place != at[k]:
             come[k] = 0

@@ -119,12 +119,11 @@ def _line(case: Case, setup: Setup, axis: int, count: int) -> list[Reading]:
     middle = [sum(a.travel) / 2 if k in setup.moves else setup.park[k] for k, a in enumerate(case.errors.machine.axes)]
     low, high = setup.span(moved, axis)
     step = (high - low) / max(count, 1)
-    side = -1 if setup.approach == "-" else 1
     readings = []
     for i in range(count):
         pose = list(middle)
         pose[axis] = low + (i + 0.5) * step
-        approach = tuple((side if k in setup.moves else 0) for k in range(len(pose)))
+        approach = tuple((setup.sides[0] if k in setup.moves else 0) for k in range(len(pose)))
         others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
         readings.append(Reading(setup.name, tuple(pose), approach, 0.0, others=others))
     return readings

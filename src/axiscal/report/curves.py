@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,23 +45,22 @@ def _curve(
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
-    whole, seen = _spread(estimation, function, rows)
-    before = estimation.case.prior.factor[function.columns]
-    prior = np.sqrt(np.sum((rows @ before) ** 2, axis=1) + function.rest**2)
+    now, seen = estimation.estimate.curve(function.name, positions), _seen_std(estimation, function, rows)
+    prior = replace(estimation.estimate, belief=estimation.case.prior).curve(function.name, positions).std
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
         name=function.name,
         axis=axis.name,
         caption=words(function.name) + _turned(axis),
         position=shown,
-        mean=to_unit(rows @ estimation.knowledge.belief.mean[function.columns], unit).tolist(),
-        std=to_unit(whole, unit).tolist(),
+        mean=to_unit(now.mean, unit).tolist(),
+        std=to_unit(now.std, unit).tolist(),
         std_seen=to_unit(seen, unit).tolist(),
         prior_std=to_unit(prior, unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
-        from_readings=float(np.clip(1.0 - np.sum(whole**2) / np.sum(prior**2), 0.0, 1.0)),
+        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
         points=[part.point(estimation, function) for part in parts if part.bears_on(function)],
     )
 
@@ -73,12 +72,12 @@ def _turned(axis: Axis) -> str:
     return f"; {axis.name} carries the workpiece: readings show this with the other sign"
 
 
-def _spread(estimation: Estimation, function: ErrorFunction, rows: Array) -> tuple[Array, Array]:
-    """Return the whole standard deviation, and the one without what no allowed reading sees."""
+def _seen_std(estimation: Estimation, function: ErrorFunction, rows: Array) -> Array:
+    """Return the standard deviation without what no allowed reading sees."""
     known = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1)
     hidden = np.sum((rows @ estimation.case.yardstick.unseen[function.columns]) ** 2, axis=1)
-    rest = function.rest**2
-    return np.sqrt(known + rest), np.sqrt(np.maximum(known - hidden, 0.0) + rest)
+    std: Array = np.sqrt(np.maximum(known - hidden, 0.0) + function.rest**2)
+    return std
 
 
 def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:

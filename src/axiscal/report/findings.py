@@ -204,9 +204,8 @@ def _drift(estimation: Estimation) -> Iterator[Finding]:
 
 def _side_known(reading: Reading, problem: Case) -> bool:
     """Whether what a reading repeats is not another side of a reversal."""
-    reverses = {function.axis for function in problem.errors.functions if function.kind == "reversal"}
     moves = problem.description.setup(reading.setup).moves
-    return all(reading.approach[axis] != 0 for axis in reverses.intersection(moves))
+    return all(reading.approach[axis] != 0 for axis in problem.errors.reversing.intersection(moves))
 
 
 def _stated_drift(estimation: Estimation, setup: Setup) -> str:

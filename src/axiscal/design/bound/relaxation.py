@@ -121,7 +121,7 @@ class Relaxation:
         order = np.argsort(-slopes, kind="stable")[: 20 * _ADDED]
         order = order[(slopes[order] > level * (1 + 1e-6)) & ~np.isin(order, support) & (order < len(self.pool))]
         lattice = self.pool.lattice
-        spans = np.array([axis.length for axis in self.state.observation.errors.machine.axes])
+        spans = np.array([axis.length for axis in self.state.observation.machine.axes])
         chosen: list[int] = []
         for i in order:
             here = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]

@@ -73,7 +73,7 @@ def _degree(observation: Observation, setup: int) -> int:
 
 
 def _why(observation: Observation, mounted: Setup) -> str:
-    machine = observation.errors.machine
+    machine = observation.machine
     turning = [machine.axes[k].name for k in mounted.moves if machine.axes[k].rotary]
     if turning:
         return f"{' and '.join(turning)} {'turns' if len(turning) == 1 else 'turn'}"
@@ -86,7 +86,7 @@ def _why(observation: Observation, mounted: Setup) -> str:
 
 def _holds(observation: Observation, setup: int, side: Array, degree: int) -> bool:
     """Whether the sums are the rows, in poses all over the travels."""
-    mounted, axes = observation.setups[setup], observation.errors.machine.axes
+    mounted, axes = observation.setups[setup], observation.machine.axes
     poses = np.tile(np.array(mounted.park), (_LOOKS, 1))
     for axis, share in zip(mounted.moves, even_points(_LOOKS, len(mounted.moves)).T, strict=True):
         low, high = mounted.span(axes[axis], axis)

@@ -66,7 +66,7 @@ def moved(state: Covariance, places: Places) -> Places:
 
 
 def _free(state: Covariance, places: Places) -> _Free:
-    axes, setups = state.observation.errors.machine.axes, state.observation.setups
+    axes, setups = state.observation.machine.axes, state.observation.setups
     free = [
         (i, k, *setups[setup].span(axes[k], k))
         for i, setup in enumerate(places.setups.tolist())

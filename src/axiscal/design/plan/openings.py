@@ -44,9 +44,7 @@ def _groups(scores: Scores, setup: int) -> Iterator[_Group]:
         if len(columns) and len(mine):
             yield _Group(mine, columns)
         return
-    at = mounted.artefact.nearest(
-        frames(scores.state.observation.errors.machine, lattice.poses[mine]).tcp, mounted.balls
-    )
+    at = mounted.artefact.nearest(frames(scores.state.observation.machine, lattice.poses[mine]).tcp, mounted.balls)
     for ball in mounted.balls:
         if np.any(at == ball):
             yield _Group(mine[at == ball], columns[_of_ball(mounted, mounted.artefact.balls[ball].name)])
@@ -60,7 +58,7 @@ def _near_home(scores: Scores, group: _Group) -> int:
     """Return the candidate nearest to where the axes are parked; on a chart linear axes follow, and do not count."""
     lattice, observation = scores.pool.lattice, scores.state.observation
     setup = observation.setups[int(lattice.setups[group.candidates[0]])]
-    axes = observation.errors.machine.axes
+    axes = observation.machine.axes
     counted = [k for k, axis in enumerate(axes) if setup.chart is None or axis.rotary]
     spans = np.array([axes[k].length for k in counted])
     away = (lattice.poses[group.candidates][:, counted] - np.array(setup.park)[counted]) / spans

@@ -30,7 +30,7 @@ def seconds_each(task: Task, order: Places) -> Array:
     """
     setups = task.observation.setups
     stays, start = _before(task, order)
-    ways = approach_seconds(task.observation.errors.machine, start, order.poses, counting(task, order))
+    ways = approach_seconds(task.observation.machine, start, order.poses, counting(task, order))
     mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
     seconds: Array = np.where(stays, ways, mounting) + reading
     return seconds
@@ -45,10 +45,10 @@ def _before(task: Task, order: Places) -> tuple[NDArray[np.bool_], Array]:
 
 def counting(task: Task, places: Places) -> Array:
     """Return the approaches of readings, (m, q), 0 for axes on which no direction is asked for and none matters."""
-    axes = range(len(task.observation.errors.machine.axes))
-    reverses = {f.axis for f in task.observation.errors.functions if f.kind == "reversal"}
+    axes = range(len(task.observation.machine.axes))
+    reverses = task.observation.errors.reversing
     setups = task.observation.setups
-    counts = [[k in s.moves and (s.approach != "both" or k in reverses) for k in axes] for s in setups]
+    counts = [[k in s.moves and (len(s.sides) == 1 or k in reverses) for k in axes] for s in setups]
     return np.where(np.array(counts)[places.setups], places.approaches, 0.0)
 
 
@@ -83,7 +83,7 @@ def _on_a_short_way(task: Task, places: Places) -> Places:
     """Return the readings of one set-up on a short way, from where the machine stands if it is mounted."""
     if len(places) < 2:
         return places
-    machine, approaches, first = task.observation.errors.machine, counting(task, places), None
+    machine, approaches, first = task.observation.machine, counting(task, places), None
     if task.here is not None and task.here.setups[0] == places.setups[0]:
         first = approach_seconds(machine, task.here.poses[0], places.poses, approaches)
     return places.within(np.array(route(travel_table(machine, places.poses, approaches), first), dtype=np.intp))
@@ -97,6 +97,6 @@ def arriving(task: Task, order: Places) -> Array:
     counted = counting(task, order)
     stays, start = _before(task, order)
     way = order.poses - start
-    overrun = np.array([axis.overrun for axis in task.observation.errors.machine.axes])
+    overrun = np.array([axis.overrun for axis in task.observation.machine.axes])
     travel = np.sign(way) * (np.abs(way) >= overrun) * (order.approaches != 0)
     return np.where(stays[:, None], np.where(counted != 0, counted, travel), order.approaches)

@@ -17,14 +17,14 @@ Counts = list[tuple[int, int]]
 
 def space_filling(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, spread over everything that may move."""
-    machine, setups = task.observation.errors.machine, task.observation.setups
+    machine, setups = task.observation.machine, task.observation.setups
     parts = [(index, count, spread(machine, (setups[index],), max(count, 2))) for index, count in counts]
     return Places.joined([Places.of_setup(i, part.poses[:count], part.approaches[:count]) for i, count, part in parts])
 
 
 def evenly_spaced(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, the usual way: one axis at a time from end to end, the others parked."""
-    machine, setups = task.observation.errors.machine, task.observation.setups
+    machine, setups = task.observation.machine, task.observation.setups
     parts = [
         Places.of_setup(i, *_axis_by_axis(machine, setups[i], count))
         if setups[i].chart is None
@@ -52,7 +52,5 @@ def _line(machine: Machine, setup: Setup, axis: int, count: int) -> Array:
 def _approaches(setup: Setup, numbers: Array) -> Array:
     """Return the approaches (m, q) of readings by their numbers (m,); where both sides are allowed they take turns."""
     result = np.zeros((len(numbers), len(setup.park)))
-    turns = np.where(numbers % 2 == 0, 1.0, -1.0)
-    signs = {"+": np.ones(len(numbers)), "-": -np.ones(len(numbers)), "both": turns}
-    result[:, list(setup.moves)] = signs[setup.approach][:, None]
+    result[:, list(setup.moves)] = np.where(numbers % 2 == 0, setup.sides[0], setup.sides[-1])[:, None]
     return result

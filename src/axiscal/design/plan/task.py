@@ -84,7 +84,7 @@ class Clock(NamedTuple):
 
 def clock(task: Task) -> Clock:
     """Return what set-ups and readings take; the way is that between a few evenly spread readings."""
-    machine, setups = task.observation.errors.machine, task.observation.setups
+    machine, setups = task.observation.machine, task.observation.setups
     mounted = None if task.here is None else task.here.setups[0]
     mounting = [0.0 if i == mounted else s.setup_time for i, s in enumerate(setups)]
     readings = []

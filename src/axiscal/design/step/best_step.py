@@ -128,7 +128,7 @@ def _prepared(scorer: Scorer, setup: int) -> Climb:
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
     mounted = scorer.observation.setups[setup]
-    signs = np.array({"both": [1.0, -1.0], "+": [1.0], "-": [-1.0]}[mounted.approach])
+    signs = np.array(mounted.sides, dtype=float)
     poses = np.tile(np.array(mounted.park), (len(signs), 1))
     approaches = np.zeros_like(poses)
     approaches[:, list(mounted.moves)] = signs[:, None]

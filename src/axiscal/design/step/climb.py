@@ -56,7 +56,7 @@ class Climb:
 
     def scattered(self, count: int, apart: float) -> Climb:
         """Return the best, no two of them closer than a share of every travel.  apart : share"""
-        spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
+        spans = np.array([axis.length for axis in self.scorer.observation.machine.axes])
         order = np.argsort(-self.gains, kind="stable")
         chosen = np.zeros(len(order), dtype=bool)
         for i in order:
@@ -66,7 +66,7 @@ class Climb:
 
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
-        spans = np.array([axis.length for axis in self.scorer.observation.errors.machine.axes])
+        spans = np.array([axis.length for axis in self.scorer.observation.machine.axes])
         order = np.argsort(-self.gains, kind="stable")
         poses, approaches = self.poses[order] / spans, self.approaches[order]
         near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(
@@ -106,7 +106,7 @@ class Climb:
         if not axes or not len(self.poses):
             return
         observation = self.scorer.observation
-        mounted, machine = observation.setups[self.setup], observation.errors.machine
+        mounted, machine = observation.setups[self.setup], observation.machine
         ends = np.array([mounted.span(machine.axes[k], k) for k in axes])
         going = np.arange(len(self.poses))
         for _ in range(steps):
@@ -157,8 +157,7 @@ class Climb:
     def _turn(self, axis: int) -> None:
         """Approach from the other side where that gains more."""
         observation = self.scorer.observation
-        reverses = any(f.kind == "reversal" and f.axis == axis for f in observation.errors.functions)
-        if observation.setups[self.setup].approach != "both" or not reverses:
+        if len(observation.setups[self.setup].sides) == 1 or axis not in observation.errors.reversing:
             return
         other = self.approaches.copy()
         other[:, axis] *= -1
@@ -172,7 +171,7 @@ class Climb:
 
     def _positions(self, axis: int) -> Array:
         observation = self.scorer.observation
-        mounted, machine = observation.setups[self.setup], observation.errors.machine
+        mounted, machine = observation.setups[self.setup], observation.machine
         if mounted.raster[axis] > 0:
             return raster_positions(machine, mounted, axis)
         return knot_lattice(observation, self.setup, axis, _INNER)

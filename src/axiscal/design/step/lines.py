@@ -162,7 +162,7 @@ def _straight(observation: Observation, setup: int, axis: int) -> bool:
 
 def _follows(observation: Observation, setup: int, axis: int, direction: Array | None) -> bool:
     nodes = _nodes(observation, axis)
-    low, high = observation.errors.machine.axes[axis].travel
+    low, high = observation.machine.axes[axis].travel
     probes = low + (high - low) * np.array([0.31, 0.83])
     poses = np.tile(np.array(observation.setups[setup].park), (len(nodes) + 2, 1))
     poses[:, axis] = np.concatenate([nodes, probes])
@@ -176,7 +176,7 @@ def _follows(observation: Observation, setup: int, axis: int, direction: Array |
 def _levers(observation: Observation, axis: int, positions: Array) -> Array:
     """Return λ(t), (p, levers): 1 at its own node, 0 at the others."""
     nodes = _nodes(observation, axis)
-    if observation.errors.machine.axes[axis].rotary:
+    if observation.machine.axes[axis].rotary:
         turned: Array = (1 + 2 * np.cos(positions[:, None] - nodes)) / 3
         return turned
     share = (positions - nodes[0]) / (nodes[1] - nodes[0])
@@ -185,8 +185,8 @@ def _levers(observation: Observation, axis: int, positions: Array) -> Array:
 
 def _nodes(observation: Observation, axis: int) -> Array:
     """Return positions at which the levers are sampled: two on a linear axis, three around a rotary one."""
-    low, high = observation.errors.machine.axes[axis].travel
-    if observation.errors.machine.axes[axis].rotary:
+    low, high = observation.machine.axes[axis].travel
+    if observation.machine.axes[axis].rotary:
         around: Array = (low + high) / 2 + 2 * np.pi / 3 * np.array([-1.0, 0.0, 1.0])
         return around
     return np.array([low, high])

@@ -49,7 +49,7 @@ def adds_up(observation: Observation, setup: int) -> bool:
     park = np.array(observation.setups[setup].park)
     poses = np.tile(park, (_LOOKS, len(moves) + 1, 1))
     for i, share in enumerate(even_points(_LOOKS, len(moves)).T):
-        axis = observation.errors.machine.axes[moves[i]]
+        axis = observation.machine.axes[moves[i]]
         poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
     flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
     rows = observation.rows(setup, flat, np.zeros_like(flat)).rows
@@ -118,10 +118,8 @@ def _stack(observation: Observation, setup: int) -> _Stack:
 def _grid(observation: Observation, setup: int, axis: int, parked: Array, variance: float) -> _Grid:
     mounted = observation.setups[setup]
     positions = _positions(observation, setup, axis)
-    signs = np.full(len(positions), -1.0 if mounted.approach == "-" else 1.0)
-    if mounted.approach == "both" and any(
-        f.kind == "reversal" and f.axis == axis for f in observation.errors.functions
-    ):
+    signs = np.full(len(positions), float(mounted.sides[0]))
+    if len(mounted.sides) > 1 and axis in observation.errors.reversing:
         positions, signs = np.tile(positions, 2), np.concatenate([signs, -signs])
     poses = np.tile(np.array(mounted.park), (len(positions), 1))
     approaches = np.zeros_like(poses)
@@ -135,7 +133,7 @@ def _grid(observation: Observation, setup: int, axis: int, parked: Array, varian
 def _positions(observation: Observation, setup: int, axis: int) -> Array:
     mounted = observation.setups[setup]
     if mounted.raster[axis] > 0:
-        return raster_positions(observation.errors.machine, mounted, axis)
+        return raster_positions(observation.machine, mounted, axis)
     return knot_lattice(observation, setup, axis, _PER_INTERVAL)
 
 

@@ -28,9 +28,9 @@ def sides(observation: Observation, setup: int) -> list[Array]:
     """Return the approaches (q,) that differ in what a reading sees."""
     mounted = observation.setups[setup]
     usual = np.zeros(len(mounted.park))
-    usual[list(mounted.moves)] = -1.0 if mounted.approach == "-" else 1.0
-    reverses = {f.axis for f in observation.errors.functions if f.kind == "reversal"} & set(mounted.moves)
-    if mounted.approach != "both" or not reverses:
+    usual[list(mounted.moves)] = mounted.sides[0]
+    reverses = observation.errors.reversing & set(mounted.moves)
+    if len(mounted.sides) == 1 or not reverses:
         return [usual]
     flipped = []
     for signs in itertools.product([1.0, -1.0], repeat=len(reverses)):
@@ -59,7 +59,7 @@ def _from_side(scorer: Scorer, setup: int, approach: Array) -> tuple[Array, Arra
 
 def _lattice(scorer: Scorer, setup: int) -> list[Array]:
     observation = scorer.observation
-    mounted, machine = observation.setups[setup], observation.errors.machine
+    mounted, machine = observation.setups[setup], observation.machine
     for parts in range(_FINEST, 0, -1):
         positions = [
             raster_positions(machine, mounted, k)
