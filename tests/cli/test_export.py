@@ -53,12 +53,25 @@ def test_files_are_written_with_a_note(
     assert (out / "README.txt").read_text() == said["readme"]
 
 
+def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:
+    given = ["--spacing", "X=25 mm", "--spacing", "Y=50 mm"]
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path), *given]) == 0
+    rows = {axis: (tmp_path / f"{axis}.comp").read_text().splitlines() for axis in "XY"}
+    assert [float(row.split()[0]) for row in rows["X"]] == [25.0 * i for i in range(13)]
+    assert [float(row.split()[0]) for row in rows["Y"]] == [50.0 * i for i in range(5)]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--to", "knitting"], "is not a controller that tables can be made for"),
         (["--to", "linuxcnc", "--spacing", "7 mm"], "7 mm does not divide the 300 mm of X"),
         (["--to", "linuxcnc", "--spacing", "7"], "no unit"),
+        (["--to", "linuxcnc", "--spacing", "X=7 mm"], "7 mm does not divide the 300 mm of X"),
+        (["--to", "linuxcnc", "--spacing", "X=7 deg"], '"7 deg" is an angle'),
+        (["--to", "linuxcnc", "--spacing", "Q=5 mm"], 'no axis "Q"'),
+        (["--to", "linuxcnc", "--spacing", "X=5 mm", "--spacing", "X=10 mm"], "the spacing of X is given twice"),
+        (["--to", "linuxcnc", "--spacing", "5 mm", "--spacing", "X=10 mm"], "for all linear axes and for some"),
         (["--to", "linuxcnc", "--spacing", "-5 mm"], "above zero"),
         (["--to", "linuxcnc", "--number", "X:1"], "is not AXIS=N"),
         (["--to", "klipper", "--name", "a\nG28"], "is not a name for a table"),

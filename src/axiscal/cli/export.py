@@ -17,6 +17,7 @@ from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.report.delivery import warned, write_files
 from axiscal.report.findings import findings
 from axiscal.units import parse_quantity, to_unit
@@ -34,7 +35,11 @@ def export(
         Path | None, typer.Option(metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
     ] = None,
     spacing: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='Distance of the points of linear axes, such as "10 mm".')
+        list[str] | None,
+        typer.Option(
+            metavar="LENGTH",
+            help='Distance of the points of linear axes, such as "10 mm", or of one axis, "X=25 mm"; repeatable.',
+        ),
     ] = None,
     number: Annotated[
         list[str] | None,
@@ -94,7 +99,7 @@ def export(
 
 
 def _options(
-    spacing: str | None,
+    spacings: list[str] | None,
     numbers: list[str] | None,
     unit: str,
     template: Path | None,
@@ -106,15 +111,29 @@ def _options(
     encoder: int,
 ) -> ExportOptions:
 
-    distance = None if spacing is None else parse_quantity(spacing, "length")
-    if distance is not None and not 0 < distance < 1e3:
-        raise TableError(f'a spacing of "{spacing}"', "Give a length above zero")
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
     chosen = dict[str, tuple[int, ...]]()
     for axis, number in map(_numbered, numbers or []):
         chosen[axis] = (*chosen.get(axis, ()), number)
-    return ExportOptions(distance, unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
+    return ExportOptions(_spacing(spacings or []), unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
+
+
+def _spacing(texts: list[str]) -> float | dict[str, float] | None:
+    """Return the distance of the points of all linear axes, or of some axes by name; raises TableError, UnitError."""
+    found = dict[str, float]()
+    for text in texts:
+        axis, _, length = text.rpartition("=")
+        axis = axis.strip()
+        distance = parse_quantity(length.strip(), "angle" if axis[:1] in tuple(ROTARY_LETTERS) else "length")
+        if not 0 < distance < 1e3:
+            raise TableError(f'a spacing of "{text[:40]}"', "Give a length above zero")
+        if axis in found:
+            raise TableError(f"the spacing of {axis or 'the linear axes'} is given twice", "Give it once")
+        found[axis] = distance
+    if "" in found and len(found) > 1:
+        raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
+    return found.get("", found or None)
 
 
 def _numbered(text: str) -> tuple[str, int]:

@@ -23,7 +23,8 @@ _USUAL = "XYZABCUVWPQR"
 class ExportOptions:
     """Choices; what a controller has no use for it does not look at.
 
-    spacing : distance of the points of linear axes, m; unit : of the machine, mm or in
+    spacing : distance of the points of linear axes, m, or of some axes by name, m or rad
+    unit : of the machine, mm or in
     numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
@@ -36,7 +37,7 @@ class ExportOptions:
     Raises TableError for a name that is more than letters, digits, _ and -.
     """
 
-    spacing: float | None = None
+    spacing: float | Mapping[str, float] | None = None
     unit: str = "mm"
     numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     template: str | None = None

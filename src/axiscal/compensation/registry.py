@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 
@@ -50,6 +50,8 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
     make = _maker(name)
+    for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
+        estimate.machine.index(axis)
     if not options.old_files:
         return tried_out(name, estimate, asked_about(name, make(estimate, options), options))
     old = loaded(name, estimate.machine, options)

@@ -13,7 +13,7 @@ their scatter is and no more.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
@@ -34,12 +35,14 @@ _EDGE = 1e-6
 _SILENT, _DIFFERENCE = 0.95, 0.65
 _OPEN = 0.2  # where the prior was this narrow by construction, next to the table's zero, nothing is said
 
+Spacing = float | Mapping[str, float] | None
+"""Distance of the points: of all linear axes, m, or of some axes by name, m or rad."""
 Multiples = tuple[float | None, float | None]
 
 
 def axis_tables(
     estimate: Estimate,
-    spacing: float | None = None,
+    spacing: Spacing = None,
     most: int = _MOST_POINTS,
     multiples: Multiples = (None, None),
 ) -> tuple[CompensationTable, ...]:
@@ -56,7 +59,7 @@ def axis_tables(
 
 
 def cross_tables(
-    estimate: Estimate, spacing: float | None = None, most: int = _MOST_POINTS, multiple: float | None = None
+    estimate: Estimate, spacing: Spacing = None, most: int = _MOST_POINTS, multiple: float | None = None
 ) -> tuple[CompensationTable, ...]:
     """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
 
@@ -82,18 +85,19 @@ def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTa
 
 
 def points(
-    model: ErrorModel, axis: int, spacing: float | None = None, most: int = _MOST_POINTS, multiple: float | None = None
+    model: ErrorModel, axis: int, spacing: Spacing = None, most: int = _MOST_POINTS, multiple: float | None = None
 ) -> Array:
     """Return evenly spaced positions that cover the travel of an axis.
 
-    spacing : their distance on a linear axis, m; most : how many fit
+    spacing : their distance, on linear axes unless an axis is named; most : how many fit
     multiple : the distance shall be a multiple of this, m or rad; the last point may then lie beyond the travel
     Raises TableError for a spacing that does not divide the travel, or needs more points than fit.
     """
     own = model.machine.axes[axis]
     start, stop = own.travel
-    if spacing is not None and not own.rotary:
-        return _spaced(own.name, start, stop, spacing, most)
+    chosen = spacing.get(own.name) if isinstance(spacing, Mapping) else None if own.rotary else spacing
+    if chosen is not None:
+        return _spaced(own, chosen, most)
     intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
     count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
     if multiple is None:
@@ -108,14 +112,15 @@ def points(
     return spread
 
 
-def _spaced(name: str, start: float, stop: float, spacing: float, most: int) -> Array:
+def _spaced(axis: Axis, spacing: float, most: int) -> Array:
+    (start, stop), name = axis.travel, axis.name
     count = round((stop - start) / spacing)
-    shown, travel = format_quantity(spacing, "mm"), format_quantity(stop - start, "mm")
+    shown, travel = format_quantity(spacing, axis.unit), format_quantity(stop - start, axis.unit)
     if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
-        near = format_quantity((stop - start) / max(count, 1), "mm")
+        near = format_quantity((stop - start) / max(count, 1), axis.unit)
         raise TableError(f"{shown} does not divide the {travel} of {name}", f"{near} would, or leave the spacing out")
     if count + 1 > most:
-        fits = format_quantity((stop - start) / (most - 1), "mm", 4)
+        fits = format_quantity((stop - start) / (most - 1), axis.unit, 4)
         what = f"every {shown} makes {count + 1} points of {name}, this control holds {most}"
         raise TableError(what, f"{most} fit: take {fits} or more")
     return np.linspace(start, stop, count + 1)
