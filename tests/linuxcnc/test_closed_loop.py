@@ -34,7 +34,7 @@ pytestmark = [
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_error_is_gone_within_what_was_stated(name: str, tmp_path: Path) -> None:
     loop = close_loop(name, tmp_path)
-    assert loop.told == ()
+    assert loop.messages == ()
     assert loop.after < 0.25 * loop.before
     assert loop.missed < 1.6 * loop.std
     assert loop.after < 1.6 * loop.expected

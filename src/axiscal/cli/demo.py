@@ -31,11 +31,11 @@ def demo(
       axiscal demo --out demo-out
     """
 
-    problem = Case(description())
+    case = Case(description())
     folder = _fresh(out)
-    say(_beginning(problem))
-    with shown_progress(problem.description.target) as watch:
-        summary = run_demo(problem, folder, lambda places: say(_planned(problem, places)), watch)
+    say(_beginning(case))
+    with shown_progress(case.description.target) as watch:
+        summary = run_demo(case, folder, lambda places: say(_planned(case, places)), watch)
     say(_end(summary, folder))
 
 
@@ -49,22 +49,22 @@ def _fresh(out: Path) -> Path:
     return folder
 
 
-def _beginning(problem: Case) -> str:
+def _beginning(case: Case) -> str:
 
-    machine = problem.description.machine
-    setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in problem.description.setups)
-    target = problem.description.target
+    machine = case.description.machine
+    setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in case.description.setups)
+    target = case.description.target
     return (
-        f"{machine.name}, {machine.chain}: {len(machine.errors)} errors with {problem.errors.size} unknowns.\n"
+        f"{machine.name}, {machine.chain}: {len(machine.errors)} errors with {case.errors.size} unknowns.\n"
         f"Its hidden truth is made of measured curves (axiscal/demo/SOURCES.md). Set-ups:\n{setups}\n"
         f"Target: {micrometres(target.rms or 0.0)} RMS at the tool over the volume."
     )
 
 
-def _planned(problem: Case, places: Sequence[Place]) -> str:
+def _planned(case: Case, places: Sequence[Place]) -> str:
     counts = Counter(place.setup for place in places)
     used = ", ".join(f'{count} in "{setup}"' for setup, count in counts.items())
-    idle = [f'"{setup.name}"' for setup in problem.description.setups if setup.name not in counts]
+    idle = [f'"{setup.name}"' for setup in case.description.setups if setup.name not in counts]
     left = f" Not worth their mounting: {', '.join(idle)}." if idle else ""
     return f"Planned together: {len(places)} readings, {used}.{left}"
 

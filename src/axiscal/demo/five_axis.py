@@ -31,22 +31,22 @@ def description() -> CampaignDescription:
     return campaign_from_texts(text, "demo campaign.toml", load_machine("dmu60").text, "dmu60")
 
 
-def hidden_machine(problem: Case) -> VirtualMachine:
+def hidden_machine(case: Case) -> VirtualMachine:
     """Return the machine with the measured curves, which the estimate never sees."""
-    simulator = Simulator(problem.description.machine, problem.description.setups)
-    return simulator.with_curves(measured_truth(problem.errors, SEED), SEED)
+    simulator = Simulator(case.description.machine, case.description.setups)
+    return simulator.with_curves(measured_truth(case.errors, SEED), SEED)
 
 
 def run_demo(
-    problem: Case, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
+    case: Case, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
 ) -> Summary:
     """Run the campaign into a folder and return what is said of it.
 
-    planned : told of the plan; watch : told of every reading
+    planned : called with the plan; watch : called with every reading
     Raises RecordError if there is a campaign already.
     """
-    truth = hidden_machine(problem)
-    with Campaign.create(out / "campaign.axiscal", problem.description) as campaign:
+    truth = hidden_machine(case)
+    with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
         first = campaign.next()
         if isinstance(first, Asked):
             planned((first.place, *campaign.state.plan))

@@ -64,7 +64,7 @@ class Loop:
     expected : what was expected to be left, the uncertainty of the estimate included
     missed : how far `after` is from the left deviation that was predicted position by position; std : how far it was
     said to be (RMS)
-    told : what LinuxCNC told the operator
+    messages : of LinuxCNC to the operator
     """
 
     readings: int
@@ -73,7 +73,7 @@ class Loop:
     expected: float
     missed: float
     std: float
-    told: tuple[str, ...]
+    messages: tuple[str, ...]
 
 
 def description(name: str) -> CampaignDescription:
@@ -89,10 +89,10 @@ def description(name: str) -> CampaignDescription:
 @one_thread()
 def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
-    problem, (_, build, options) = Case(description(name)), EXAMPLES[name]
-    truth = Simulator(problem.description.machine, problem.description.setups).drawn(seed)
+    case, (_, build, options) = Case(description(name)), EXAMPLES[name]
+    truth = Simulator(case.description.machine, case.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
-    with Campaign.create(record, problem.description) as campaign:
+    with Campaign.create(record, case.description) as campaign:
         source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed), build=build)
         try:
             campaign.run(source, _unwatched)
@@ -108,15 +108,15 @@ def _verified(estimation: Estimation, tables: Export, truth: VirtualMachine, bui
     estimate = estimation.estimate
     poses, approaches = _positions(estimate)
     seen: list[Array] = []
-    told: list[str] = []
+    messages: list[str] = []
     for loaded in (None, Tables(tables.files)):
         with LinuxcncMachine(truth, loaded, build) as machine:
             seen.append(machine.seen.deviation(poses, approaches))
-            told += machine.errors
+            messages += machine.errors
     left = left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches)
     std = estimation.accuracy.rms
     expected = float(np.hypot(rms(left), std))
-    return Loop(readings, rms(seen[0]), rms(seen[1]), expected, rms(seen[1] - left), std, tuple(told))
+    return Loop(readings, rms(seen[0]), rms(seen[1]), expected, rms(seen[1] - left), std, tuple(messages))
 
 
 def _positions(estimate: Estimate) -> tuple[Array, Array]:
@@ -138,7 +138,7 @@ def _say(text: str) -> None:
     sys.stdout.flush()
 
 
-def _told(name: str, loop: Loop, seconds: float) -> str:
+def _report(name: str, loop: Loop, seconds: float) -> str:
     before, after, expected, missed, std = (
         to_unit(value, "um") for value in (loop.before, loop.after, loop.expected, loop.missed, loop.std)
     )
@@ -160,7 +160,7 @@ def main(arguments: list[str]) -> int:
         for name in MACHINES:
             begun = time.monotonic()
             loop = close_loop(name, folder)
-            _say(_told(name, loop, time.monotonic() - begun))
+            _say(_report(name, loop, time.monotonic() - begun))
     except (AxiscalError, OSError) as failure:
         sys.stderr.write(f"{failure}\n")
         return 1

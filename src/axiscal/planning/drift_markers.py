@@ -1,4 +1,4 @@
-"""Markers: where a zero may wander, its first pose is read again every so often, so that the drift shows."""
+"""Markers: where a zero may wander, its first place is read again every so often, so that the drift shows."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ EVERY = 1200.0
 
 
 def planned_with_markers(
-    problem: Case, readings: Sequence[Reading], gaps: Sequence[Gap], plan: Callable[[Case], tuple[Place, ...]]
+    case: Case, readings: Sequence[Reading], gaps: Sequence[Gap], plan: Callable[[Case], tuple[Place, ...]]
 ) -> tuple[Place, ...]:
     """Return the readings to come with the markers among them, within the limits of the target.
 
-    readings : so far; plan : the readings to come of a problem, in their order
+    readings : so far; plan : the readings to come of a case, in their order
     """
-    places = plan(problem)
-    if all(setup.drift == 0 for setup in problem.description.setups):
+    places = plan(case)
+    if all(setup.drift == 0 for setup in case.description.setups):
         return places
-    marked = with_markers(problem, readings, gaps, places)
+    marked = with_markers(case, readings, gaps, places)
     added = len(marked) - len(places)
-    return with_markers(problem, readings, gaps, plan(_smaller(problem, added))) if added else marked
+    return with_markers(case, readings, gaps, plan(_smaller(case, added))) if added else marked
 
 
-def without_markers(problem: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
+def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
     """Return the places of an earlier plan that were not put there to watch a drift."""
-    markers = _markers(problem, readings, ())
+    markers = _markers(case, readings, ())
     return tuple(place for place in places if markers.get(place.setup) != place)
 
 
 def with_markers(
-    problem: Case, readings: Sequence[Reading], gaps: Sequence[Gap], places: Sequence[Place]
+    case: Case, readings: Sequence[Reading], gaps: Sequence[Gap], places: Sequence[Place]
 ) -> tuple[Place, ...]:
     """Return the places with markers before those that come more than `EVERY` after the last one."""
-    markers = _markers(problem, readings, places)
+    markers = _markers(case, readings, places)
     last = {r.setup: r.time or 0.0 for r in readings if r.place == markers.get(r.setup)}
     now = (readings[-1].time or 0.0) if readings else 0.0
     here, found = (readings[-1].place if readings else None), list[Place]()
@@ -47,18 +47,18 @@ def with_markers(
         marker = markers.get(place.setup)
         due = marker is not None and now - last.get(place.setup, now) > EVERY
         if marker is not None and due and not any(gap.holds(marker) for gap in gaps):
-            now, here = now + problem.seconds_of(here, marker), marker
+            now, here = now + case.seconds_of(here, marker), marker
             last[place.setup] = now
             found.append(marker)
-        now, here = now + problem.seconds_of(here, place), place
+        now, here = now + case.seconds_of(here, place), place
         last.setdefault(place.setup, now)
         found.append(place)
     return tuple(found)
 
 
-def _markers(problem: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Mapping[str, Place]:
+def _markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Mapping[str, Place]:
     """Return the place of each set-up whose zero may wander that is read first."""
-    wandering = {setup.name for setup in problem.description.setups if setup.drift > 0}
+    wandering = {setup.name for setup in case.description.setups if setup.drift > 0}
     found: dict[str, Place] = {}
     for place in (*(reading.place for reading in readings), *places):
         if place.setup in wandering:
@@ -66,12 +66,12 @@ def _markers(problem: Case, readings: Sequence[Reading], places: Sequence[Place]
     return found
 
 
-def _smaller(problem: Case, markers: int) -> Case:
-    """Return the problem with room for so many markers in its limits."""
-    target = problem.description.target
+def _smaller(case: Case, markers: int) -> Case:
+    """Return the case with room for so many markers in its limits."""
+    target = case.description.target
     readings = None if target.readings is None else max(target.readings - markers, 1)
-    setups = [setup for setup in problem.description.setups if setup.drift > 0]
+    setups = [setup for setup in case.description.setups if setup.drift > 0]
     each = max(setup.settle + setup.reading_time for setup in setups)
     budget = None if target.budget is None else max(target.budget - markers * each, 0.0)
     smaller = replace(target, readings=readings, budget=budget)
-    return replace(problem, description=replace(problem.description, target=smaller))
+    return replace(case, description=replace(case.description, target=smaller))

@@ -27,73 +27,73 @@ MOST = 1000
 
 
 @one_thread()
-def out_of_reach(problem: Case) -> str | None:
+def out_of_reach(case: Case) -> str | None:
     """Return why the RMS target cannot be reached with these set-ups and what would help; None if it can."""
-    target = problem.description.target.rms
-    floor = reachable_rms(problem)
+    target = case.description.target.rms
+    floor = reachable_rms(case)
     if target is None or floor <= target:
         return None
     said = f"With these set-ups the RMS cannot fall below {to_unit(floor, 'um'):.3g} um, whatever is read"
     wanted = f"the target is {to_unit(target, 'um'):.3g} um"
-    rest = math.sqrt(problem.yardstick.moments.rest)
+    rest = math.sqrt(case.yardstick.moments.rest)
     if rest > target:
         help_text = (
             f"the rests of the errors alone make {to_unit(rest, 'um'):.3g} um: finer knots would let them shrink"
         )
     else:
-        hidden = " ".join(part.text for part in problem.hidden[:_NAMED])
+        hidden = " ".join(part.text for part in case.hidden[:_NAMED])
         help_text = f"another set-up would help. What cannot be seen: {hidden}"
     return f"{said}; {wanted}. The campaign stops at the target for what can be seen; {help_text}"
 
 
-def reachable_rms(problem: Case) -> float:
+def reachable_rms(case: Case) -> float:
     """Return the RMS over the volume that endless readings would leave, m."""
-    return math.hypot(problem.yardstick.unseen_rms, math.sqrt(problem.yardstick.moments.rest))
+    return math.hypot(case.yardstick.unseen_rms, math.sqrt(case.yardstick.moments.rest))
 
 
 @one_thread()
-def refuse_out_of_reach(problem: Case, limits: Limits) -> None:
+def refuse_out_of_reach(case: Case, limits: Limits) -> None:
     """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
     if limits.rms is None:
         return
-    target, floor = to_unit(limits.rms, "um"), reachable_rms(problem)
+    target, floor = to_unit(limits.rms, "um"), reachable_rms(case)
     if floor > limits.rms:
         what = f"an RMS of {target:.3g} um is out of reach: endless readings would leave {to_unit(floor, 'um'):.3g} um"
-        raise TargetError(what, _what_hides(problem, limits.rms))
+        raise TargetError(what, _what_hides(case, limits.rms))
     if limits.readings is None and limits.budget is None:
-        _refuse_too_noisy(problem, limits.rms)
+        _refuse_too_noisy(case, limits.rms)
 
 
-def _what_hides(problem: Case, target: float) -> str:
+def _what_hides(case: Case, target: float) -> str:
     """Say what endless readings would leave, and what would help against it."""
-    said, rest = [], math.sqrt(problem.yardstick.moments.rest)
-    if problem.yardstick.unseen_rms > target or rest <= target:
+    said, rest = [], math.sqrt(case.yardstick.moments.rest)
+    if case.yardstick.unseen_rms > target or rest <= target:
         said.append("Another set-up would help. What cannot be seen:")
-        said += [part.text for part in problem.hidden[:_NAMED]]
+        said += [part.text for part in case.hidden[:_NAMED]]
     if rest > target:
         alone = f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um"
         said.append(f"{alone}: with finer knots they could be smaller")
     return " ".join(said)
 
 
-def not_to_the_letter(problem: Case, limits: Limits, plan: Plan) -> str | None:
+def not_to_the_letter(case: Case, limits: Limits, plan: Plan) -> str | None:
     """Say that a plan leaves a larger RMS than was asked for, and why; None where it does not."""
     if limits.rms is None or plan.accuracy.rms <= limits.rms:
         return None
-    target, left = to_unit(limits.rms, "um"), to_unit(reachable_rms(problem), "um")
-    helps = f" {_what_hides(problem, limits.rms)}" if reachable_rms(problem) > limits.rms else ""
+    target, left = to_unit(limits.rms, "um"), to_unit(reachable_rms(case), "um")
+    helps = f" {_what_hides(case, limits.rms)}" if reachable_rms(case) > limits.rms else ""
     if plan.met:
         why = "so the target counts as reached for what readings can tell"
         return f"endless readings would leave {left:.3g} um of the {target:.3g} um asked for, {why}.{helps}"
     return f"the target of {target:.3g} um is not reached; endless readings would leave {left:.3g} um.{helps}"
 
 
-def _refuse_too_noisy(problem: Case, target: float) -> None:
+def _refuse_too_noisy(case: Case, target: float) -> None:
     """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
-    yardstick = problem.yardstick
-    asked = posed(problem, problem.knowledge, candidates=_CANDIDATES)
+    yardstick = case.yardstick
+    asked = posed(case, case.knowledge, candidates=_CANDIDATES)
     pool = Pool(asked.observation, asked.lattice)
-    state = Covariance.of(problem.observation, problem.prior, yardstick.root)
+    state = Covariance.of(case.observation, case.prior, yardstick.root)
     relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), float(MOST))
     for _ in range(_ROUNDS):
         dual = relaxation.solved()
@@ -102,7 +102,7 @@ def _refuse_too_noisy(problem: Case, target: float) -> None:
         if not _met(yardstick, target, least):
             what = f"an RMS of {to_unit(target, 'um'):.3g} um is out of reach: {MOST:,} readings leave at least "
             what += f"{to_unit(yardstick.rms_of(least), 'um'):.3g} um"
-            raise TargetError(what, _what_helps(problem, relaxation))
+            raise TargetError(what, _what_helps(case, relaxation))
         if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
             return
 
@@ -111,11 +111,11 @@ def _met(yardstick: Yardstick, target: float, value: float) -> bool:
     return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
 
 
-def _what_helps(problem: Case, relaxation: Relaxation) -> str:
+def _what_helps(case: Case, relaxation: Relaxation) -> str:
     """Say in which set-up half the noise would help most."""
-    setups, of = problem.description.setups, relaxation.setups
+    setups, of = case.description.setups, relaxation.setups
     left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]
     best = int(np.argmin(left))
     noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
-    reached = to_unit(problem.yardstick.rms_of(left[best]), "um")
+    reached = to_unit(case.yardstick.rms_of(left[best]), "um")
     return f'With half the noise in "{setups[best].name}" ({noise}) it would be {reached:.3g} um; or ask for less'

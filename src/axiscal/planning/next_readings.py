@@ -39,25 +39,25 @@ def planned_places(
     readings : so far; gaps : places that could not be read, which are planned around
     left : of an earlier plan, to begin with
     """
-    problem = posed(case, knowledge, gaps, readings)
+    task = posed(case, knowledge, gaps, readings)
     limits = limits_left(case.description.target, len(readings), timed(case, readings, Timed()).seconds)
-    if not len(problem.lattice):
+    if not len(task.lattice):
         return ()
-    patience = 0.0 if gaps else _patience(problem.observation)  # off the lattice a way might lead into a gap
+    patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
-        coming = renewed(problem, limits, coming, patience)
+        coming = renewed(task, limits, coming, patience)
     if not len(coming):
-        coming = _begun(problem, limits, patience)
+        coming = _begun(task, limits, patience)
     return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
 
 
-def _begun(problem: Task, limits: Limits, patience: float) -> Places:
+def _begun(task: Task, limits: Limits, patience: float) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(problem, limits, patience=patience, bounded=False).places
+        return make_plan(task, limits, patience=patience, bounded=False).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
-        return make_plan(problem, Limits(1), patience=patience, bounded=False).places
+        return make_plan(task, Limits(1), patience=patience, bounded=False).places
 
 
 def _patience(observation: Observation) -> float:

@@ -19,12 +19,12 @@ _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 
 
 def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
-    """Return a place near the planned one that can be come to from the planned side.
+    """Return a place near the planned one that can be approached from the planned side.
 
     Where the side matters, because the axis has a reversal value, the place moves inward by as much as the overrun
     lacks; where it does not, the place stays and the side is left open.
     """
-    if setup.chart is not None:  # its places are come to with room, and lie where the chart has them
+    if setup.chart is not None:  # its places leave room for the approach, and lie where the chart has them
         return pose, approach
     at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
     for k, axis in enumerate(errors.machine.axes):

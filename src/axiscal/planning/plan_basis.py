@@ -1,4 +1,4 @@
-"""Whether a plan still stands: what it rests on, and the places where nothing is to be had."""
+"""Whether a plan still stands: what it rests on, and the places where no reading can be had."""
 
 from __future__ import annotations
 

@@ -45,11 +45,11 @@ def proposed(
     only: Sequence[int] | None = None,
 ) -> Proposal:
     """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError."""
-    problem = posed(case, case.knowledge, candidates=how.candidates)
-    problem = replace(problem, memory=how.memory)
+    task = posed(case, case.knowledge, candidates=how.candidates)
+    task = replace(task, memory=how.memory)
     if only is not None:
-        problem = replace(problem, lattice=problem.lattice.within(np.isin(problem.lattice.setups, only)))
-    return Proposal(make_plan(problem, limits, patience=math.inf, progress=progress))  # the same plan on any machine
+        task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
+    return Proposal(make_plan(task, limits, patience=math.inf, progress=progress))  # the same plan on any machine
 
 
 def refuse_unless_provable(case: Case) -> None:
@@ -64,6 +64,6 @@ def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float, progre
 
     gap : share of J at which to stop.  Raises PlanError.
     """
-    problem = posed(case, case.knowledge, candidates=how.candidates)
-    proof = prove(problem.state, problem.lattice, proposal.plan.places, gap, progress)
+    task = posed(case, case.knowledge, candidates=how.candidates)
+    proof = prove(task.state, task.lattice, proposal.plan.places, gap, progress)
     return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

@@ -102,7 +102,7 @@ def traditional(case: Case, count: int) -> Alternative:
 
 
 def traditional_readings(case: Case, count: int) -> list[Reading]:
-    """Return readings evenly spaced along one axis after another, the others parked; their values are nought."""
+    """Return readings evenly spaced along one axis after another, the others parked; their values are zero."""
     lines = [(setup, k) for setup in case.description.setups if setup.chart is None for k in setup.moves]
     if not lines:
         return []

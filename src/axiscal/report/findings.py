@@ -37,10 +37,10 @@ _MATTERS = 0.1
 _LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
 
-def observability(problem: Case) -> list[str]:
+def observability(case: Case) -> list[str]:
     """Return what no allowed reading can see, in sentences, and what is not in the model at all."""
-    absent = undescribed(problem.description.machine)
-    return [*(part.text for part in problem.hidden), *([absent] if absent else [])]
+    absent = undescribed(case.description.machine)
+    return [*(part.text for part in case.hidden), *([absent] if absent else [])]
 
 
 def residual_check(estimation: Estimation) -> ResidualCheck | None:
@@ -202,10 +202,10 @@ def _drift(estimation: Estimation) -> Iterator[Finding]:
             yield Finding("drift", None, found)
 
 
-def _side_known(reading: Reading, problem: Case) -> bool:
+def _side_known(reading: Reading, case: Case) -> bool:
     """Whether what a reading repeats is not another side of a reversal."""
-    moves = problem.description.setup(reading.setup).moves
-    return all(reading.approach[axis] != 0 for axis in problem.errors.reversing.intersection(moves))
+    moves = case.description.setup(reading.setup).moves
+    return all(reading.approach[axis] != 0 for axis in case.errors.reversing.intersection(moves))
 
 
 def _stated_drift(estimation: Estimation, setup: Setup) -> str:

@@ -59,10 +59,10 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
 
     estimation : after all its readings
     """
-    problem, description = estimation.case, campaign.description
+    case, description = estimation.case, campaign.description
     rows = _history(campaign, estimation)
     if extras.compared:
-        usual = traditional(problem, len(campaign.state.readings)).rms
+        usual = traditional(case, len(campaign.state.readings)).rms
         pairs = zip(rows, usual, strict=True)
         rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
@@ -78,12 +78,12 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         minutes=rows[-1].minutes,
         rms_um=rows[-1].rms_um,
         worst_um=rows[-1].worst_um,
-        unseen_rms_um=to_unit(problem.yardstick.unseen_rms, "um"),
+        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),
-        observability=observability(problem),
+        observability=observability(case),
         rejected=_rejections(estimation, rows),
         warnings=[*extras.warnings, *findings(estimation)],
         tables=extras.tables,
@@ -131,12 +131,12 @@ def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Reje
     ]
 
 
-def _row(problem: Case, reading: Reading | None, number: int, moment: Moment, tool: Point | None) -> HistoryRow:
+def _row(case: Case, reading: Reading | None, number: int, moment: Moment, tool: Point | None) -> HistoryRow:
     rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
     minutes, last = to_unit(moment.seconds, "min"), moment.innovations
     if reading is None or last is None:
         return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
-    description = problem.description
+    description = case.description
     unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
     return HistoryRow(
         reading=number,
@@ -154,11 +154,11 @@ def _row(problem: Case, reading: Reading | None, number: int, moment: Moment, to
     )
 
 
-def _tool_points(problem: Case, readings: Sequence[Reading]) -> list[Point]:
+def _tool_points(case: Case, readings: Sequence[Reading]) -> list[Point]:
     """Return where the tool is at each reading, mm."""
     if not readings:
         return []
-    places = frames(problem.description.machine, np.array([reading.pose for reading in readings])).tcp
+    places = frames(case.description.machine, np.array([reading.pose for reading in readings])).tcp
     return [(x, y, z) for x, y, z in np.asarray(to_unit(places, "mm")).tolist()]
 
 
