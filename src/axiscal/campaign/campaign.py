@@ -288,7 +288,7 @@ class Campaign:
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.
 
-        watch : told of every reading that is kept, and of the beginning
+        watch : called with the beginning and with every reading that is kept
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
         path = [self._milestone()]

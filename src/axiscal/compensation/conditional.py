@@ -41,7 +41,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
 
 
 def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) -> Array:
-    """Return rows (positions, size) of the rotation of a rotary axis about its own line beyond what it was told."""
+    """Return rows (positions, size) of the rotation of a rotary axis about its own line beyond its command."""
     poses, _ = _grid(model, box, axis, positions, None)
     poses = poses.reshape(len(positions), -1, poses.shape[1])[:, 0]
     direction = _motion(model, axis, poses)

@@ -21,7 +21,7 @@ _USUAL = "XYZABCUVWPQR"
 
 @dataclass(frozen=True, slots=True)
 class ExportOptions:
-    """Choices; what a controller has no use for it does not look at.
+    """Choices; a controller ignores those that it has no use for.
 
     spacing : distance of the points of linear axes, m, or of some axes by name, m or rad
     unit : of the machine, mm or in

@@ -60,7 +60,7 @@ class Setup:
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
-    mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is nought
+    mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
     """
@@ -95,7 +95,7 @@ class Setup:
     lacks: tuple[str, str] | None = None
 
     def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
-        """Return the axes that are come to from a side of their own: on a chart the linear ones follow.
+        """Return the axes that are approached from a side of their own: on a chart the linear ones follow.
 
         axes : of the machine
         """

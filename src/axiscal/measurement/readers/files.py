@@ -1,4 +1,4 @@
-"""Any file of readings, told by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps,
+"""Any file of readings, recognised by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps,
 level surveys.
 """
 

@@ -23,7 +23,7 @@ class Increments:
     """Entries of one axis, whole numbers from its first point on.
 
     up : (n,) for travel upwards, or for both ways; down : (n,), None without a second set
-    apart : parameter 3627, what is added at the reference point when it is come to the other way, detection units
+    apart : parameter 3627, what is added at the reference point when it is approached the other way, detection units
     """
 
     up: Array

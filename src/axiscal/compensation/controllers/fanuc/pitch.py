@@ -28,7 +28,7 @@ class PitchParameters:
 
     reference, first, last : numbers of points; magnification : multiplies each entry; interval : m
     negative : number of the first point of the set for travel downwards, None without one
-    downwards : whether the reference point is come to downwards
+    downwards : whether the reference point is approached downwards
 
     A point holds the section that ends at it: the first one begins an interval below it (B-63980EN, parameter 3620).
     """

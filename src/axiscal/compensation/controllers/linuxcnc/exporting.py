@@ -101,8 +101,8 @@ def control(machine: Machine, files: Mapping[str, str], wiring: cross.Wiring) ->
     def added(poses: Array, approaches: Array) -> Array:
         shown = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
         motors = np.stack([_motor(own.get(a.name), shown[:, k], approaches[:, k]) for k, a in enumerate(machine.axes)])
-        told = _through(hal, machine, wiring, shown.T, motors)
-        return np.stack([from_unit(t - s, u) for t, s, u in zip(told, shown.T, units, strict=True)], axis=1)
+        driven = _through(hal, machine, wiring, shown.T, motors)
+        return np.stack([from_unit(t - s, u) for t, s, u in zip(driven, shown.T, units, strict=True)], axis=1)
 
     return added
 
@@ -115,7 +115,7 @@ def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
 
 
 def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, motors: Array) -> Array:
-    """Return what the drives are told, (q, m), after HAL has added its part.
+    """Return where the drives are sent, (q, m), after HAL has added its part.
 
     Raises TableError when the joints of one axis would not go together.
     """
@@ -124,14 +124,14 @@ def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, mot
         for joint in wiring.joints[axis.name]:
             given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
     signals = hal.run(given)
-    told = np.empty_like(motors)
+    driven = np.empty_like(motors)
     for k, axis in enumerate(machine.axes):
         labels = wiring.labels(axis.name).values()
         each = np.stack([signals.get(f"axiscal-{label}-motor", motors[k]) for label in labels])
         if not np.all(each == each[0]):
             raise TableError(f"the joints of {axis.name} would not go together", "this is a defect of axiscal")
-        told[k] = each[0]
-    return told
+        driven[k] = each[0]
+    return driven
 
 
 def _unit(table: CompensationTable, options: ExportOptions) -> str:

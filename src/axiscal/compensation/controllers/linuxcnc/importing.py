@@ -40,8 +40,8 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     if file.axis:
         return machine.axis(file.axis).name
     number = file.joint
-    if number is None and (told := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
-        number = int(told[1])
+    if number is None and (numbered := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
+        number = int(numbered[1])
     owners = [axis for axis, numbers in joints.items() if number in numbers]
     if owners:
         return owners[0]
@@ -61,7 +61,7 @@ def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> lis
 
 
 def _type(file: OldFile) -> int:
-    """Return COMP_FILE_TYPE, told by the values where nobody said: those of Type 0 go with the nominal ones."""
+    """Return COMP_FILE_TYPE, found from the values where nobody said: those of Type 0 go with the nominal ones."""
     if file.file_type is not None:
         return file.file_type
     rows = parse(file.text, file_type=1)
