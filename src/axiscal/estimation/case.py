@@ -24,7 +24,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.instruments.tracker import TURNS
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown, Vector
@@ -200,9 +200,5 @@ class Case:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
         setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
         lattice = spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
-        parts = []
-        for i, setup in enumerate(setups):
-            for direction in directions_of(setup):
-                seen = self.observation.rows(i, *lattice.of(i), direction)
-                parts.append(seen.rows / np.sqrt(seen.variances)[:, None])
-        return np.concatenate(parts)
+        parts = [seen for i in range(len(setups)) for seen in self.observation.rows_each(i, *lattice.of(i))]
+        return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])

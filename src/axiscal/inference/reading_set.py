@@ -83,14 +83,12 @@ class ReadingSet:
 
     def _share_rests(self, setup: int, mine: NDArray[np.intp]) -> None:
         """Note which cells the numbers of a set-up share; what their rests add to the variances is taken off."""
-        poses, approaches = self._places.poses[mine], self._places.approaches[mine]
-        for number, direction in enumerate(directions_of(self._observation.setups[setup])):
+        functions, where = self._observation.errors.functions, (self._places.poses[mine], self._places.approaches[mine])
+        for number, effects in enumerate(self._observation.rest_effects(setup, *where, everyone=True)):
             at = self._first(mine) + number
-            for effect in self._observation.rest_effects(setup, poses, approaches, direction, everyone=True):
+            for effect in effects:
                 np.add.at(self._shared[effect.function], (at, effect.cells), effect.reach)
-                self.extra_variance[at] -= (
-                    effect.reach * self._observation.errors.functions[effect.function].rest
-                ) ** 2
+                self.extra_variance[at] -= (effect.reach * functions[effect.function].rest) ** 2
 
     def _first(self, readings: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return where the numbers of readings begin."""

@@ -127,6 +127,16 @@ class Observation:
         levers = self._levers_along(self.setups[setup], poses, direction)
         return self._rows(setup, poses, approaches, direction, levers, times)
 
+    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
+        """Return the same of every number of the readings."""
+        return self._rows_each(setup, poses, approaches, self.levers(setup, poses), times)
+
+    def _rows_each(
+        self, setup: int, poses: Array, approaches: Array, levers: Array, times: Array | None = None
+    ) -> list[Rows]:
+        pairs = zip(directions_of(self.setups[setup]), levers, strict=True)
+        return [self._rows(setup, poses, approaches, along, each, times) for along, each in pairs]
+
     def _rows(
         self,
         setup: int,
@@ -160,20 +170,24 @@ class Observation:
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
-        mounted, directions = self.setups[setup], directions_of(self.setups[setup])
-        if len(directions) == 1:
-            alone = self.rows(setup, poses, approaches)
-            return JointRows(alone.rows[:, None], alone.variances[:, None, None])
         levers = self.levers(setup, poses)
-        parts = [self._rows(setup, poses, approaches, d, along) for d, along in zip(directions, levers, strict=True)]
-        covariances = np.zeros((len(poses), len(parts), len(parts)))
-        for same in zip(*(self._rest_effects(mounted, along, poses, approaches) for along in levers), strict=True):
-            fresh = self.cell_columns(same[0].function)[same[0].cells] < 0
-            reach = np.stack([each.reach for each in same], axis=1) * self.errors.functions[same[0].function].rest
-            covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
+        parts = self._rows_each(setup, poses, approaches, levers)
+        if len(parts) == 1:
+            return JointRows(parts[0].rows[:, None], parts[0].variances[:, None, None])
+        covariances = self._fresh_rests(setup, poses, approaches, levers)
         every = np.arange(len(parts))
         covariances[:, every, every] = np.stack([part.variances for part in parts], axis=1)
         return JointRows(np.stack([part.rows for part in parts], axis=1), covariances)
+
+    def _fresh_rests(self, setup: int, poses: Array, approaches: Array, levers: Array) -> Array:
+        """Return the covariances that rests of cells not visited yet give the numbers of each reading, (m, k, k)."""
+        covariances = np.zeros((len(poses), len(levers), len(levers)))
+        each = [self._rest_effects(self.setups[setup], along, poses, approaches) for along in levers]
+        for same in zip(*each, strict=True):
+            fresh = self.cell_columns(same[0].function)[same[0].cells] < 0
+            reach = np.stack([effect.reach for effect in same], axis=1) * self.errors.functions[same[0].function].rest
+            covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
+        return covariances
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variance that nobody said from which side a moving axis came, (m,) m² or rad².
@@ -211,19 +225,14 @@ class Observation:
         return effects
 
     def rest_effects(
-        self,
-        setup: int,
-        poses: Array,
-        approaches: Array,
-        direction: Array | None = None,
-        everyone: bool = False,
-    ) -> list[RestEffect]:
-        """Return what the rests do to readings, of cells that were visited or not; arguments as for `rows`.
+        self, setup: int, poses: Array, approaches: Array, everyone: bool = False
+    ) -> list[list[RestEffect]]:
+        """Return what the rests do to each number of readings, of cells that were visited or not.
 
-        everyone : as if every error had a rest
+        poses, approaches : (m, q); everyone : as if every error had a rest
         """
-        mounted = self.setups[setup]
-        return self._rest_effects(mounted, self._levers_along(mounted, poses, direction), poses, approaches, everyone)
+        levers, mounted = self.levers(setup, poses), self.setups[setup]
+        return [self._rest_effects(mounted, along, poses, approaches, everyone) for along in levers]
 
     def _rest_effects(
         self, mounted: Setup, levers: Array, poses: Array, approaches: Array, everyone: bool = False

@@ -52,9 +52,8 @@ def rows_at(observation: Observation, places: Places, times: Array | None = None
     for setup, mine in places.by_setup():
         poses, approaches = places.poses[mine], places.approaches[mine]
         when = None if times is None else times[mine]
-        for number, direction in enumerate(directions_of(observation.setups[setup])):
-            at = first[mine] + number
-            rows[at], variances[at] = observation.rows(setup, poses, approaches, direction, when)
+        for number, part in enumerate(observation.rows_each(setup, poses, approaches, when)):
+            rows[first[mine] + number], variances[first[mine] + number] = part
     return PlaceRows(rows, variances, np.repeat(np.arange(len(places)), each))
 
 

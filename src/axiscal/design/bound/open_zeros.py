@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
-from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
@@ -56,9 +55,9 @@ def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int,
     """Return the whitened column of each zero, and its variance over the largest of what else a reading shows."""
     observation, found = state.observation, list[tuple[int, float]]()
     poses, approaches = lattice.of(setup)
-    ways = [observation.rows(setup, poses, approaches, way) for way in directions_of(observation.setups[setup])]
     if not len(poses):
         return found
+    ways = observation.rows_each(setup, poses, approaches)
     columns = observation.unknowns_of(setup).tolist()
     for number, seen in enumerate(ways):
         for column in columns:

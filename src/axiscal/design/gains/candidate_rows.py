@@ -201,8 +201,7 @@ class Pool:
     def _rests(self, setup: int, where: slice) -> tuple[_Rests, ...]:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
         part = self.lattice.poses[where], self.lattice.approaches[where]
-        ways = directions_of(self._bare.setups[setup])
-        effects = [self._bare.rest_effects(setup, *part, direction) for direction in ways]
+        effects = self._bare.rest_effects(setup, *part)
         return tuple(
             _Rests(
                 same[0].function,
@@ -216,7 +215,7 @@ class Pool:
         if block.rows is not None:
             return block.rows
         part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
-        each = [self._bare.rows(block.setup, *part, d).rows for d in directions_of(self._bare.setups[block.setup])]
+        each = [seen.rows for seen in self._bare.rows_each(block.setup, *part)]
         return each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
 
 
