@@ -109,14 +109,12 @@ class Belief:
         The readings are taken in one by one (B&H eq. 21-23; as a vector B&H eq. 31-33). Raises ShapeError.
         """
         table, read, noise = self._readings(rows, values, variances)
-        factors, mean = self.factors, self.mean
-        surprise, expected = np.empty(len(read)), np.empty(len(read))
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for i, (row, value, variance) in enumerate(zip(table, read, noise, strict=True)):
-                factors, mean, surprise[i], expected[i] = gaussian.condition(factors, mean, row, value, variance)
-        if not all(np.all(np.isfinite(result)) for result in (mean, *factors, expected)):
+            done = gaussian.condition(self.factors, self.mean, table, read, noise)
+        if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
-        return _fill(Belief.__new__(Belief), mean, factors, Innovations(surprise, np.sqrt(expected)))
+        surprise = Innovations(done.innovation, np.sqrt(done.variance))
+        return _fill(Belief.__new__(Belief), done.mean, done.factors, surprise)
 
     def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
         """Return the belief after many updates, made all at once, with the innovations of each.
@@ -128,7 +126,7 @@ class Belief:
         table, read, own = self._readings(rows, values, noise)
         counted = np.concatenate([[0], np.cumsum(np.isfinite(used))])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            done = gaussian.condition_together(
+            done = gaussian.condition_at_once(
                 self.factors, self.mean, table, read, used, counted[np.searchsorted(reading, reading)]
             )
         if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):

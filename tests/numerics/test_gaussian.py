@@ -39,7 +39,7 @@ def test_variables_that_are_known_exactly_stay_so() -> None:
     matrix[np.ix_([0, 2], [0, 2])] = covariance(2, 2, 0.0, 1)
     factors = gaussian.factorise(matrix)
     assert np.abs(product(factors) - matrix).max() < 1e-15
-    after = gaussian.condition(factors, np.zeros(4), np.ones(4), 1.0, 1e-3)
+    after = gaussian.condition(factors, np.zeros(4), np.ones((1, 4)), np.ones(1), np.array([1e-3]))
     assert np.array_equal(after.mean[[1, 3]], np.zeros(2))
 
 
@@ -80,19 +80,32 @@ def test_an_update_is_the_textbook_formula(size: int) -> None:
     rng = np.random.default_rng(size)
     matrix, mean, row = covariance(size, size, 1.0, size), rng.standard_normal(size), rng.standard_normal(size)
     value, variance = 0.7, 0.3
-    found = gaussian.condition(gaussian.factorise(matrix), mean, row, value, variance)
+    found = gaussian.condition(gaussian.factorise(matrix), mean, row[None], np.array([value]), np.array([variance]))
     expected = row @ matrix @ row + variance
     gain = matrix @ row / expected
-    assert found.innovation == pytest.approx(value - row @ mean)
-    assert found.variance == pytest.approx(expected)
+    assert found.innovation == pytest.approx([value - row @ mean])
+    assert found.variance == pytest.approx([expected])
     assert np.abs(found.mean - (mean + gain * (value - row @ mean))).max() < 1e-12 * np.abs(found.mean).max()
     assert np.abs(product(found.factors) - (matrix - np.outer(gain, row @ matrix))).max() < 1e-12 * matrix.max()
+
+
+def test_readings_one_after_another_are_those_at_once() -> None:
+    """Two ways to the same posterior; the expectation of each is what was known before it."""
+    rng = np.random.default_rng(5)
+    factors, mean, rows = gaussian.factorise(covariance(9, 9, 1.0, 5)), rng.standard_normal(9), rng.normal(size=(6, 9))
+    values, noise = rng.standard_normal(6), rng.uniform(0.1, 2.0, 6)
+    found = gaussian.condition(factors, mean, rows, values, noise)
+    at_once = gaussian.condition_at_once(factors, mean, rows, values, noise, np.arange(6))
+    assert product(found.factors) == pytest.approx(product(at_once.factors), rel=1e-9, abs=1e-12)
+    assert found.mean == pytest.approx(at_once.mean, rel=1e-9)
+    assert found.innovation == pytest.approx(values - at_once.expected, rel=1e-9)
+    assert found.variance == pytest.approx(at_once.variance + noise, rel=1e-9)
 
 
 def test_an_update_leaves_its_input_alone() -> None:
     factors, mean = gaussian.factorise(covariance(5, 5, 0.0, 2)), np.ones(5)
     copies = factors.upper.copy(), factors.diagonal.copy()
-    gaussian.condition(factors, mean, np.arange(5.0), 1.0, 0.1)
+    gaussian.condition(factors, mean, np.arange(5.0)[None], np.ones(1), np.array([0.1]))
     assert np.array_equal(factors.upper, copies[0])
     assert np.array_equal(factors.diagonal, copies[1])
     assert np.array_equal(mean, np.ones(5))
