@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
+from axiscal.design.step.line_bundle import LineBundle
 from axiscal.design.step.lines import Lines, SampledLines, lines_along
+from axiscal.design.step.newton_step import ascent, derivatives, stencil
 from axiscal.measurement.breaks import breaks_along, smoothness_along
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.numerics import Array
@@ -18,7 +19,6 @@ from axiscal.numerics.exact_step import maximise_along
 
 _ROUNDS = 60
 _IMPROVED = 1e-10
-_STEP = 3e-5
 _NEWTON = 40
 _SETTLED = 1e-9
 """Newton's step converges quadratically: what is left after a rise of this share is below rounding."""
@@ -118,10 +118,10 @@ class Climb:
     def _newton_step(self, axes: list[int], ends: Array, going: NDArray[np.intp]) -> Array:
         """Return by how much the gains of those on the way have risen."""
         here, spans = self.poses[going][:, axes], np.diff(ends).ravel()
-        offsets = _stencil(len(axes)) * _STEP
+        offsets = stencil(len(axes))
         values = self._gains_at(axes, here[:, None] + offsets * spans, going)
-        slope, bend = _derivatives(values, len(axes))
-        steps = _ascent(slope, bend, (here - ends[:, 0]) / spans)
+        slope, bend = derivatives(values, len(axes))
+        steps = ascent(slope, bend, (here - ends[:, 0]) / spans)
         promised, steps = np.einsum("nk,nk->n", slope, steps), steps * spans
         rise = self._try(axes, np.clip(here + steps, *ends.T)[:, None], going)
         short = np.flatnonzero((rise <= 0) & (promised > _SETTLED * self.gains[going]))
@@ -209,75 +209,11 @@ class Climb:
         """
         observation, count = self.scorer.observation, len(self.poses)
         breaks = [breaks_along(observation, k, self.setup) for k in axes]
-        bundle = _Bundle([self._lines(k) for k in axes], breaks, count)
+        bundle = LineBundle([self._lines(k) for k in axes], breaks, count)
         degree = max(node_count(*smoothness_along(observation, k, self.setup)) for k in axes)
         position, value = maximise_along(bundle.forms, bundle.left, bundle.right, degree, bundle.pose)
         return [(axis, *bundle.best(i, position, value)) for i, axis in enumerate(axes)]
 
 
-class _Bundle:
-    """The intervals of the lines through several poses along several axes, one after another."""
-
-    def __init__(self, lines: list[Lines | SampledLines], breaks: list[Array], poses: int) -> None:
-        self._lines, self._counts, self._poses = lines, [len(b) - 1 for b in breaks], poses
-        self._starts = np.cumsum([0, *(poses * c for c in self._counts)])
-        self.left = np.concatenate([np.tile(b[:-1], poses) for b in breaks])
-        self.right = np.concatenate([np.tile(b[1:], poses) for b in breaks])
-        self.pose = np.concatenate([np.repeat(np.arange(poses), c) for c in self._counts])
-
-    def forms(self, positions: Array, interval: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return both forms of the gain, each (b, k), at positions (b, k) in intervals (b,)."""
-        above, below = np.empty_like(positions), np.empty_like(positions)
-        for lines, start, stop in zip(self._lines, self._starts[:-1], self._starts[1:], strict=True):
-            mine = np.flatnonzero((interval >= start) & (interval < stop))
-            if len(mine):
-                above[mine], below[mine] = lines.forms(positions[mine], self.pose[interval[mine]])
-        return above, below
-
-    def best(self, axis: int, position: Array, value: Array) -> tuple[Array, Array]:
-        """Return for each pose the best position along an axis, and the gain there."""
-        mine = slice(self._starts[axis], self._starts[axis + 1])
-        pick = value[mine].reshape(self._poses, -1).argmax(axis=1)
-        index = self._starts[axis] + np.arange(self._poses) * self._counts[axis] + pick
-        return position[index], value[index]
-
-
 def _near(poses: Array, pose: Array, reach: Array) -> bool:
     return bool(np.any(np.all(np.abs(poses - pose) <= reach, axis=1)))
-
-
-def _stencil(size: int) -> Array:
-    """Return the offsets at which the second-order Taylor polynomial is read off: 0, ±e_i, ±(e_i + e_j)."""
-    unit = np.eye(size)
-    pairs = [unit[i] + unit[j] for i, j in itertools.combinations(range(size), 2)]
-    return np.array([np.zeros(size), *unit, *-unit, *pairs, *(-p for p in pairs)])
-
-
-def _derivatives(values: Array, size: int) -> tuple[Array, Array]:
-    """Return gradient (n, size) and Hessian (n, size, size) from the values (n, p) on the stencil."""
-    middle, up, down = values[:, 0], values[:, 1 : size + 1], values[:, size + 1 : 2 * size + 1]
-    pairs = values[:, 2 * size + 1 :]
-    half = pairs.shape[1] // 2
-    bend = np.zeros((len(values), size, size))
-    bend[:, np.arange(size), np.arange(size)] = up + down - 2 * middle[:, None]
-    for p, (i, j) in enumerate(itertools.combinations(range(size), 2)):
-        single = up[:, i] + down[:, i] + up[:, j] + down[:, j]
-        mixed = (pairs[:, p] + pairs[:, half + p] - single + 2 * middle) / 2
-        bend[:, i, j] = bend[:, j, i] = mixed
-    return (up - down) / (2 * _STEP), bend / _STEP**2
-
-
-def _ascent(slope: Array, bend: Array, place: Array) -> Array:
-    """Return Newton's steps (n, size) towards a maximum; an axis at its end that would leave is held.
-
-    place : (n, size), 0 and 1 at the ends. Directions that bend upwards are followed uphill all the same.
-    """
-    held = ((place <= 0) & (slope < 0)) | ((place >= 1) & (slope > 0))
-    free = ~held
-    bend = np.where(free[:, :, None] & free[:, None, :], bend, 0.0)
-    slope = np.where(free, slope, 0.0)
-    values, vectors = np.linalg.eigh(bend)
-    turned = np.einsum("nij,ni->nj", vectors, slope)
-    along = turned / np.maximum(np.abs(values), 1e-12 * np.abs(values).max(axis=1, keepdims=True) + 1e-300)
-    steps: Array = np.einsum("nij,nj->ni", vectors, along)
-    return np.clip(steps, -0.2, 0.2)
