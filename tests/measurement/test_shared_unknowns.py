@@ -7,10 +7,12 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
+from axiscal.inference.evidence import Evidence
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.kinematics import stem, tip
 
@@ -130,3 +132,10 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
                 assert np.all(seen.rows[:, function.columns] == 0)
         rests = sum(f.rest**2 for f in observation.errors.functions) * 3
         assert setup.noise**2 <= seen.variances[0] <= setup.noise**2 + rests
+
+
+def test_the_prior_of_the_readings_counts_what_is_shared_once() -> None:
+    observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
+    place = tuple(sum(axis.travel) / 2 for axis in DMU.axes)
+    reading = Reading("nest", place, (1,) * len(place), 0.0, others=(0.0, 0.0))
+    assert Evidence(observation, [reading]).prior(np.zeros(0)) == pytest.approx(observation.prior_covariance())

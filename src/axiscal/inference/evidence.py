@@ -48,7 +48,7 @@ class Evidence:
             np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(numbers.values), 0))
         )
         self._fixed = unknowns @ unknowns.T + np.diag(numbers.extra_variance)
-        self._stds = np.array([unknown.std for setup in observation.setups for unknown in setup.unknowns])
+        self._stds = np.array([unknown.std for unknown in observation.unknowns])
         self._inherited = None if prior is None else prior[1]
         if prior is not None:
             rows = self.rows[:, : len(prior[0])]
