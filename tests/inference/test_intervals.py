@@ -7,11 +7,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from axiscal.error_model.prior import matern52
 from axiscal.inference.intervals import sited, sites
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
+from benchmarks.trust.displays import held
 from tests.generators.one_axis import observed, readings_at
 
 _CURVE = 10.0
@@ -35,35 +34,10 @@ def test_one_interval_leaves_mean_and_variance_of_the_exact_posterior(step: floa
     assert 1 / precision == pytest.approx(second / whole - (first / whole) ** 2, rel=1e-3)
 
 
-def _covered(step: float, machines: int, exact: bool) -> float:
-    """Return the share of a curve that its 95 % band holds: two rounded readings at 13 places, noise 1, curve 10."""
-    rng, places = np.random.default_rng(0), np.linspace(0, 1, 41)
-    root: Array = _CURVE * np.asarray(
-        np.linalg.cholesky(matern52(np.abs(places[:, None] - places) / 0.2) + 1e-9 * np.eye(41)), dtype=float
-    )
-    at = np.repeat(np.linspace(0, 40, 13).astype(int), 2)
-    held = []
-    for _ in range(machines):
-        curve = root @ rng.standard_normal(41)
-        shown = np.round((curve[at] + rng.standard_normal(26)) / step) * step
-        noise = np.full(26, 1.0 + step**2 / 12)
-        values = shown
-        if exact:
-            values, noise = sites(Fitted(root[at], noise, shown, np.arange(26)), np.full(26, step), np.ones(26))
-        mean, std = _estimate(root, root[at], values, noise)
-        held.append(np.mean(np.abs(curve - mean) <= 1.96 * std))
-    return float(np.mean(held))
-
-
-def _estimate(root: Array, rows: Array, values: Array, noise: Array) -> tuple[Array, Array]:
-    covariance = np.linalg.inv(np.eye(len(root)) + (rows.T / noise) @ rows)
-    return root @ covariance @ (rows.T @ (values / noise)), np.sqrt(np.diag(root @ covariance @ root.T))
-
-
 @pytest.mark.parametrize("step", [10.0, 20.0, 33.0])
 def test_intervals_keep_the_band_where_a_variance_of_a_twelfth_does_not(step: float) -> None:
-    assert _covered(step, 60, exact=True) > 0.925
-    assert step == 10.0 or _covered(step, 60, exact=False) < 0.91
+    assert held(step, 60, "interval") > 0.925
+    assert step == 10.0 or held(step, 60, "variance") < 0.91
 
 
 def test_only_readings_of_a_coarse_display_are_changed() -> None:

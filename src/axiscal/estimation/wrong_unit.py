@@ -1,4 +1,4 @@
-"""Whether the readings of a file can be of this machine at all."""
+"""Whether the readings of a file can be of this machine at all, and in the unit that it names."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import judged_at_once
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import ReadingError
 from axiscal.inference.implausible import unit_guess
+from axiscal.inference.other_unit import other_unit
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 
@@ -20,10 +22,14 @@ _FEWEST = 3
 
 
 def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescription, file: str | Path) -> None:
-    """Raise ReadingError at the first implausible reading where most of them are: the file has another unit."""
+    """Raise ReadingError at the first implausible reading where most of them are: the file has another unit.
+
+    Also where all readings of a set-up fit only when multiplied, by odds of a million, even if scales are learnt.
+    """
     case = case_of(campaign)
     doubts = judged_at_once(case, timed(case, readings, Timed()).readings).implausible.values()
     if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
+        _refuse_other_unit(case, readings, file)
         return
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
@@ -31,4 +37,19 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     what = f"{len(doubts)} of {len(readings)} readings are some {size:.0f} standard deviations from all that the "
     what += f"stated std of the errors allow{', ' if guess else ''}{guess}"
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
+    raise ReadingError(what, remedy, file, first.line)
+
+
+def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path) -> None:
+    """Raise ReadingError at the first reading of a set-up whose readings are written in another unit."""
+    found = other_unit(case.observation, readings) if case.inherited is None else None
+    if found is None:
+        return
+    first = next(reading for reading in readings if reading.setup == found.setup)
+    by = f"{found.factor:g}" if found.factor > 1 else f"1/{1 / found.factor:g}"
+    what = (
+        f'the readings of "{found.setup}" fit the stated errors and noise when they are multiplied by {by}, by odds of '
+    )
+    what += f"10^{found.odds:.0f} to 1, and not as they are"
+    remedy = "Check the unit that the file names for its values (mm instead of um?), or state other std and noise"
     raise ReadingError(what, remedy, file, first.line)

@@ -120,13 +120,18 @@ def compared(
 
 def _other_scales(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None) -> float:
     """Return the odds of other scales than stated: noise, size and length of all errors by common factors."""
-    scales = tuple(s for s in all_scales(observation.errors.machine, observation.setups) if s.kind in _FACTORS)
+    scales = all_scales(observation.errors.machine, observation.setups)
     evidence = Evidence(observation, drawn(readings, _FEW), scales, prior)
-    stated = evidence.log_likelihood(np.zeros(len(scales)))
+    gained = averaged_likelihood(evidence) - evidence.log_likelihood(np.zeros(len(scales)))
+    return _SCALES / MODEL * float(np.exp(min(gained, _MOST_LOG)))
+
+
+def averaged_likelihood(evidence: Evidence) -> float:
+    """Return log p(y), averaged over common factors on noise, size and length."""
     every = [dict(zip(_FACTORS, factors, strict=True)) for factors in product(*_FACTORS.values())]
-    logs = np.array([[np.log(factors[scale.kind]) for scale in scales] for factors in every])
-    ratios = [np.exp(min(evidence.log_likelihood(each) - stated, _MOST_LOG)) for each in logs]
-    return _SCALES / MODEL * float(np.mean(ratios))
+    logs = [np.array([np.log(factors.get(scale.kind, 1.0)) for scale in evidence.scales]) for factors in every]
+    found = np.array([evidence.log_likelihood(each) for each in logs])
+    return float(found.max() + np.log(np.mean(np.exp(found - found.max()))))
 
 
 def _two(columns: Array) -> Array:

@@ -10,6 +10,7 @@ wide priors and are integrated out, which makes this the restricted likelihood o
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -74,6 +75,17 @@ class Evidence:
         half = solution(lower, self.values)
         value = -0.5 * float(half @ half) - float(np.log(np.diag(lower)).sum())
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi))
+
+    def chi_square(self) -> float:
+        """Return yᵀ K⁻¹ y as stated."""
+        half = solution(lower_root(self.covariance(np.zeros(len(self.scales)))), self.values)
+        return float(half @ half)
+
+    def multiplied(self, factor: float) -> Evidence:
+        """Return the evidence of the same readings with all values times a factor."""
+        other = copy(self)
+        other.values = factor * self.values
+        return other
 
     def prior(self, logs: Array) -> Array:
         """Return the covariance of errors and set-ups' unknowns before the readings, (k, k), in the order of `rows`."""

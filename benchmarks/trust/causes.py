@@ -1,0 +1,92 @@
+"""Departures put into machines or their readings: are the readings said to contradict the model, and by what?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.error_model.model import ErrorModel
+from axiscal.inference.contradiction import compared
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", length = "200 mm", rest = "0.3 um" }
+EXX_reversal = { std = "3 um" }
+"""
+_SETUP = 'name = "it"\ninstrument = "interferometer"\ndirection = "x"\napproach = "both"\nnoise = "0.5 um"\n'
+_MINUTE = 60.0
+_BAD = 7
+
+
+class Attack(NamedTuple):
+    """words : what is put in; names : the families that are right"""
+
+    words: str
+    names: frozenset[str]
+
+
+ATTACKS = {
+    "none": Attack("nothing", frozenset()),
+    "drift": Attack("drift, 10 µm over the readings", frozenset({"drift", "levelling"})),
+    "levelling": Attack("drift that levels off, 10 µm", frozenset({"drift", "levelling"})),
+    "step": Attack("step, 15 µm", frozenset({"step"})),
+    "pitch 10": Attack("pitch of 10 mm, 5 µm", frozenset({"pitch"})),
+    "pitch 33": Attack("pitch of 33 mm, in no list, 5 µm", frozenset({"pitch"})),
+    "pitch 50": Attack("pitch of 50 mm, 5 µm", frozenset({"pitch"})),
+    "bump": Attack("bump of 30 mm, 12 µm", frozenset({"bump", "step"})),
+    "bad": Attack("one bad reading, 8 µm", frozenset({"bad"})),
+}
+
+
+def axis() -> Observation:
+    """Return what an interferometer sees of one axis."""
+    text = f'machine = "m"\n[target]\nreadings = 1\n[[setups]]\n{_SETUP}'
+    described = campaign_from_texts(text, "campaign.toml", MACHINE, "m")
+    return Observation(ErrorModel(described.machine), described.setups)
+
+
+def attacked(observation: Observation, seed: int, count: int, attack: str = "none") -> list[Reading]:
+    """Return readings out and back at random places, one a minute."""
+    rng = np.random.default_rng((seed, 4))
+    machine, place = Simulator(observation.errors.machine, observation.setups).drawn(seed), float(rng.uniform(0.2, 0.8))
+    out, back = np.sort(rng.uniform(0, 1, count // 2)), np.sort(rng.uniform(0, 1, count - count // 2))[::-1]
+    readings = []
+    for index, x in enumerate(np.concatenate([out, back])):
+        side = 1 if index < count // 2 else -1
+        value = machine.read(observation.setups[0], (float(x),), (side,), rng) + _added(attack, index, count, x, place)
+        readings.append(Reading("it", (float(x),), (side,), float(value), time=_MINUTE * index))
+    return readings
+
+
+def _added(attack: str, index: int, count: int, x: float, place: float) -> float:
+    """Return what an attack adds to one reading, m."""
+    kind, _, millimetres = attack.partition(" ")
+    period = float(millimetres or 1.0) * 1e-3
+    return {
+        "drift": 10e-6 * index / count,
+        "levelling": 10e-6 * float(1 - np.exp(-3 * index / count)),
+        "step": 15e-6 * (x > place),
+        "pitch": 5e-6 * float(np.sin(2 * np.pi * x / period)),
+        "bump": 12e-6 * float(np.exp(-(((x - place) / 0.03) ** 2))),
+        "bad": 8e-6 * (index == _BAD),
+    }.get(kind, 0.0)
+
+
+def cause_rows(machines: int, count: int) -> Iterator[str]:
+    """Yield the lines of the table.  count : readings of each machine"""
+    observation = axis()
+    for name, attack in ATTACKS.items():
+        found = [compared(observation, attacked(observation, seed, count, name)) for seed in range(machines)]
+        said = sum(each.contradicted for each in found) / machines
+        named = [each.explanations[0].family in attack.names for each in found if each.contradicted]
+        right = f"{sum(named) / len(named):.0%}" if attack.names and named else "–"
+        yield f"| {attack.words} | {said:.0%} | {right} |"

@@ -1,0 +1,57 @@
+"""Whether readings fit better if they were written in another unit: evidence for y, 1000 y, y/1000, 25.4 y and y/25.4.
+
+    p(y | f) = f^m N(f y; 0, K),    averaged over scales that are off by common factors
+
+so that a machine that is three times as good, or an instrument five times as noisy, as stated is no other unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.inference.contradiction import averaged_likelihood
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.fit import drawn
+from axiscal.inference.scales import all_scales
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+
+FACTORS = (1000.0, 1 / 1000.0, 25.4, 1 / 25.4)
+_CERTAIN = 6.0
+_FEWEST, _MOST = 4, 60
+_LEAST_FIT = 0.05
+"""Readings that scatter by less of what is expected than this, multiplied, are no readings."""
+
+
+class OtherUnit(NamedTuple):
+    """Readings of a set-up that fit when multiplied by a factor; odds : powers of ten."""
+
+    setup: str
+    factor: float
+    odds: float
+
+
+def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUnit | None:
+    """Return the set-up whose readings are written in another unit by odds of a million; None for none."""
+    for setup in observation.setups:
+        mine = drawn([reading for reading in readings if reading.setup == setup.name], _MOST)
+        if len(mine) < _FEWEST or any(reading.std is not None for reading in mine):
+            continue
+        evidence = Evidence(observation, mine, all_scales(observation.errors.machine, observation.setups))
+        stated = averaged_likelihood(evidence)
+        odds = {factor: (_multiplied(evidence, factor) - stated) / np.log(10.0) for factor in FACTORS}
+        best = max(odds, key=lambda factor: odds[factor])
+        if odds[best] > _CERTAIN:
+            return OtherUnit(setup.name, best, float(odds[best]))
+    return None
+
+
+def _multiplied(evidence: Evidence, factor: float) -> float:
+    """Return log p of the readings if f times their values are right; minus infinity if these would be nothing."""
+    other = evidence.multiplied(factor)
+    if other.chi_square() < _LEAST_FIT * len(evidence.values):
+        return -np.inf
+    return averaged_likelihood(other) + len(evidence.values) * float(np.log(factor))

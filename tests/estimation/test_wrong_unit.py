@@ -1,0 +1,48 @@
+"""Readings in another unit are refused, whether or not scales are learnt; a wrong prior is no other unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.case import Case
+from axiscal.estimation.wrong_unit import refuse_implausible
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+from benchmarks.trust.virtual import described, read_evenly
+
+
+def _readings(description: CampaignDescription, wrong: float, seed: int) -> list[Reading]:
+    _, true = described("one-axis", wrong, "stated")
+    machine = Simulator(true, description.setups).drawn(seed)
+    return read_evenly(Case(description), machine, np.random.default_rng((seed, 5)), 15)
+
+
+def _times(readings: list[Reading], factor: float) -> list[Reading]:
+    return [replace(reading, value=factor * reading.value) for reading in readings]
+
+
+@pytest.mark.parametrize("scales", ["stated", "estimate"])
+@pytest.mark.parametrize("factor", [1000.0, 1 / 1000])
+def test_readings_a_thousand_times_off_are_refused(scales: str, factor: float) -> None:
+    description, _ = described("one-axis", 1.0, scales)
+    for seed in range(4):
+        with pytest.raises(ReadingError, match="instead of um"):
+            refuse_implausible(_times(_readings(description, 1.0, seed), factor), description, "r.csv")
+
+
+@pytest.mark.parametrize("scales", ["stated", "estimate"])
+@pytest.mark.parametrize("wrong", [1 / 3, 1.0, 3.0])
+def test_a_prior_that_is_wrong_by_three_is_no_other_unit(scales: str, wrong: float) -> None:
+    description, _ = described("one-axis", wrong, scales)
+    for seed in range(4):
+        refuse_implausible(_readings(description, wrong, seed), description, "r.csv")
+
+
+def test_readings_of_nothing_at_all_are_not_taken_for_another_unit() -> None:
+    description, _ = described("one-axis", 1.0, "stated")
+    refuse_implausible(_times(_readings(description, 1.0, 0), 0.0), description, "r.csv")
