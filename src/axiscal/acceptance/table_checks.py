@@ -126,10 +126,10 @@ def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Arr
     whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
     rows, seen = whiten @ columns, whiten @ change
     left, sizes, right = np.linalg.svd(rows, full_matrices=False)
-    told = sizes > 1e-9 * max(float(sizes[:1].sum()), _NOTHING)
-    values = right[told].T @ ((left[:, told].T @ seen) / sizes[told])
-    spread = np.sqrt(np.sum((right[told].T / sizes[told]) ** 2, axis=1))
-    open_ones = np.sum(right[told] ** 2, axis=0) < 1 - 1e-6
+    shown = sizes > 1e-9 * max(float(sizes[:1].sum()), _NOTHING)
+    values = right[shown].T @ ((left[:, shown].T @ seen) / sizes[shown])
+    spread = np.sqrt(np.sum((right[shown].T / sizes[shown]) ** 2, axis=1))
+    open_ones = np.sum(right[shown] ** 2, axis=0) < 1 - 1e-6
     stds = np.where(open_ones, np.inf, spread)
     return tuple(Share(p.name, float(v), float(s), p.size) for p, v, s in zip(parts, values, stds, strict=True))
 

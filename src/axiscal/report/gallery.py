@@ -58,22 +58,22 @@ def _content(curve: CurveSummary) -> list[float]:
 
 def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figure:
     """Return one panel; `ranges` holds its own scale and the one it shares with its row."""
-    size, where = len(curve.position), numbers(curve.position, f"position of {curve.name}")
+    size, positions = len(curve.position), numbers(curve.position, f"position of {curve.name}")
     mean = numbers(curve.mean, f"mean of {curve.name}", size)
     prior, whole, seen = (
         [BAND * std for std in numbers(stds, f"{what} of {curve.name}", size)]
         for what, stds in (("prior_std", curve.prior_std), ("std", curve.std), ("std_seen", curve.std_seen))
     )
     traces = [
-        band(where, [0.0] * size, prior, "var(--prior)"),
-        band(where, mean, whole, "var(--whole)"),
-        band(where, mean, seen, "var(--seen)"),
+        band(positions, [0.0] * size, prior, "var(--prior)"),
+        band(positions, mean, whole, "var(--whole)"),
+        band(positions, mean, seen, "var(--seen)"),
         *_truth(curve),
-        _mean(curve, where, mean, whole),
+        _mean(curve, positions, mean, whole),
         *_points(curve),
     ]
     x = axis_style(
-        plain(f"{curve.axis}, {unit_text(curve.position_unit)}"), range=_span(where), nticks=6, **_turns(curve)
+        plain(f"{curve.axis}, {unit_text(curve.position_unit)}"), range=_span(positions), nticks=6, **_turns(curve)
     )
     y = axis_style(
         plain(unit_text(curve.value_unit)), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)"
@@ -82,8 +82,8 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
     return {"data": traces, "layout": layout(x, y, height), "ranges": ranges}
 
 
-def _span(where: list[float]) -> list[float]:
-    low, high = min(where, default=0.0), max(where, default=1.0)
+def _span(positions: list[float]) -> list[float]:
+    low, high = min(positions, default=0.0), max(positions, default=1.0)
     pad = 0.02 * (high - low) or 1.0
     return numbers([low - pad, high + pad], "range")
 
@@ -93,21 +93,21 @@ def _turns(curve: CurveSummary) -> Figure:
     return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
 
 
-def _mean(curve: CurveSummary, where: list[float], mean: list[float], whole: list[float]) -> Figure:
+def _mean(curve: CurveSummary, positions: list[float], mean: list[float], whole: list[float]) -> Figure:
     text = [
         plain(f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}")
-        for x, m, w in zip(where, mean, whole, strict=True)
+        for x, m, w in zip(positions, mean, whole, strict=True)
     ]
     style = {"line": {"color": "var(--accent)", "width": 1.8}, "hovertemplate": "%{text}<extra></extra>"}
-    return {"type": "scatter", "mode": "lines", "x": where, "y": mean, "text": text, **style}
+    return {"type": "scatter", "mode": "lines", "x": positions, "y": mean, "text": text, **style}
 
 
 def _truth(curve: CurveSummary) -> list[Figure]:
     if curve.truth is None:
         return []
-    where, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
+    positions, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
     style = {"line": {"color": "var(--truth)", "width": 1.6, "dash": "4px,3px"}, "hoverinfo": "skip"}
-    return [{"type": "scatter", "mode": "lines", "x": where, "y": value, **style}]
+    return [{"type": "scatter", "mode": "lines", "x": positions, "y": value, **style}]
 
 
 def _points(curve: CurveSummary) -> list[Figure]:
