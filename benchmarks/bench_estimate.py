@@ -30,6 +30,7 @@ SETUP = """
 name = "probe along {axis}"
 instrument = "probe"
 direction = "{axis}"
+reach = {{ X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"] }}
 noise = "0.5 um"
 unknowns = {{ zero = "100 um" }}
 approach = "both"

@@ -22,6 +22,8 @@ readings = 30
 name = "probe"
 instrument = "probe"
 direction = "y"
+moves = ["X", "Y", "Z"]
+reach = { X = ["-300 mm", "300 mm"], Y = ["-250 mm", "250 mm"], Z = ["0 mm", "500 mm"] }
 approach = "both"
 """
 

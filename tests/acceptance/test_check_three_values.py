@@ -1,4 +1,4 @@
-"""A check with instruments that read along x, y and z at once: R-test and tracker."""
+"""A check with instruments that read along x, y and z at once: trackers."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
+from tests.generators.reaches import reach_of
 
-RTEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nnoise = "0.4 um"\n'
+NEAR = '[[setups]]\nname = "nest"\ninstrument = "tracker"\nnoise = "0.4 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
 TRACKER = '[[setups]]\nname = "afar"\ninstrument = "tracker"\nnoise = "1 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
-PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nnoise = "0.4 um"\n'
+PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nnoise = "0.4 um"\n' + reach_of(MACHINE)
 SEED = 5
 
 
@@ -37,7 +38,7 @@ def _record(path: Path, *setups: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("setup", [RTEST, TRACKER], ids=["rtest", "tracker"])
+@pytest.mark.parametrize("setup", [NEAR, TRACKER], ids=["near", "afar"])
 def test_the_right_tables_pass_and_another_machine_is_noticed(
     setup: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -53,7 +54,7 @@ def test_the_right_tables_pass_and_another_machine_is_noticed(
 
 
 def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record, plan = _record(tmp_path / "m.axiscal", RTEST + 'moves = ["X"]\n', PROBE), tmp_path / "check.csv"
+    record, plan = _record(tmp_path / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE), tmp_path / "check.csv"
     assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
     planned = json.loads(capsys.readouterr().out)["plan"]
     assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}

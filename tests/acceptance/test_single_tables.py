@@ -22,6 +22,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.report.check_report import judgement_document, judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
+from tests.generators.reaches import reach_of
 
 MACHINE = """name = "Bench"
 chain = "w-X'-b-Y-Z-t"
@@ -43,7 +44,7 @@ EXX_reversal = { std = "8 um" }
 """
 SETUPS = "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\napproach = "both"\n'
-    f'unknowns = {{ zero = "100 um" }}\n'
+    f'unknowns = {{ zero = "100 um" }}\n' + reach_of(MACHINE)
     for d in "xyz"
 )
 CAMPAIGN = f'machine = "m.toml"\n[target]\nreadings = 45\n{SETUPS}'

@@ -29,6 +29,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.report.check_report import judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
+from tests.generators.reaches import reach_of
 
 MACHINE = """name = "Bench"
 chain = "w-X'-b-Y-t"
@@ -54,17 +55,17 @@ instrument = "probe"
 direction = "x"
 noise = "0.4 um"
 unknowns = { zero = "100 um" }
-[[setups]]
+{REACH}[[setups]]
 name = "along y"
 instrument = "probe"
 direction = "y"
 noise = "0.4 um"
 unknowns = { zero = "100 um" }
-[[setups]]
+{REACH}[[setups]]
 name = "level"
 instrument = "level"
 direction = "z"
-"""
+{REACH}""".replace("{REACH}", reach_of(MACHINE))
 SEED = 11
 
 

@@ -10,6 +10,7 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.compensation.registry import CONTROLLERS
 from axiscal.report.delivery import write_whole
+from tests.generators.reaches import reach_of
 
 MACHINE = """name = "Bench"
 chain = "w-X'-b-Y-Z-t"
@@ -28,7 +29,8 @@ EZY = { std = "20 um", knots = 5, length = "200 mm" }
 C0Y = { std = "90 urad" }
 """
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
-    f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' for d in "xyz"
+    f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' + reach_of(MACHINE)
+    for d in "xyz"
 )
 
 

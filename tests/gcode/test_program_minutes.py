@@ -17,6 +17,7 @@ from axiscal.machine import Machine, load_machine
 from axiscal.planning.next_readings import placed
 from axiscal.planning.proposal import Thoroughness, proposed
 from tests.certify.gcode_traces import READERS, Event, Halt, Move, Wait
+from tests.generators.reaches import reach_of
 
 CAMPAIGN = """
 machine = "{machine}"
@@ -26,7 +27,7 @@ readings = 14
 name = "probe x"
 instrument = "probe"
 direction = "x"
-reading_time = "{reading}"
+{reach}reading_time = "{reading}"
 settle = "0.2 s"
 setup_time = "3 min"
 approach = "{approach}"
@@ -34,7 +35,7 @@ approach = "{approach}"
 name = "probe z"
 instrument = "probe"
 direction = "z"
-reading_time = "{reading}"
+{reach}reading_time = "{reading}"
 setup_time = "4 min"
 approach = "both"
 """
@@ -43,7 +44,7 @@ approach = "both"
 @cache
 def planned(machine: str, approach: str) -> tuple[Case, Plan]:
     """Return a plan whose readings take so little time that the ways count."""
-    text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s")
+    text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s", reach=reach_of(load_machine(machine)))
     case = Case(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
     return case, proposed(case, Limits(readings=14), Thoroughness(300)).plan
 

@@ -12,6 +12,7 @@ from axiscal.cli.app import run
 from axiscal.compensation.controllers.linuxcnc import cross
 from axiscal.compensation.table import CompensationTable
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
+from tests.generators.reaches import reach_of
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -113,6 +114,7 @@ EYY_reversal = { std = "8 um" }
 """
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\nunknowns = {{}}\n'
+    + reach_of(GANTRY)
     for d in "xy"
 )
 

@@ -31,10 +31,17 @@ def result(folder: Path) -> dict[str, object]:
     return found
 
 
-THREE_VALUES = 'machine = "three-axis-mill"\n[target]\nreadings = 6\n[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
+THREE_VALUES = """machine = "three-axis-mill"
+[target]
+readings = 6
+[[setups]]
+name = "afar"
+instrument = "tracker"
+station = ["300 mm", "-900 mm", "0 mm"]
+"""
 
 
-@pytest.mark.parametrize("campaign", [CAMPAIGN, THREE_VALUES], ids=["laser", "rtest"])
+@pytest.mark.parametrize("campaign", [CAMPAIGN, THREE_VALUES], ids=["laser", "tracker"])
 def test_linuxcnc_and_the_plain_simulation_give_the_same_campaign(campaign: str, tmp_path: Path) -> None:
     """Without tables LinuxCNC goes where it is told: to a nanometre the readings, and so the estimate, are the same."""
     (tmp_path / "c.toml").write_text(campaign)

@@ -12,6 +12,7 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
+from tests.generators.reaches import reach_of
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -39,6 +40,7 @@ EXX_reversal = { std = "6 um" }
 """
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\nunknowns = {{}}\n'
+    + reach_of(MACHINE)
     for d in "xyz"
 )
 NOTE = re.compile(r"at machine zero, (.*?) by (.*?) um; in the middle of the volume, (.*?) by (.*?) um")

@@ -12,7 +12,6 @@ from axiscal.machine import load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import approach_seconds, travel_seconds
-from axiscal.measurement.time_taken import travel_table
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route, route_seconds
 
@@ -57,7 +56,7 @@ def test_within_three_percent_of_the_shortest(seed: int, sided: bool, begun: boo
     generator = np.random.default_rng(seed)
     poses = generator.uniform(0, 0.6, (int(generator.integers(2, 10)), 3))
     approaches = generator.choice([-1.0, 1.0], poses.shape) * sided
-    table = travel_table(MILL, poses, approaches)
+    table = approach_seconds(MILL, poses[:, None], poses[None], approaches[None])
     first = approach_seconds(MILL, np.zeros(3), poses, approaches) if begun else np.zeros(len(poses))
     order = route(table, first if begun else None)
     assert sorted(order) == list(range(len(poses)))
@@ -72,7 +71,7 @@ def test_within_three_percent_of_what_or_tools_finds(machine: Machine, seed: int
     low, high = np.array([axis.travel for axis in machine.axes]).T
     poses = generator.uniform(low, high, (12 + 3 * seed, len(low)))
     approaches = generator.choice([-1.0, 0.0, 1.0], poses.shape) * (seed % 2)
-    table = travel_table(machine, poses, approaches)
+    table = approach_seconds(machine, poses[:, None], poses[None], approaches[None])
     first = approach_seconds(machine, low, poses, approaches)
     order = [int(i) for i in route(table, first)]
     way = float(first[order[0]]) + route_seconds(order, table)

@@ -39,6 +39,7 @@ readings = 8
 name = "probe"
 instrument = "probe"
 direction = "x"
+reach = { X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"] }
 """
 PREPARED = """
 from axiscal.description.campaign import read_campaign

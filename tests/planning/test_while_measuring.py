@@ -176,7 +176,7 @@ def test_a_side_is_missed_only_where_the_axis_has_a_reversal(side: int, told: fr
     (tmp_path / "m.toml").write_text(MACHINE)
     (tmp_path / "c.toml").write_text(TEXT.replace("one-axis", "m.toml").replace('"both"', '"+"'))
     reading = Reading("laser", (0.1, 0.0), (side, 0), 0.0, None)  # Y stands at its end: from any side
-    assert estimated(Case(read_campaign(tmp_path / "c.toml")), [reading]).case.both == told
+    assert estimated(Case(read_campaign(tmp_path / "c.toml", asking=False)), [reading]).case.both == told
 
 
 @pytest.mark.parametrize(("drift", "basis"), [("", ["", "", ""]), ('drift = "6 um/h"', ["", "1 times 20 min", ""])])

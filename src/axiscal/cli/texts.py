@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
 from axiscal.measurement.setup import Setup
@@ -34,10 +37,25 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
         f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {way_text(setup)}',
         f"  go to     {place_text(axes, asked.place.pose, setup.moves)}",
         f"  coming    {come}" if come else "",
+        _in_touch(campaign, asked),
         f"  parked    {place_text(axes, asked.place.pose, parked)}" if parked else "",
         f'  then      axiscal record {campaign.path} "VALUE {reading_unit(setup)}"',
     ]
     return "\n".join(line for line in lines if line)
+
+
+def _in_touch(campaign: Campaign, asked: Asked) -> str:
+    """Say at which ball a reading is taken, and how the machine has to go there; nothing where none is touched."""
+    setup, machine = campaign.description.setup(asked.place.setup), campaign.description.machine
+    if setup.contact == "free" or not len(setup.balls or (setup.station or ())):
+        return ""
+    held = "all axes together, the tool point held (TRAORI, TCPM, G43.4)"
+    way = held if setup.contact == "held" else "off the ball, turn, and back to it"
+    if setup.artefact is None:
+        return f"  the way   {way}"
+    tip = frames(machine, np.array([asked.place.pose])).tcp
+    ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
+    return f"  at        ball {ball.name} of {setup.artefact.name}: {way}"
 
 
 def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:

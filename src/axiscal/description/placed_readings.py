@@ -7,10 +7,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
+import numpy as np
+
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.machine import Axis, Machine
+from axiscal.machine.kinematics import frames
 from axiscal.machine.names import parse_error_name
+from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.standing import off_chart
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -19,6 +25,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
+_OFF = 1e-4
+"""m, how far from its place the tool point may be said to stand."""
 _STILL = {False: 1e-6, True: math.radians(1e-5)}
 """How far from its park position an axis may be said to stand: 1 um, or 1e-5 deg."""
 
@@ -43,7 +51,35 @@ def placed_pose(setup: Setup, machine: Machine, position: Mapping[str, float]) -
     Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
     """
     _refuse_unknown_axis(position, machine)
+    if setup.chart is not None:
+        return _on_chart(setup, setup.chart, machine, position)
     return tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+
+
+def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the pose on a chart; the linear axes follow from the others where one place is held, if they are left out.
+
+    Raises ReadingError for a place that is further from the chart than what touches can follow.
+    """
+    rotary = {axis.name: position[axis.name] for axis in machine.axes if axis.rotary and axis.name in position}
+    if isinstance(chart, Held) and all(machine.axes[k].name in rotary for k in chart.turning):
+        places = np.array([[position[machine.axes[k].name] for k in chart.turning]])
+        following = dict(zip((axis.name for axis in machine.axes), chart.poses(places)[0].tolist(), strict=True))
+        position = {**following, **position}
+    pose = tuple(_coordinate(setup, axis, index, position) for index, axis in enumerate(machine.axes))
+    off, allowed = off_chart(machine, chart, np.array(pose)), setup.stroke or _OFF
+    if off > allowed:
+        far = format_quantity(off, "mm", 3)
+        what = f'this place is {far} from {_nearest(setup, machine, pose)}, where "{setup.name}" is read'
+        raise ReadingError(what, "Give the place where the tool point stood, or another set-up")
+    return pose
+
+
+def _nearest(setup: Setup, machine: Machine, pose: tuple[float, ...]) -> str:
+    if setup.artefact is None:
+        return "the line or circle"
+    ball = int(setup.artefact.nearest(frames(machine, np.array([pose])).tcp, setup.balls)[0])
+    return f"ball {setup.artefact.balls[ball].name}"
 
 
 def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:

@@ -29,7 +29,6 @@ _REFERENCE = 293.15
 _ALONG = 0.99
 _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
-_NEVER_ANYWHERE = ("sphere",)
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
@@ -144,8 +143,8 @@ class _Reader:
 
     def _complete(self, setup: Setup) -> Setup:
         """Return a set-up with what it lacks before readings can be asked for; raises DescriptionError if they are."""
-        lack = lack_of(setup, self._machine, tuple(self._table.reach))
-        if lack is not None and self._around.asking and setup.instrument in _NEVER_ANYWHERE:
+        lack = lack_of(setup, self._machine, self._table.reach, self._table.moves is not None)
+        if lack is not None and self._around.asking:
             with self._at("instrument"):
                 raise DescriptionError(*lack)
         return replace(setup, lacks=lack)

@@ -72,6 +72,14 @@ def _named(known: Mapping[str, Setup], name: str) -> Setup:
     return known[name]
 
 
+def _refuse_contact(setup: Setup) -> None:
+    """Raise ProgramError for a set-up in touch: linear axes that go before rotary ones would tear it off."""
+    if setup.contact != "free":
+        what = f'"{setup.name}" reads in touch, and these programs move one family of axes after another'
+        remedy = "Drive it in the control's tool centre point mode (TRAORI, TCPM or M128, G43.4, M428) from plan --json"
+        raise ProgramError(what, remedy)
+
+
 class _Writer:
     """Writes the programs of one machine in one dialect."""
 
@@ -83,6 +91,7 @@ class _Writer:
         self._clearance = _clearance(machine, self._scales, options)
 
     def program(self, number: int, setup: Setup, places: Sequence[tuple[int, Place]]) -> Program:
+        _refuse_contact(setup)
         dialect = self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
         run = list(self._steps(setup, places))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 
 
@@ -27,12 +27,12 @@ def visit_seconds(
     if before is None:
         return setup.setup_time + reading_seconds(setup)
     sides = np.array(approach, dtype=float) if approach else np.zeros(len(pose))
-    return float(approach_seconds(machine, before, pose, sides)) + reading_seconds(setup)
+    return float(way_seconds(machine, setup, before, pose, sides)) + reading_seconds(setup)
 
 
-def travel_table(machine: Machine, poses: Array, approaches: Array) -> Array:
-    """Return the seconds from each pose to each, overrun included, (m, m).
+def travel_table(machine: Machine, setup: Setup, poses: Array, approaches: Array) -> Array:
+    """Return the seconds from each pose of a set-up to each, overrun included, (m, m).
 
     approaches : (m, q), 0 where any side will do
     """
-    return approach_seconds(machine, poses[:, None], poses[None], approaches[None])
+    return way_seconds(machine, setup, poses[:, None], poses[None], approaches[None])

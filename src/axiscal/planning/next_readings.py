@@ -94,6 +94,7 @@ def posed(
     candidates: int = _CANDIDATES,
 ) -> Task:
     """Return what is to be planned: the belief so far, and candidates outside the gaps."""
+    refuse_lacking(case)
     machine, setups, here = case.description.machine, case.description.setups, None
     if readings:
         last = readings[-1]
@@ -111,6 +112,13 @@ def posed(
         lattice.within(keep),
         here,
     )
+
+
+def refuse_lacking(case: Case) -> None:
+    """Raise PlanError for a set-up that does not say where it can be read: no reading of it can be asked for."""
+    for setup in case.description.setups:
+        if setup.lacks is not None:
+            raise PlanError(*setup.lacks)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

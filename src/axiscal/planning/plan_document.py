@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.planning.feasibility import reachable_rms
 from axiscal.planning.next_readings import placed
@@ -54,12 +58,24 @@ def _points(case: Case, plan: Plan) -> list[dict[str, Any]]:
                 "position": shown_pose(axes, place.pose),
                 "direction": list(case.description.setup(place.setup).direction),
                 "approach": shown_approach(axes, place.approach),
+                **_touched(case, place),
                 "rms_um": to_unit(reading.accuracy.rms, "um"),
                 "worst_um": to_unit(reading.accuracy.worst, "um"),
                 "minutes": to_unit(reading.seconds, "min"),
             }
         )
     return points
+
+
+def _touched(case: Case, place: Place) -> dict[str, Any]:
+    """Return where the tool point is, mm in the workpiece frame, and the artefact and the ball that it is at."""
+    setup, at = case.description.setup(place.setup), np.array([place.pose])
+    tips = frames(case.description.machine, at).tcp
+    said: dict[str, Any] = {"tcp": [round(to_unit(float(value), "mm"), 9) + 0.0 for value in tips[0]]}
+    if setup.artefact is not None:
+        ball = int(setup.artefact.nearest(tips, setup.balls)[0])
+        said |= {"artefact": setup.artefact.name, "ball": setup.artefact.balls[ball].name}
+    return said
 
 
 def bound_rms_um(case: Case, plan: Plan) -> float | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from axiscal.accuracy.yardstick import Yardstick
 from axiscal.campaign.campaign import Campaign
 from axiscal.compensation import registry
 from axiscal.compensation.effect import Deviation, rms, tour
@@ -84,10 +85,15 @@ def write_files(offered: Export, folder: Path) -> None:
         write_whole(folder / name, text)
 
 
-def reached(estimate: Estimate, truth: Deviation) -> float:
-    """Return the RMS over the volume of the true deviation less the estimated one, its constant part taken off, m."""
-    poses, approaches = tour(_poses(estimate.box), estimate.box)
-    return rms(truth(poses, approaches) - estimate.deviation(poses, approaches))
+def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float:
+    """Return the RMS over the volume of the true deviation less the estimated one, m.
+
+    Its constant part is taken off, and where parts are aligned a turn of them, too.
+    """
+    places = _poses(estimate.box) if yardstick.sample is None else yardstick.sample[:_POSES]
+    poses, approaches = tour(places, estimate.box)
+    missed = truth(poses, approaches) - estimate.deviation(poses, approaches)
+    return rms(missed if yardstick.alignment is None else yardstick.alignment.left(poses, missed))
 
 
 def left_out(offered: Export) -> str:

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.task import Task
-from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.place import Places
 from axiscal.measurement.time_taken import reading_seconds, travel_table
+from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route
 
@@ -30,7 +30,10 @@ def seconds_each(task: Task, order: Places) -> Array:
     """
     setups = task.observation.setups
     stays, start = _before(task, order)
-    ways = approach_seconds(task.observation.machine, start, order.poses, counting(task, order))
+    ways, counted = np.zeros(len(order)), counting(task, order)
+    for setup, mine in order.by_setup():
+        places = start[mine], order.poses[mine], counted[mine]
+        ways[mine] = way_seconds(task.observation.machine, setups[setup], *places)
     mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
     seconds: Array = np.where(stays, ways, mounting) + reading
     return seconds
@@ -84,9 +87,10 @@ def _on_a_short_way(task: Task, places: Places) -> Places:
     if len(places) < 2:
         return places
     machine, approaches, first = task.observation.machine, counting(task, places), None
+    setup = task.observation.setups[int(places.setups[0])]
     if task.here is not None and task.here.setups[0] == places.setups[0]:
-        first = approach_seconds(machine, task.here.poses[0], places.poses, approaches)
-    return places.within(np.array(route(travel_table(machine, places.poses, approaches), first), dtype=np.intp))
+        first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
+    return places.within(np.array(route(travel_table(machine, setup, places.poses, approaches), first), dtype=np.intp))
 
 
 def arriving(task: Task, order: Places) -> Array:

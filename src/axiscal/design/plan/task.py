@@ -90,7 +90,7 @@ def clock(task: Task) -> Clock:
     readings = []
     for setup in setups:
         sample = spread(machine, (setup,), _TYPICAL)
-        table = travel_table(machine, sample.poses, np.zeros_like(sample.poses))
+        table = travel_table(machine, setup, sample.poses, np.zeros_like(sample.poses))
         order = route(table)
         readings.append(reading_seconds(setup) + float(table[order[:-1], order[1:]].mean()))
     return Clock(np.array(mounting), np.array(readings))

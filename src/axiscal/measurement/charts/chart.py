@@ -28,9 +28,9 @@ class Coordinate(NamedTuple):
 
     @property
     def values(self) -> Array:
-        """All values of a coordinate that has steps, each place once."""
+        """All values of a coordinate that has steps; of a full turn both ends, each is come to from its own side."""
         first, last = int(np.ceil(self.low / self.step - 1e-9)), int(np.floor(self.high / self.step + 1e-9))
-        if self.closed and abs(last * self.step - first * self.step - (self.high - self.low)) <= 1e-9:
+        if self.endless and abs(last * self.step - first * self.step - (self.high - self.low)) <= 1e-9:
             last -= 1
         return self.step * np.arange(first, last + 1, dtype=np.float64)
 

@@ -1,0 +1,82 @@
+"""What readings that can be taken bring: every pose of a raster read once, on the built-in five-axis machine.
+
+    python benchmarks/bench_reach.py
+
+Prints for an R-test at one ball and for three spheres how many poses of the raster can be taken, the RMS that is left
+over all travel and over the part, what endless readings would leave, and the time of a way in touch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.gains.covariance import Covariance
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.machine.motion import travel_seconds
+from axiscal.measurement.travel import held_seconds
+from axiscal.numerics.threads import one_thread
+
+_HEAD = 'machine = "dmu60"\ntool_length = "{tool}"\n[target]\nreadings = 1\n{target}\n[[artefacts]]\nname = "balls"\n'
+_BALLS = (
+    'balls.low = ["200 mm", "0 mm", "-80 mm"]\n'
+    'balls.high = ["-100 mm", "170 mm", "120 mm"]\n'
+    'balls.third = ["-100 mm", "-170 mm", "20 mm"]\n'
+)
+_SETUP = '[[setups]]\nname = "s"\ninstrument = "sphere"\nsides = "touched"\nartefact = "balls"\nnoise = "{noise}"\n'
+_PART = 'part = { radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }'
+_CASES: tuple[tuple[str, str, str, int, str, str], ...] = (
+    ("one ball, 30 deg", "0.7 um", 'ball = "low"\n', 30, "0 um", ""),
+    ("three balls, 30 deg", "1.5 um", "", 30, "0 um", ""),
+    ("three balls, 30 deg, tool open by 20 um", "1.5 um", "", 30, "20 um", ""),
+    ("three balls, 15 deg", "1.5 um", "", 15, "0 um", ""),
+    ("three balls, 15 deg, part not aligned", "1.5 um", "", 15, "0 um", f"{_PART}\naligned = false"),
+    ("three balls, 15 deg, part", "1.5 um", "", 15, "0 um", _PART),
+)
+
+
+def described(noise: str, ball: str, step: int, tool: str, target: str) -> Case:
+    """Return the case of one line."""
+    raster = f'raster = {{ B = "{step} deg", C = "{step} deg" }}\n'
+    text = _HEAD.format(tool=tool, target=target) + _BALLS + _SETUP.format(noise=noise) + ball + raster
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60"))
+
+
+def figures(case: Case) -> tuple[int, float, float, float]:
+    """Return how many poses can be taken, and the RMS before, after reading each once, and after endless readings, um.
+
+    Readings come from below, as far as there is room to; the others of the raster are those of no travel.
+    """
+    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    after = state.after_readings(case.lattice)
+    yardstick: Yardstick = case.yardstick
+    return (
+        len(case.lattice),
+        1e6 * yardstick.measure(case.prior).rms,
+        1e6 * yardstick.rms_of(after.value),
+        1e6 * yardstick.unseen_rms,
+    )
+
+
+@one_thread()
+def main() -> None:
+    """Print the figures."""
+    print(f"{'':42} poses  before   after   endless, um")
+    for name, noise, ball, step, tool, target in _CASES:
+        count, before, left, endless = figures(described(noise, ball, step, tool, target))
+        print(f"{name:42} {count:5} {before:7.2f} {left:7.3f} {endless:9.3f}")
+    chart = described("1 um", 'ball = "low"\n', 15, "0 um", "").description.setups[0].chart
+    if chart is not None:
+        start, stop = np.zeros((1, 2)), np.radians([[90.0, 30.0]])
+        machine = load_machine("dmu60")
+        together = held_seconds(machine, chart, start, stop)[0]
+        apart = travel_seconds(machine, chart.poses(start), chart.poses(stop))[0]
+        print(
+            f"from (C, B) = (0, 0) to (90, 30) deg: {together:.2f} s in touch, {apart:.2f} s one family after the other"
+        )
+
+
+if __name__ == "__main__":
+    main()

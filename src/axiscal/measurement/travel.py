@@ -1,0 +1,83 @@
+"""How long the ways between readings take: with nothing between, in touch, or off a ball and back to it.
+
+In touch all axes go together with the tool point held, u straight from place to place. With s from 0 to 1 on the way,
+axis k goes as t_k(s), and speeds and accelerations are kept by v = min_k min(V_k/|t_k'|, √(A_k/2|t_k''|)) and
+a = min_k A_k/2|t_k'|: the way takes 1/v + v/a, or 2/√a where it is too short for that speed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine.description import Machine
+from axiscal.machine.motion import approach_seconds
+from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+_SAMPLES = 33
+_STILL = 1e-12
+
+
+def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, approach: Array) -> Array:
+    """Return the time of ways in one set-up.
+
+    start, stop : (..., q) m or rad; approach : (..., q) from where each axis comes, +1, −1, 0 for any side
+    """
+    start, stop, approach = np.broadcast_arrays(start, stop, approach)
+    if setup.chart is None or setup.contact == "free":
+        return approach_seconds(machine, start, stop, approach)
+    if setup.contact == "retracted":
+        away = np.any(start != stop, axis=-1)
+        return approach_seconds(machine, start, stop, approach) + np.where(away, 2 * off_seconds(machine, setup), 0.0)
+    flat = (np.ascontiguousarray(each.reshape(-1, each.shape[-1])) for each in (start, stop, approach))
+    return _in_touch(machine, setup.chart, *flat).reshape(start.shape[:-1])
+
+
+def off_seconds(machine: Machine, setup: Setup) -> float:
+    """Return the time of the way off a ball, as the slowest linear axis goes it from rest to rest."""
+    axes = [axis for axis in machine.axes if not axis.rotary]
+    speed, acceleration = min(axis.speed for axis in axes), min(axis.acceleration for axis in axes)
+    far = setup.retract
+    if far >= speed**2 / acceleration:
+        return far / speed + speed / acceleration
+    return float(2 * np.sqrt(far / acceleration))
+
+
+def _in_touch(machine: Machine, chart: Chart, start: Array, stop: Array, approach: Array) -> Array:
+    """Return the time of ways with the tool point held, over the places from where the sides are come from."""
+    here, there = chart.places(start), chart.places(stop)
+    ends = [chart.bounds(number) for number in range(chart.size)]
+    past = there - _sides(chart, there, approach) * np.array([end.overrun for end in ends])
+    return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
+
+
+def _sides(chart: Chart, there: Array, approach: Array) -> Array:
+    """Return from which side each coordinate is come to, (m, size): that of the axes that go with it."""
+    aside = 1e-6
+    sides = np.zeros_like(there)
+    for number in range(chart.size):
+        step = np.zeros(chart.size)
+        step[number] = aside
+        moved = chart.poses(there + step) - chart.poses(there)
+        along = np.sign(np.nan_to_num(moved)) * approach
+        sides[:, number] = np.where(np.all(approach == 0, axis=1), 0.0, np.sign(along.sum(axis=1)))
+    return sides
+
+
+def held_seconds(machine: Machine, chart: Chart, start: Array, stop: Array) -> Array:
+    """Return the time of ways straight in u with all axes together, (m,).  start, stop : (m, size)"""
+    share = np.linspace(0.0, 1.0, _SAMPLES)[:, None, None]
+    places = start + share * (stop - start)
+    poses = np.nan_to_num(chart.poses(places.reshape(-1, chart.size)).reshape(_SAMPLES, len(start), -1))
+    step = 1.0 / (_SAMPLES - 1)
+    slopes = np.abs(np.gradient(poses, step, axis=0, edge_order=2)).max(axis=0)
+    bends = np.abs(np.diff(poses, 2, axis=0)).max(axis=0) / step**2
+    speeds, accelerations = (np.array([getattr(axis, name) for axis in machine.axes]) for name in _LIMITS)
+    fast = np.minimum(speeds / np.maximum(slopes, _STILL), np.sqrt(accelerations / (2 * np.maximum(bends, _STILL))))
+    v, a = fast.min(axis=1), (accelerations / (2 * np.maximum(slopes, _STILL))).min(axis=1)
+    seconds = np.where(v**2 <= a, 1 / v + v / a, 2 / np.sqrt(a))
+    return np.where(slopes.max(axis=1) > _STILL, seconds, 0.0)
+
+
+_LIMITS = ("speed", "acceleration")

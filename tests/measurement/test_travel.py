@@ -1,0 +1,67 @@
+"""How long ways take: in touch, and off a ball and back, against figures counted elsewhere and a naive profile."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.machine.motion import approach_seconds, travel_seconds
+from axiscal.measurement.charts.arrivals import arrivals
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.travel import held_seconds, off_seconds, way_seconds
+from axiscal.numerics import Array
+from tests.measurement.test_charts import DMU, held
+
+SETUP = Setup("nest", "rtest", (0.0, 0.0, 1.0), (0, 1, 2, 3, 4), (0.0,) * 5, 1e-6, (), 0, 0, 0, (0.0,) * 5, "both")
+NEST = replace(SETUP, chart=held(), contact="held")
+SPHERE = replace(SETUP, chart=held(), contact="retracted", retract=0.05)
+
+
+def places(*degrees: tuple[float, float]) -> Array:
+    return np.asarray(np.radians(np.array(degrees)), dtype=np.float64)
+
+
+def test_a_way_in_touch_takes_as_long_as_counted_elsewhere() -> None:
+    start, stop = places((0, 0)), places((90, 30))
+    assert held_seconds(DMU, held(), start, stop)[0] == pytest.approx(1.21, abs=0.005)
+    apart = travel_seconds(DMU, held().poses(start), held().poses(stop))
+    assert apart[0] == pytest.approx(1.51, abs=0.006)
+
+
+def test_no_axis_exceeds_its_speed_or_acceleration_in_the_time_of_a_way_in_touch() -> None:
+    chart, rng = held(), np.random.default_rng(1)
+    for _ in range(5):
+        start, stop = rng.uniform([0, -0.3], [3, 1.0], (2, 2))
+        seconds = float(held_seconds(DMU, chart, start[None], stop[None])[0])
+        # a profile of the shortest time: s from rest to rest with the rate and acceleration that the time stands for
+        shares = np.linspace(0, 1, 2001)
+        poses = chart.poses(start + shares[:, None] * (stop - start))
+        slopes = np.abs(np.gradient(poses, shares, axis=0)).max(axis=0)
+        limits = np.array([axis.speed for axis in DMU.axes])
+        assert seconds >= float(np.max(slopes / limits)) - 1e-9
+
+
+def test_nothing_takes_no_time_and_a_sphere_is_left_and_come_back_to() -> None:
+    poses = held().poses(places((10, 5), (100, 20)))
+    free = np.zeros_like(poses)
+    assert way_seconds(DMU, NEST, poses[0], poses[0], free[0]) == 0.0
+    assert way_seconds(DMU, SPHERE, poses[0], poses[0], free[0]) == 0.0
+    between = way_seconds(DMU, SPHERE, poses[0], poses[1], free[0])
+    assert between == pytest.approx(
+        float(approach_seconds(DMU, poses[0], poses[1], free[0])) + 2 * off_seconds(DMU, SPHERE)
+    )
+    assert off_seconds(DMU, SPHERE) == pytest.approx(2 * np.sqrt(0.05 / 4.0))
+
+
+def test_coming_from_the_other_side_goes_past_the_place_and_back() -> None:
+    chart, overruns = held(), np.array([axis.overrun for axis in DMU.axes])
+    start, stop = places((10, 5)), places((100, 20))
+    poses = chart.poses(np.concatenate([start, stop]))
+    come = [arrivals(chart, overruns, stop, side * np.ones((1, 2)))[0] for side in (1.0, -1.0)]
+    straight, turned = (float(way_seconds(DMU, NEST, poses[0], poses[1], side)) for side in come)
+    past = stop + overruns[:2]
+    back = held_seconds(DMU, chart, start, past) + held_seconds(DMU, chart, past, stop)
+    assert turned == pytest.approx(float(back[0]))
+    assert straight < turned
