@@ -20,6 +20,8 @@ from axiscal.units import format_quantity, to_unit
 
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
+_FEWEST_RUNS, _STEADILY = 6, 5.0
+"""A line through the means of so many runs is believed at so many standard deviations: by chance once in 500."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 """The figures of an axis, as `Positioning` names them."""
 
@@ -56,6 +58,7 @@ class Positioning:
     """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
 
     uncertainty : expanded (k = 2), of each figure that was measured
+    vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
 
     A: float | None
@@ -74,6 +77,7 @@ class Positioning:
     rotary: bool
     warnings: tuple[str, ...]
     uncertainty: Mapping[str, float] = field(default_factory=dict)
+    vdi3441: Mapping[str, float] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
@@ -85,7 +89,8 @@ class Positioning:
         ]
         head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
         uncertainty = {name: _shown(value, unit) for name, value in self.uncertainty.items()}
-        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR}
+        vdi3441 = {name: _shown(value, unit) for name, value in self.vdi3441.items()}
+        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR, "vdi3441": vdi3441}
         return head | figures | tail | {"per_target": per_target, "warnings": list(self.warnings)}
 
 
@@ -136,7 +141,7 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     found = Positioning(
         A, A_up, A_down, E, E_up, E_down, R, R_up, R_down, B, B_mean, M, per_target, test.rotary, warnings
     )  # fmt: skip
-    return replace(found, uncertainty=_uncertainty(up, down, noise))
+    return replace(found, uncertainty=_uncertainty(up, down, noise), vdi3441=_vdi3441(both))
 
 
 _Both = tuple[_Direction, _Direction] | None
@@ -167,6 +172,22 @@ def _reversal(both: _Both) -> _Three:
         return None, None, None
     reversal = both[0].mean - both[1].mean
     return float(np.max(np.abs(reversal))), float(np.mean(reversal)), _range((both[0].mean + both[1].mean) / 2)
+
+
+def _vdi3441(both: _Both) -> dict[str, float]:
+    """The figures of VDI/DGQ 3441 (1977): position uncertainty P, deviation P_a, scatter P_s = 6 s, reversal U.
+
+    With x the mean of both directions at a target, U = |x_up - x_down| and s the mean of both standard deviations:
+    P = max(x + (U + P_s)/2) - min(x - (U + P_s)/2),  P_a = max x - min x
+    """
+    if both is None:
+        return {}
+    up, down = both
+    mean, reversal, scatter = (up.mean + down.mean) / 2, np.abs(up.mean - down.mean), 3 * (up.s + down.s)
+    half = (reversal + scatter) / 2
+    figures = {"P": _range(mean + half, mean - half), "P_a": _range(mean)}
+    figures |= {"P_s": float(np.max(scatter)), "P_s_mean": float(np.mean(scatter))}
+    return figures | {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
 
 
 def _bidirectional_repeatability(up: _Direction, down: _Direction) -> Array:
@@ -273,9 +294,25 @@ def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
         yield f"ISO 230-2 asks for five runs in each direction; there are {runs}."
     if not both:
         yield "Only one direction was measured: reversal and the bidirectional figures are not known."
+    yield from _drift(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
         yield "The targets are equally spaced: an error that repeats with this spacing stays unseen."
+
+
+def _drift(test: PositioningTest) -> Iterable[str]:
+    """Say by how much the means of the runs move, if they do so steadily: a straight line through them, tested by t."""
+    sides = [runs.mean(axis=0) - runs.mean() for runs in (test.up, test.down) if runs is not None]
+    if sum(map(len, sides)) < _FEWEST_RUNS:
+        return
+    means, time = np.concatenate(sides), np.concatenate([np.arange(len(side)) - (len(side) - 1) / 2 for side in sides])
+    spread, degrees = float(time @ time), len(means) - len(sides) - 1
+    slope = float(time @ means) / spread
+    left = means - slope * time
+    square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
+    if square > _STEADILY**2:
+        moved = format_quantity(slope * float(np.ptp(time)), "arcsec" if test.rotary else "um", 3)
+        yield f"The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
 
 
 def _span(test: PositioningTest) -> float:

@@ -262,3 +262,22 @@ def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() 
         scatter = 2 * float(np.std([getattr(each, name) for each in found]))
         promised = float(np.mean([each.uncertainty[name] for each in found]))
         assert 0.75 * scatter < promised < 2.0 * scatter  # largest of several: on the safe side
+
+
+def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_target(tmp_path: Path) -> None:
+    """P = max(x + (U + 6s)/2) - min(x - (U + 6s)/2) by hand, for two targets of two runs each way."""
+    s = statistics.stdev([0.0, 0.5])
+    rows = [((1.25 + 0.25) / 2, 1.0), ((2.25 + 3.25) / 2, 1.0)]
+    high, low = [x + (u + 6 * s) / 2 for x, u in rows], [x - (u + 6 * s) / 2 for x, u in rows]
+    found = {name: 1e6 * value for name, value in evaluated(tmp_path, GOOD).vdi3441.items()}
+    expected = {"P": max(high) - min(low), "P_a": 2.0, "P_s": 6 * s, "P_s_mean": 6 * s, "U": 1.0, "U_mean": 1.0}
+    assert found == pytest.approx(expected)
+    one_sided = "\n".join(line for line in GOOD.splitlines() if ",-," not in line) + "\n"
+    assert evaluated(tmp_path, one_sided).vdi3441 == {}
+
+
+@pytest.mark.parametrize(("name", "drifts"), [("ess_target_x", True), ("ess_muts_x", False), ("ess_muts_y", True)])
+def test_runs_that_move_steadily_are_said_to_drift(name: str, drifts: bool) -> None:
+    """The means of the runs of target_x go 5.7 um one way, of muts_y 44 um; those of muts_x go up and down."""
+    said = evaluate(read_iso230(GOLDEN / f"{name}.csv")).warnings
+    assert any("move steadily" in each for each in said) == drifts

@@ -55,6 +55,10 @@ def iso230(
             spread = to_unit(found.uncertainty[name], "arcsec" if found.rotary else "um")
             figure = f"{value:12.3f} {document['unit']} ± {spread:.3f}"
         say(f"{name:7}{figure}   {words}")
+    if found.vdi3441:
+        unit = "arcsec" if found.rotary else "um"
+        shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
+        say(f"VDI/DGQ 3441: {shown} {unit}")
     warnings = document["warnings"]
     for warning in warnings if isinstance(warnings, list) else []:
         say(str(warning))
