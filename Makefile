@@ -6,12 +6,13 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check bench bench-peers docs trust certify lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs trust certify lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
 	@echo "make demo-linuxcnc  calibrate five machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
+	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
@@ -32,6 +33,16 @@ test check: .venv/dev.stamp
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
+
+# Whole rooms where their tests take seconds, else the files that do.
+QUICK := accuracy belief/test_belief_properties.py description docs/test_house.py docs/test_shapes.py \
+	document error_model/test_gauge.py evaluation gcode/test_programs.py library/test_surface.py machine measurement/test_displacement.py \
+	measurement/test_instrument_files.py numerics record report/test_edges.py report/test_wording.py units
+
+quick: .venv/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pytest -n 2 --ignore=tests/numerics/test_threads.py $(addprefix tests/,$(QUICK))
 
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done

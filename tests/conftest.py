@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from axiscal.numerics.threads import one_thread
+from tests import shapes
 
+shapes.install()  # before anything of the package is loaded
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
@@ -18,6 +19,8 @@ settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread() -> Iterator[None]:
     """Hold the linear algebra of all tests to one thread: the workers of a distributed run fill the cores."""
+    from axiscal.numerics.threads import one_thread
+
     with one_thread():
         yield
 

@@ -103,6 +103,7 @@ def test_a_file_has_a_name_of_its_own() -> None:
         if not name.startswith("__") and not file.startswith("cli/"):  # a command is called as what it shows
             homes[name].append(file)
     assert _more_than_once(homes, set(FILES_THAT_MAY)) == {}
+    assert [name for name in FILES_THAT_MAY if len(homes[name]) < 2] == []
 
 
 def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:

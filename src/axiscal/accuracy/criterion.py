@@ -38,7 +38,7 @@ class Root:
         return seen
 
     def value(self, factor: Array) -> float:
-        """Return J of C = F Fᵀ.  factor : F (m, k), m at least n"""
+        """Return J of C = F Fᵀ.  factor : F (m, k) or a vector (m,), m at least n"""
         return float(np.sum(self.of(factor) ** 2))
 
     @property

@@ -20,7 +20,7 @@ _SILENT = 0.95
 
 
 class Band(NamedTuple):
-    """mean, std : (m,) m or rad, the standard deviation with what no spline follows."""
+    """mean, std : (m,) or (m, 3) m or rad, the standard deviation with what no spline follows."""
 
     mean: Array
     std: Array

@@ -61,7 +61,7 @@ def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
 class Plausibility:
     """What readings of a campaign may be, after some of them.
 
-    mean, covariance : (size,), (size, size) of the errors as expected; unknowns : belief about those of the set-ups
+    mean : (size,) and covariance : (size, size) of the errors as expected; unknowns : belief about those of the set-ups
     first : time of the first reading of each set-up, s; sizes : of the readings so far, standard deviations
     """
 

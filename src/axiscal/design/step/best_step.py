@@ -51,7 +51,7 @@ class Step:
     """The reading that gains most.
 
     setup : index; pose, approach : (q,); gain : fall of J; variance : of the reading's noise and fresh rests
-    row : (size,) what the reading sees; of one that has several numbers (k, size), and (k,) variances
+    row : (size,) or, of a reading of several numbers, (k, size) what it sees; then variance : (k,) or a number
     """
 
     setup: int
