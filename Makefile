@@ -35,7 +35,7 @@ test check: .venv/dev.stamp
 	$(BIN)/pytest -n 2
 
 # Whole rooms where their tests take seconds, else the files that do.
-QUICK := accuracy belief/test_belief_properties.py description docs/test_house.py docs/test_shapes.py \
+QUICK := accuracy belief/test_belief_properties.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py \
 	document error_model/test_gauge.py evaluation gcode/test_programs.py library/test_surface.py machine measurement/test_displacement.py \
 	measurement/test_instrument_files.py numerics record report/test_edges.py report/test_wording.py units
 

@@ -54,6 +54,7 @@ class Innovations:
 
 
 _NONE = Innovations(np.zeros(0), np.zeros(0))
+"""Before the first reading."""
 
 
 class Updated(NamedTuple):

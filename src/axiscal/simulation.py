@@ -39,6 +39,7 @@ Wander = Callable[[float], tuple[float, float, float]]
 
 
 _MINUTE, _DAY = 60.0, 1440
+"""s, and minutes of a day: the grid of a drifting zero, which bends over an hour."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

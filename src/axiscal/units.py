@@ -71,6 +71,7 @@ _LENGTHS: dict[str, _Scale] = {
     "in": (254, 1e4),
     "inch": (254, 1e4),
 }
+"""By definition."""
 _ANGLES: dict[str, _Scale] = {
     "nrad": (1, 1e9),
     "urad": (1, 1e6),
@@ -85,7 +86,9 @@ _ANGLES: dict[str, _Scale] = {
     "um/m": (1, 1e6),
     "mm/m": (1, 1e3),
 }
+"""By definition."""
 _TIMES: dict[str, _Scale] = {"us": (1, 1e6), "ms": (1, 1e3), "s": (1, 1), "min": (60, 1), "h": (3600, 1)}
+"""By definition."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ from axiscal.units import parse_quantity, to_unit
 _USUAL, _FEW = 12, 4
 """Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
 _PROBES = 300
+"""Places at which is looked what the tables change; any few hundred spread over the volume do."""
 FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
 """Readings without the tables and with them, of the same places."""
 

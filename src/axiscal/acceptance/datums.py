@@ -23,6 +23,7 @@ from axiscal.numerics import Array
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
 _FAR = 3.0
+"""A reading this far off its datum is named; two or four would name few others, and the verdict does not hang on it."""
 _LINES = ("slope", "turn")
 
 

@@ -29,9 +29,13 @@ KNOWN = 0.15
 WORKS = 0.5
 """A share below this is nearer to a missing table, or one with the wrong sign, than to the one exported."""
 _NOTHING = 1e-9
+"""m or rad: a correction below a nanometre is none."""
 _FRESH = 0.05
+"""Share of the travel: nearer to a reading is no new place."""
 _ALONG, _THROUGH = 0.5, 0.5
+"""Cosine, and share of a travel: a reading bears on an axis by half its direction, a range by half its length."""
 _ELSEWHERE = (0.5, 0.3, 0.7, 0.15, 0.85)
+"""Shares of the travel at which the other axes may stand: the middle, or elsewhere where that was read."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

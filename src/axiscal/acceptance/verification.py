@@ -38,15 +38,20 @@ _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstanc
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind"
 _FRESH, _APART = 0.05, 0.15
+"""Shares of the travel: nearer is no new place, wider apart is spread enough; the verdict holds anywhere."""
 _PER_SETUP = 4
+"""So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
+"""Fewer new places of a set-up are not worth mounting it."""
 _UNLIKELY = 0.01
 _HARDLY = 1e-4
 """A change of the readings that is less likely than this is not the one that the tables make."""
 _SAME = 1e-7
+"""Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
 _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
+"""A change of a nanometre is none: far below any reading's noise."""
 
 Verdict = Literal["pass", "fail", "undecided"]
 

@@ -18,6 +18,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array, rigid
 
 _BLOCK = 1000
+"""Poses at once: of memory, not of the result."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,9 @@ from axiscal.numerics import Array
 
 CriterionName = Literal["volume", "joint", "worst"]
 _ROUNDING = 1e-15
+"""An eigenvalue of this share is rounding of the largest, in float64."""
 _SYMMETRIC = 1e-9
+"""Rounding of a product VᵀV, with room; what is no Gram matrix is off by more."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -23,6 +23,7 @@ from axiscal.report.findings import findings
 from axiscal.units import parse_quantity, to_unit
 
 MOST_BYTES = 4_000_000
+"""A template has some thousand bytes; whatever is far larger is another file."""
 
 
 def export(

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import TextIO
 
 WIDTH = 100
+"""Columns; a matter of taste."""
 
 
 def say(text: str) -> None:

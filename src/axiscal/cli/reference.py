@@ -12,6 +12,7 @@ from typing import Any
 import typer.main
 
 WIDTH = 100
+"""Columns; a matter of taste."""
 
 _HEAD = """\
 # Commands

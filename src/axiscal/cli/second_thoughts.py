@@ -7,6 +7,7 @@ from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.units import format_quantity
 
 _SURPRISING = 3.0
+"""Standard deviations below which a reading that is believed again is not worth a sentence."""
 
 
 def doubted(campaign: Campaign) -> frozenset[int]:

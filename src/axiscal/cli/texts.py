@@ -15,6 +15,7 @@ from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
 _COMING = {1: "from below", -1: "from above"}
+"""Words for the two directions."""
 
 
 def micrometres(length: float) -> str:

@@ -15,7 +15,9 @@ from axiscal.machine.description import Machine
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
 _LARGEST_MESH = 50
+"""Points a side; more is a slip, for no probe of a printer takes them."""
 _MOST_POINTS = 5000
+"""More points than any control holds are a slip."""
 _USUAL = "XYZABCUVWPQR"
 
 

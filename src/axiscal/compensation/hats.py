@@ -14,7 +14,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.quadrature import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
+"""Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
 _OUTSIDE = 1e-6
+"""Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

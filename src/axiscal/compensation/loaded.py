@@ -20,6 +20,7 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
 _APART = 1e-9
+"""m or rad: positions nearer than this are one, by their decimals."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -30,8 +30,11 @@ from axiscal.units import format_quantity
 
 _POINTS_PER_INTERVAL = 4
 _MOST_POINTS = 129
+"""So that no one has to leaf through a table; four an interval are rarely more than a hundred."""
 _NOTHING = 1e-12
+"""m or rad: rounding."""
 _EDGE = 1e-6
+"""Share of a cell: just inside its edge."""
 _SILENT, _DIFFERENCE = 0.95, 0.65
 _OPEN = 0.2  # where the prior was this narrow by construction, next to the table's zero, nothing is said
 

@@ -18,8 +18,11 @@ from axiscal.numerics import Array
 from axiscal.numerics.quadrature import gauss
 
 _GAUSS = 6
+"""Points of Gauss: exact for degree 11, and the products of hats, cubics and levers have fewer."""
 _FEWEST, _FINEST = 5, 50
+"""Points a side where the options say none: fewer show no bend, more take a printer's probe too long."""
 _SAMPLE = 5
+"""Places a side at which is looked whether a surface is worth a mesh: it bends a few times at most."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

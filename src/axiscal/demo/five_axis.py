@@ -23,6 +23,7 @@ from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import to_unit
 
 SEED = 2005
+"""Any seed: the demo is to be the same every time."""
 
 
 def description() -> CampaignDescription:

@@ -12,8 +12,11 @@ from axiscal.measurement.charts.circle import Circle
 from axiscal.numerics import Array
 
 _FINE = math.radians(0.25)
+"""Finer than the whole degrees of the result."""
 _SHORTEST = math.radians(5.0)
+"""Nobody goes round a shorter arc."""
 _WHOLE_DEGREES = math.radians(1.0)
+"""What a person dials in."""
 
 
 def reached_arc(circle: Circle, name: str) -> tuple[float, float]:

@@ -23,10 +23,13 @@ TURNED = 1e-3
 SCALE = 0.5e-6
 CONE = math.radians(100.0)
 MOST_BALLS = 400
+"""More balls on a plate are a slip."""
 CLOSEST = 2e-3
 """m; balls nearer to each other than this are one."""
 _FAR = 10.0
+"""m: beyond any machine, where a box names no end."""
 _OFF_LINE = 1e-3
+"""Sine, or m: less is one line to any setting-up."""
 _TAKEN = ("place", "turn", "scale", "station", "tool", "zero")
 """Words that the names of unknowns begin with."""
 

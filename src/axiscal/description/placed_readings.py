@@ -25,6 +25,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
+"""Rounding of a unit vector that points along an axis."""
 _OFF = 1e-4
 """m, how far from its place the tool point may be said to stand."""
 _STILL = {False: 1e-6, True: math.radians(1e-5)}

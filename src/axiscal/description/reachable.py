@@ -18,8 +18,10 @@ from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity
 
 _LOOKED_AT = 1000
+"""Places looked at: what lacks room does so at a good part of them."""
 _STDS = 4.0
 _FEWER = 2
+"""A bar is set in the middle of its stroke: half of it is left either way."""
 
 
 def refuse_unreachable(machine: Machine, setup: Setup) -> None:

@@ -24,14 +24,17 @@ from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
 LONGEST_NAME = 80
+"""Characters of a name that still fits on a line of a program."""
 _REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
+"""Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
 _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
+"""Geometry: the space diagonal."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,6 +43,7 @@ CUP = 1e-4
 _FREE_CONE = math.radians(100.0)
 _PLANES = {"xy": ("x", "y"), "yz": ("y", "z"), "zx": ("z", "x")}
 _SAME_WAY = 1e-6
+"""Sine: rounding of two directions that are one."""
 
 
 @dataclass(frozen=True, slots=True)

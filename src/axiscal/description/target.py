@@ -17,8 +17,11 @@ from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "joint", "worst"]
 MOST_READINGS = 100_000
+"""Weeks of measuring; whoever says more has slipped."""
 _LOOKED_AT, _FEWEST = 1000, 20
+"""Poses looked at, and how many of them have to be within the travels for a part to be in reach."""
 _MARGIN, _THIN = 0.02, 1e-6
+"""Shares of width and travel by which the box is wider than the poses looked at, which miss its edges."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ _STRING = re.compile(
 _SCALAR = re.compile(r"[^,\]}#\n]+")
 
 _DEEPEST = 100
+"""Dots in a key; whoever writes more wants to break the reader."""
 
 Path = tuple[Key, ...]
 

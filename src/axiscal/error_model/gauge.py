@@ -23,11 +23,17 @@ __all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
 
 MANY_READINGS = 1e6
 _POSES = 1500
+"""Poses drawn to see what none shows: some times the unknowns of the largest machine."""
 _NOISE = 1e-6
+"""m; a million readings of any instrument leave what none shows."""
 _IDLE = 1e-3
+"""Of the prior's effect on the tool: a combination that does less does nothing."""
 _COUNTS = 0.02
+"""Of the largest effect: an error that is less a part of it is not named."""
 _CURVE = 0.3
+"""Share of an error's curve that has to be hidden before it is named as a whole."""
 _SHARE = 0.02
+"""Share of an offset or a slope that has to be hidden before it is named."""
 
 
 def unseen_factor(factor: Array, rows: Array) -> Array:

@@ -14,8 +14,11 @@ from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _LISTED = 5
+"""Sentences that are read; the others are counted."""
 _WHOLE = 0.999
+"""All of it, to rounding of the shares."""
 _OPEN = 0.1
+"""Share that has to be hidden before it is spoken of."""
 _HARMLESS = "the tool point does not depend on it"
 
 

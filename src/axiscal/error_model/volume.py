@@ -19,8 +19,11 @@ from axiscal.numerics.quadrature import gauss
 Box = tuple[tuple[float, float], ...]
 
 _GAUSS = 10
+"""Points of Gauss: exact for degree 19, and squares of cubics times levers have 8."""
 _SHORT_TURN = 1.0
+"""rad: over less, the moments of sine and cosine cancel, so polynomials stand for them; near it both hold."""
 _POLYNOMIAL_NODES = 12
+"""Sine and cosine over half a radian either way to rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,9 +15,13 @@ Grid = tuple[Array, Array]
 """Positions of X and of Y, m, evenly spaced."""
 
 _FEWEST = 3
+"""Columns and rows below which there is no grid to speak of."""
 _SHARE = 0.5
+"""Share of the grid that was read; a map with more gaps than places is none."""
 _ALONG = 0.99
+"""Cosine: a bed is probed along z, and no set-up is between."""
 _SAME = 1e-6
+"""m; a probe does not stand better."""
 
 
 def map_grid(machine: Machine, setups: Sequence[Setup], readings: Sequence[Reading]) -> Grid | None:

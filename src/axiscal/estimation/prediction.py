@@ -17,6 +17,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.units import to_unit
 
 _SLACK = 1e-9
+"""Rounding of a position at the end of a travel, m or rad."""
 
 
 @dataclass(frozen=True, slots=True)

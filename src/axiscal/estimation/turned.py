@@ -9,6 +9,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 
 _ROUNDS = 12
+"""Rounds end where the turn stays; this only ends what would go round."""
 
 
 def turned(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:

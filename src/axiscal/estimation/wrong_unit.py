@@ -19,6 +19,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 
 _FEWEST = 3
+"""One or two slips are readings to be looked at; a file in another unit has all."""
 
 
 def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescription, file: str | Path) -> None:

@@ -6,6 +6,7 @@ import re
 import unicodedata
 
 LONGEST = 60
+"""Characters of a remark that every control shows."""
 
 
 def plain(text: str) -> str:

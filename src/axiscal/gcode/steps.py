@@ -20,7 +20,9 @@ Places = Mapping[int, Decimal]
 """Index of an axis -> where it is, mm or deg."""
 
 LONGEST_DWELL = 60.0
+"""s; a longer dwell is written in parts, for controls differ in what they take."""
 LONGEST_WAIT = 3600.0
+"""s; a description that asks for more has slipped."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from axiscal.units import format_quantity
 
 Decimals = tuple[Decimal, ...]
 _ROUNDED = 3
+"""Steps of the program's last decimal that rounding may take from an overrun."""
 
 
 @dataclass(frozen=True, slots=True)

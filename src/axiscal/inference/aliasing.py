@@ -16,9 +16,13 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
 _FEWEST = 4
+"""Targets below which no period can be told."""
 _EQUAL = 1e-3
+"""Share of the distance: targets are set to micrometres, and nobody sets them uneven by less than a percent."""
 _SAME_PHASE = 0.9
+"""Of a circle's mean: all targets within about 26 deg of the same phase."""
 _SAME_PLACE = 1e-6
+"""Share of the travel: rounding of a position."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,8 +53,11 @@ _FACTORS: Mapping[Kind, tuple[float, ...]] = MappingProxyType(
     {"noise": (1.0, 2.0, 5.0), "std": (1 / 3, 1.0, 3.0), "length": (0.4, 1.0, 2.5)}
 )
 _MOST, _FEW = 300, 120
+"""Readings that are compared: of time, for it grows with their cube."""
 _FEWEST = 3
+"""Fewer readings contradict nothing."""
 _MOST_LOG = 600.0
+"""Below what overflows: more is certain."""
 
 
 class Explanation(NamedTuple):

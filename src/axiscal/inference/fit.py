@@ -22,7 +22,9 @@ from axiscal.numerics.threads import one_thread
 
 _FARTHEST = 4.6
 _STEP = 1e-3
+"""Of a logarithm: differences of the exact slope lose below 1e-6 to bending or rounding, ten times off too."""
 _STEPS, _FEW_STEPS = 200, 40
+"""Iterations; whatever they reach is a set of scales like any other, and is judged by the readings."""
 _MOST = 300
 
 

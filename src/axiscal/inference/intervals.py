@@ -31,8 +31,11 @@ from axiscal.numerics.from_scipy import log_normal_share
 COARSE = 3.0
 """Steps of so many standard deviations of the scatter are taken as intervals."""
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
+"""Sweeps end where the intervals settle; half steps keep them from swinging."""
 _WIDEST = 1e8
+"""Times the noise: so wide is no interval."""
 _TAIL = 1e-300
+"""The smallest that has a logarithm."""
 
 
 def is_coarse(setup: Setup) -> bool:

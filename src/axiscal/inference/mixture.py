@@ -16,11 +16,15 @@ import numpy as np
 from axiscal.numerics import Array
 
 _FREEDOM = 6.0
+"""Tails heavier than a normal's, so that no scale is proposed too seldom; the weights make any proposal right."""
 _SEED = 48
+"""Any seed: an estimate is to be the same every time."""
 _FEWEST, _MOST, _NUMBERS = 48, 192, 12_000
+"""Draws: as many as time allows; how many of them count is looked at, and said where they are too few."""
 POOR = 5.0
 """Fewer draws' worth than this are doubled, once."""
 _NOTHING = 1e-3
+"""Weight of a draw that counts for nothing."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

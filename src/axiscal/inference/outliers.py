@@ -33,6 +33,7 @@ SURPRISING = 3.5
 STANDS_OUT = 4.0
 """So many standard deviations, of what the others predict, are taken for a mistake and not for chance."""
 NOTHING = 1e-9
+"""Weight of a reading that does not count: small enough to be none, large enough to divide by."""
 FEWEST = 5
 _MOST_PART = 0.2
 _ALIKE = 0.9
@@ -43,6 +44,7 @@ _CERTAIN = 9.0
 _WIDENED = 1.25
 """By so much a reading may widen the measure that it is held against."""
 _ROUNDS, _SETTLED = 100, 1e-4
+"""Rounds end where the weights settle to less than a reading could show."""
 
 
 class Doubt(NamedTuple):

@@ -11,7 +11,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 
 _FEWEST = 3
+"""Readings at one place below which no rate can be told from scatter."""
 _MANY = 3
+"""Degrees of freedom below which scatter is not told from none."""
 
 
 class Trend(NamedTuple):

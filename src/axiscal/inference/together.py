@@ -16,7 +16,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
 _AXES = 2
+"""One axis alone does nothing together."""
 _MOVED = 1e-9
+"""m or rad: rounding of a position, and of a lever."""
 
 
 def unfollowed(observation: Observation, readings: Sequence[Reading], learnt: Mapping[str, float]) -> dict[str, float]:

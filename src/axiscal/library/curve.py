@@ -29,6 +29,7 @@ from axiscal.units import to_unit
 _DEGREE = 6
 """N and D of a reading's gain are squares of cubics between two knots (B&H eq. 23)."""
 _NINETY_FIVE = 1.96
+"""Standard deviations of a printed band: two-sided 95 %, as `report.sentences.BAND`."""
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 

@@ -14,6 +14,7 @@ from axiscal.library.drawn_line import DrawnLine
 
 _LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
 _COLUMNS = 3
+"""A matter of taste."""
 
 
 def curve_figure(line: DrawnLine) -> Any:

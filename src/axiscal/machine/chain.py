@@ -10,7 +10,9 @@ from axiscal.exceptions import ChainError
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS
 
 MOST_AXES = 6
+"""More axes have not been tried; nothing else ends there."""
 _LONGEST = 200
+"""Characters; a chain of six axes has thirty."""
 _LINK = re.compile(rf"(?P<name>[{LINEAR_LETTERS}{ROTARY_LETTERS}][1-9]?)(?P<prime>'?)")
 _SPINDLE = re.compile(rf"\([{ROTARY_LETTERS}][1-9]?\)")
 _PRIMES = str.maketrans(dict.fromkeys("’‘′´`", "'"))

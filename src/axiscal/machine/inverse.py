@@ -13,6 +13,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 
 _FLAT = 1e-6
+"""Volume of three unit directions: less lie in a plane, as far as a machine is built."""
 _REACHED = 1e-9
 """A place that stays further off than this, m, is out of reach of the machine's linear axes."""
 

@@ -20,6 +20,7 @@ FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
 """Letters that one feed counts for; LinuxCNC takes a feed for XYZ alone when U moves too."""
 LARGEST_TURN = math.radians(120.0)
 _SLACK = 1e-9
+"""Rounding of a position, m or rad."""
 
 
 def family_groups(machine: Machine) -> tuple[tuple[int, ...], ...]:

@@ -15,6 +15,7 @@ _FASTEST = 10.0
 _LARGEST_LENGTH, _LARGEST_ANGLE, _LARGEST_OFFSET = 1e-3, 1e-2, 5e-3
 """Standard deviations: of displacements, m; of angles, rad; of where a rotary axis lies, m."""
 _SMALLEST = 1e-9
+"""m or rad: nobody knows an error to the atom before it is measured."""
 
 
 def questions(machine: Machine) -> tuple[str, ...]:

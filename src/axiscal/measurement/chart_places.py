@@ -15,7 +15,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 
 MOST_TRIED = 20_000
+"""Places tried where few can be taken: of time; the places that are found are spread evenly all the same."""
 FEWEST = 20
+"""Places at least that a chart is asked for, so that the best step has where to begin."""
 _WHOLE, _MANY = 4, 200
 """Where so many are asked for, a raster of up to so many times as many is taken whole."""
 

@@ -29,6 +29,7 @@ from axiscal.numerics import Array
 Family = Literal["drift", "levelling", "step", "pitch", "bump", "reversal", "scale", "bad"]
 
 _HOUR, _LEVELLING = 3600.0, 1200.0
+"""s: a drift is counted by the hour, and a machine that stood levels out in twenty minutes, or about."""
 _PLACES = 48
 """Steps and bumps are looked for at so many places along an axis."""
 _PITCHES = (5e-3, 10e-3, 20e-3)
@@ -36,7 +37,9 @@ _PITCHES = (5e-3, 10e-3, 20e-3)
 _FINEST, _MOST_PITCHES = 2.0, 60
 """A scan over frequencies ends at so many turns per reading, and takes at most so many."""
 _OWN_SHARE, _QUARTER = 0.8, 0.25
+"""Shares: bumps overlap a little, and a hump is half as wide as the travel."""
 _FELT = 1e-12
+"""m/rad, 1, or rad/rad: rounding of a lever."""
 _A_LINE = 3
 """So many readings tell a rate from a zero."""
 

@@ -16,7 +16,9 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 _SAMPLES = 33
+"""Places along a way, for how fast an axis may go there: a way over a part of a turn bends little."""
 _STILL = 1e-12
+"""Of an axis that does not move along a way; and no division by nought."""
 
 
 def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, approach: Array) -> Array:

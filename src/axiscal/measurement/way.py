@@ -17,6 +17,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
 _HALF = 0.5
+"""Geometry: both feet, half a base away."""
 
 
 class Foot(NamedTuple):

@@ -19,9 +19,13 @@ from numpy.typing import NDArray
 from axiscal.numerics import Array
 
 _BATCH = 2048
+"""Boxes looked at at once: of memory, not of the result."""
 _ROUNDING = 1e-11
+"""Rounding of a sum of squares, with room: added to the bound."""
 _EACH = 8
+"""Boxes of each batch whose corners are looked at; more places are found, the bound is the same."""
 _PLACES = 40
+"""Best places that are kept as candidates; the bound is the same."""
 
 
 class BezierCurve(NamedTuple):

@@ -19,8 +19,11 @@ from axiscal.numerics import Array
 from axiscal.numerics.quadrature import gauss
 
 _VALUES = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
+"""Mathematics: integrals of products of an interval's linear and cubic shapes."""
 _MIXED = np.array([[-2 / 15, -7 / 60], [-7 / 60, -2 / 15]])
+"""Mathematics, of a linear with a cubic shape."""
 _BENDS = np.array([[8 / 105, 31 / 420], [31 / 420, 8 / 105]])
+"""Mathematics, of two cubic shapes."""
 _SHAPES_GRAM = np.block([[_VALUES, _MIXED], [_MIXED, _BENDS]])
 """∫ f fᵀ dB over [0, 1] of the four shapes f = (A, B, A³ - A, B³ - B)."""
 _SHAPES_ROOT = np.linalg.cholesky(_SHAPES_GRAM).T

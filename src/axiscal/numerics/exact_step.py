@@ -26,6 +26,7 @@ _SPAN = 1e4
 _MISFIT = 1e-10
 """Largest relative difference of series and fresh value before an interval is halved."""
 _HALVINGS = 60
+"""An interval that is halved so often is one float64; this only ends what would go round."""
 _WITHIN = 1 - 1e-11
 """An end is looked at from inside, where the forms may jump: beyond it another interval begins."""
 

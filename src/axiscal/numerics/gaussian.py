@@ -16,7 +16,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
 
 _SYMMETRY = 1e-9
+"""Rounding of a correlation that was computed elsewhere; what is no rounding is larger."""
 _NEGATIVE = 1e-10
+"""Rounding of an eigenvalue, times the size; what is no rounding is larger."""
 _EPS = float(np.finfo(np.float64).eps)
 
 

@@ -14,14 +14,19 @@ from numpy.typing import NDArray
 from axiscal.numerics import Array
 
 _STARTS = 4
+"""Ways that are tried; the best is taken, within 3 % of the shortest (tests/numerics/test_short_way.py)."""
 _KICKS = 12
 """How often parts of a way are exchanged at random, a change that 2-opt and Or-opt cannot make in one step."""
 _ROUNDS = 400
+"""Kicks, within the work that is allowed; the best way is kept."""
 _WORK = 20_000_000
+"""Steps of arithmetic: tenths of a second, the same way on every computer."""
 _MANY = 160
 """Ways through more places than this are improved only by reversing parts of them."""
 _GAIN = 1e-9
+"""s; rounding of a time."""
 _LONGEST_SEGMENT = 3
+"""Places that Or-opt moves at once, as usual (Or 1976)."""
 
 Order = NDArray[np.intp]
 

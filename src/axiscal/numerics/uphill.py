@@ -8,8 +8,11 @@ from axiscal.numerics import Array
 from axiscal.numerics.bernstein import BezierCurve, bernstein
 
 _FIRST = 1 / 12
+"""Share of the travel of the first step; every sweep halves it."""
 _SWEEPS = 10
+"""Halvings: to a ten-thousandth of the travel, from where other steps go on."""
 _OFFSETS = np.linspace(-1.0, 1.0, 9)
+"""Parts of a step that are tried."""
 
 
 def along(curve: BezierCurve, positions: Array) -> Array:

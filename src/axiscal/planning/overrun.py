@@ -14,6 +14,7 @@ Pose = tuple[float, ...]
 Approach = tuple[int, ...]
 
 _SLACK = 1e-6
+"""Share of a step: rounding of a position that stands on the step already."""
 _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 """Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
 

@@ -18,6 +18,7 @@ from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
 _MUCH = 0.5
+"""Share of the bound from which it is worth a sentence."""
 
 
 def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:

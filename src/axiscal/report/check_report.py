@@ -18,6 +18,7 @@ from axiscal.units import format_quantity, to_unit
 _ROUNDING = 1e-6
 """A figure below a picometre, in um."""
 _NEAR = 0.3
+"""Of the change that tables should make: this near to all, none or the opposite, it is called that."""
 
 
 def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:

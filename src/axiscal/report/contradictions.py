@@ -23,7 +23,9 @@ _CODES = {
 _AS_LIKELY = 0.1
 """Others are named whose odds are no less than so much of the likeliest one's."""
 _STEEL = 11.7e-6
+"""1/K: the growth of steel, from which a scale is said as a difference of temperature."""
 _MOST = 15
+"""Powers of ten of the odds: more are said as so many."""
 
 
 def trusted(estimation: Estimation) -> list[Reading]:

@@ -22,7 +22,9 @@ from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
 _POSITIONS = 101
+"""Points of a drawn curve."""
 _BEARS_ON = 0.1
+"""Share of a reading's sight of an error, from which the reading is drawn at its curve."""
 _SEEN = 0.5
 
 

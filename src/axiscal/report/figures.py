@@ -25,10 +25,14 @@ SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "triangle
 """Marker of each set-up, in order; they repeat after the last."""
 
 _ORDER_COLOURS = [[0, "#00224e"], [0.5, "#8a7f78"], [1, "#f2c230"]]
+"""From early to late; a matter of taste."""
 _SHOW_TEXT = {"hovertemplate": "%{text}<extra></extra>"}
 _LARGEST_Z = 6.0
+"""Standard deviations up to which a picture reaches; what is farther is drawn at its edge, with its number."""
 _SMALLEST = 1e-12
+"""um; a logarithmic axis has no nought."""
 _LOW_LEVEL = 0.1
+"""Share of the last RMS from which a line for it is worth drawing."""
 
 
 def plain(text: str) -> str:
@@ -79,8 +83,11 @@ def accuracy(summary: Summary) -> Figure:
 
 _TRADITIONAL = "traditional plan"
 _ACCURACY_HEIGHT = 350
+"""Pixels; a matter of taste."""
 _ACCURACY_MARGIN = {"l": 56, "r": 150, "t": 12, "b": 44}
+"""Pixels; a matter of taste."""
 _LABEL_HEIGHT = 17
+"""Pixels of a line of text."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from axiscal.report.sentences import BAND, axis_unit, coordinate, figure, quanti
 from axiscal.report.summary import CurvePoint, CurveSummary, number, numbers
 
 _HEIGHT, _HEIGHT_ALONE = 210, 360
+"""Pixels; a matter of taste."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ BAND = 1.96
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _LOST = 0.01
+"""Share of the RMS from which it is worth a sentence."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 _NO_BREAK = "\u00a0"

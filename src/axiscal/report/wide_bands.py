@@ -12,11 +12,12 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.inference.fit import Fit
 from axiscal.inference.mixture import POOR
 from axiscal.report.curves import value_unit
+from axiscal.report.sentences import BAND
 from axiscal.report.summary import Finding
 from axiscal.units import to_unit
 
-_BAND = 1.96
 _WIDER, _MOSTLY, _LARGER = 1.05, 0.5, 1.2
+"""Factors from which a band, a share of it and a scale are worth a sentence."""
 
 
 def wide_bands(estimation: Estimation) -> Iterator[Finding]:
@@ -30,7 +31,7 @@ def wide_bands(estimation: Estimation) -> Iterator[Finding]:
         after = _rms(estimation, function)
         if function.kind == "motion" and after > _WIDER * before:
             unit = value_unit(function)
-            now, was = (f"±{to_unit(_BAND * each, unit):.2g} {unit}" for each in (after, before))
+            now, was = (f"±{to_unit(BAND * each, unit):.2g} {unit}" for each in (after, before))
             text = f"The band of {function.name} ({words(function.name)}) is {now}, wider than the {was} that were "
             yield Finding(
                 "prior-misfit", function.name, f"{text}stated: {_reason(estimation.fit, stated, function, after)}."

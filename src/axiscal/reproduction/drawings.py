@@ -15,8 +15,11 @@ from axiscal.reproduction.experiment import SHOWN_SINGLE, SHOWN_STACKED, Experim
 from axiscal.reproduction.stack import UNIT, GreedyPlan
 
 _POINTS = 301
+"""Points of a drawn curve."""
 _MARGIN = {"l": 46, "r": 10, "t": 10, "b": 42}
+"""Pixels; a matter of taste."""
 _KNEE = {"line": {"color": "var(--soft)", "width": 1, "dash": "dot"}, "type": "line", "yref": "paper", "y0": 0, "y1": 1}
+"""A dotted line; a matter of taste."""
 
 
 def single_spline(experiment: Experiment) -> list[Figure]:

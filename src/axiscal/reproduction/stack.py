@@ -29,6 +29,7 @@ from axiscal.numerics import Array
 UNIT = 1e-3
 """What the paper calls 1, in metres."""
 _CANDIDATES = 2000
+"""Candidates from which the exact step begins."""
 
 _ONE_JOINT = """
 name = "One joint of the paper"

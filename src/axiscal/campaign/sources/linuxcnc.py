@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0
+"""mm or deg before a target from which it is approached: more than the backlash of any simulated joint."""
 _GAIN = "axiscal-gain"
 _ROOM, _SWING = 10.0, 400.0
+"""mm or deg beyond the travel that the simulated joints are given, for overrun and compensation."""
 
 
 @dataclass(frozen=True, slots=True)

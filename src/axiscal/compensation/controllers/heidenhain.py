@@ -28,6 +28,7 @@ from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
 POINTS = 256
+"""By HEIDENHAIN's manual: lines of a table."""
 _NUMBER = r"[+-]?\d+(?:\.\d+)?"
 _EXPECTED = (
     "it begins with BEGIN NAME .COM, then a line of column heads with AXISPOS, BACKLASH and axes, then rows of "

@@ -39,6 +39,7 @@ _HEADER = """
 """
 """Klipper looks for these lines, the line break before them too (configfile.py, AUTOSAVE_HEADER)."""
 _SIDE = 1000.0
+"""mm; the skew depends on the ratios of the lengths alone."""
 _MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
 _LEFT = "positioning errors, straightness in the plane, reversal, and what the height does over z."
 _SAVED_SKEW = re.compile(r"^(?:#\*# )?(xy|xz|yz)_skew\s*=\s*(\S+)", re.MULTILINE)

@@ -28,6 +28,7 @@ from axiscal.units import from_unit, to_unit
 _UNITS = LENGTHS + ANGLES
 _LAYOUT = {"axis": TEXT, "over": TEXT, "position": _UNITS, "forward": _UNITS, "reverse": _UNITS, "std": _UNITS}
 _MOST = 2000
+"""Rows of an axis; four an interval are rarely more than a hundred."""
 _HOLDS = "the deviation of every axis over its own position and of linear axes over the others, in both directions."
 _LEFT = "errors that depend on two axes at once, and the orientation of the tool."
 _STEP = 0.5e-4  # of the deviations' unit, by their four decimals

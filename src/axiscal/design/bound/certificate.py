@@ -23,10 +23,15 @@ from axiscal.design.gains.covariance import Covariance
 from axiscal.numerics import Array
 
 _MARGIN = 1e-12
+"""Rounding, with room: what a proof gives away for float64 is a millionth of a millionth of J."""
 _GOLDEN = (np.sqrt(5.0) - 1) / 2
+"""Mathematics: the golden section."""
 _STEPS = 24
+"""Steps of the golden section: the multiplier to 1e-5, and any multiplier proves a bound."""
 _MOST = 2.5
+"""The largest multiplier that is tried; any proves a bound, and the best is near one."""
 _PARTS = (0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
+"""Shares that are tried: each proves a bound, and the best is taken."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 _ROUNDS = 60
+"""Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
 _CLOSE = 2e-3
 
 

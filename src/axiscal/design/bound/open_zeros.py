@@ -19,6 +19,7 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 _MANY = 3
+"""With more set-ups all ways to share are not tried; the bound holds, only less tight."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

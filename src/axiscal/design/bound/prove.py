@@ -30,10 +30,15 @@ from axiscal.numerics.uphill import uphill
 
 GAP = 1e-2
 _ROUNDS = 40
+"""Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
 _BOXES = 400_000
+"""Boxes that are cut before the search gives up: memory. The bound holds wherever it ends."""
 _GONE = 1e-5
+"""A weight of this share is none; it can enter again."""
 _ADDED = 24
+"""Places that enter at once: more make fewer, longer rounds to the same weights."""
 _NEAR = 0.01
+"""Shares of the travel: places nearer than this enter one after the other."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

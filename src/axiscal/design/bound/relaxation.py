@@ -20,9 +20,13 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 _ADDED = 40
+"""Candidates that enter at once: more make fewer, longer rounds to the same weights."""
 _GONE = 1e-7
+"""A weight of this share is none; it can enter again."""
 _FIRST = 200
+"""Candidates that begin with a weight; the others enter where they are worth it."""
 _LARGEST = 500
+"""Candidates with a weight beyond which a step of Newton takes minutes; the bound of the others is kept."""
 
 
 class Relaxation:

@@ -22,8 +22,11 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.uphill import along
 
 _DEGREES = (3, 4)
+"""A row is a cubic, with a slope of the set-up's own of degree 4: both are tried."""
 _LOOKS = 64
+"""Poses at which the curves are compared with the rows themselves; a wrong one shows at almost every pose."""
 _EXACT = 1e-10
+"""Rounding of a sum over the axes, with room; a term that is missing is millions of times larger."""
 
 
 class Sum(NamedTuple):

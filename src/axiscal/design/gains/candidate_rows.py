@@ -22,8 +22,11 @@ from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.numerics import Array
 
 _BLOCK = 4096
+"""Rows made at once: of memory, not of the result."""
 _NEAR = 256
+"""Rows of a product that stay in the cache: of speed, not of the result."""
 _FEW = 4
+"""Columns up to which one product each is faster: of speed, not of the result."""
 MEMORY = 1e9
 """Bytes that the rows of a lattice may take unless said otherwise."""
 

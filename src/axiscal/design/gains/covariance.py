@@ -23,6 +23,7 @@ from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 
 _MODERATE = 1e13
+"""By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
 _SPARE = 48
 """How many columns a factor may have beyond its rows before it is made square again."""
 

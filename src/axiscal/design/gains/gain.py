@@ -14,6 +14,7 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
 _BLOCK = 4096
+"""Rows made at once: of memory, not of the result."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -24,7 +24,9 @@ Allowed = Callable[[Scores, int], NDArray[np.bool_]]
 """(scores, slot) -> which candidates (M,) may stand in that slot."""
 
 _SWEEPS = 50
+"""Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-9
+"""Rounding of a gain, with room: what is no better is not exchanged for ever."""
 _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120

@@ -20,8 +20,11 @@ _COARSE = 1000
 _PICKS = 50
 _TRIED = 150
 _EVERY_SUBSET = 4
+"""Sets of up to so many set-ups are all tried; beyond it they would be hundreds."""
 _MOST = 1000
+"""A plan of more readings is for a robot; what it asks takes days."""
 _STALLED = 1e-7
+"""Share of the first J: a reading that brings less is none."""
 
 Setups = tuple[int, ...]
 

@@ -18,7 +18,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest
 
 _STEP = 1e-6
+"""Share of the travel: central differences of smooth rows lose below 1e-8 to bending or rounding, ten times off too."""
 _ITERATIONS = 80
+"""Iterations; where they are left early the plan is still no worse than before."""
 
 
 class _Free(NamedTuple):

@@ -17,6 +17,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 
 _FRESH = 0.99
+"""Share of a fresh reading's variance: where none is opened, it is one to rounding."""
 
 
 class _Group(NamedTuple):

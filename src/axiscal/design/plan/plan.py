@@ -35,6 +35,7 @@ Progress = Callable[[str], None]
 PATIENCE = 20.0
 """Seconds that climbing off the lattice may take unless said otherwise."""
 _ROUNDS = 6
+"""Rounds end where no reading moves; this only ends what would go round."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -14,6 +14,7 @@ from axiscal.design.plan.order import seconds_of
 from axiscal.design.plan.task import Clock, Limits, Task
 
 _SHRINKS = 60
+"""Halvings of a time: to a second of any budget after twenty."""
 
 
 def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:

@@ -18,13 +18,19 @@ from axiscal.numerics.chebyshev import node_count
 from axiscal.numerics.exact_step import maximise_along
 
 _ROUNDS = 60
+"""Rounds end where none rises; this only ends what would go round."""
 _IMPROVED = 1e-10
+"""Rounding of a gain, with room."""
 _NEWTON = 40
+"""Newton's step ends where it gains nothing; this only ends what would go round."""
 _SETTLED = 1e-9
 """Newton's step converges quadratically: what is left after a rise of this share is below rounding."""
 _SHORTER = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.001])
+"""Shorter steps that are tried where the whole one does not rise; any shrinking row will do."""
 _APART = 1e-5
+"""Share of the travel: climbs that end nearer are one."""
 _INNER = 4
+"""Points an interval where a climb begins along an axis; the best of them is then made exact."""
 
 
 @dataclass(eq=False, slots=True)

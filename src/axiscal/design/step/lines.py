@@ -21,7 +21,9 @@ from axiscal.numerics.cubic import Spline
 from axiscal.numerics.remembered import remembered
 
 _SAME = 1e-14
+"""Rounding: levers that do not change along an axis."""
 _FOLLOWS = 1e-9
+"""Rounding of a lever that is as the line says; one that is not is off by a thousandth at least."""
 _ROUNDING = 1e-12
 """A lever of this size counts as none: m/rad, 1, or rad/rad."""
 

@@ -23,9 +23,13 @@ from axiscal.numerics.spread import even_points
 _PER_INTERVAL = 8
 _EVERY_POINT = 300_000
 _CLIMBERS = 64
+"""Starts where the lattice is too large to be looked at as a whole."""
 _SWEEPS = 30
+"""Sweeps end where none rises; this only ends what would go round."""
 _ADDS_UP = 1e-12
+"""Rounding of a sum over the axes; a lever arm that is missing is millions of times larger."""
 _LOOKS = 3
+"""Poses that are looked at: rows that do not add up differ at almost every pose."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -16,6 +16,7 @@ from axiscal.numerics import Array
 _POINTS = 60_000
 _FINEST = 16
 _LINES = 256
+"""Lines looked at at once: of memory, not of the result."""
 
 
 def dense_starts(scorer: Scorer, setup: int) -> Starts:

@@ -16,6 +16,7 @@ import hal  # type: ignore[import-not-found]
 import linuxcnc  # type: ignore[import-not-found]
 
 UNFINISHED = -1
+"""By LinuxCNC's Python interface."""
 
 
 def wait(condition: Any, seconds: float) -> bool:

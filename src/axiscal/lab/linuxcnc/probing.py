@@ -15,8 +15,11 @@ from axiscal.lab.linuxcnc.session import Ending, Session
 from axiscal.numerics import Array
 
 _CLEAR, _PAST, _BACK = 4.0, 2.0, 0.2
+"""mm: clear of the ball, past its surface, and back off it; any way that meets the ball will do."""
 _FAST, _SLOW = 1500, 60
+"""mm/min, as one probes; the simulated probe triggers within a servo period at either."""
 _SIDES = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1))
+"""Geometry: the sides from which a ball on a post can be touched."""
 
 
 def ball(radius: float) -> str:

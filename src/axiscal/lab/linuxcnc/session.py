@@ -29,8 +29,10 @@ _DRIVER = Path(__file__).with_name("driver.py")
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
 _OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp && exec linuxcnc -r machine.ini"
 _NOBODY = 65534
+"""The user `nobody` of Debian."""
 _BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
 _START = 30.0
+"""s; LinuxCNC starts in a few, on a busy computer in some more."""
 _INSTALL = "Install the Debian package linuxcnc-uspace, or take another source"
 
 

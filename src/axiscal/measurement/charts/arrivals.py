@@ -11,6 +11,7 @@ from axiscal.measurement.charts.chart import Chart
 from axiscal.numerics import Array
 
 _SLACK = 1e-9
+"""Share of a coordinate: rounding."""
 KNOWN = 0.1
 """An axis that moves by less than this share of its overrun on the way in comes from a side that nobody knows."""
 

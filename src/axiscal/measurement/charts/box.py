@@ -13,6 +13,7 @@ from axiscal.measurement.charts.room import Room
 from axiscal.numerics import Array
 
 _SLACK = 1e-10
+"""Share of a travel: rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -18,12 +18,19 @@ Curve = Callable[[Array], Array]
 """(p,) coordinates -> (p, q) poses."""
 
 _NODES: Array = 2 * math.pi / 5 * np.arange(5.0)
+"""Mathematics: five even angles give mean and two harmonics."""
 _PROBES: Array = np.array([0.37, 2.9])
+"""Two angles that are none of the nodes, where the harmonics are compared with the curve itself."""
 _FITS = 1e-11
+"""Rounding of a curve that is as its harmonics say; one that is not is off by more."""
 _HARMONIC = 1e-9
+"""Rounding of a second harmonic that is none."""
 _CLOSE = 1e-9
+"""Share of the interval: crossings nearer than this are one."""
 _STEPS = 1440
+"""A quarter of a degree: two crossings that are nearer touch the level, and the end is the same."""
 _HALVINGS = 60
+"""To the last bit of a float64."""
 
 
 def along_one(poses: Curve, number: int, place: Array, ends: tuple[float, float], levels: tuple[Array, ...]) -> Array:

@@ -16,6 +16,7 @@ from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
 _FINEST = 1e-6
+"""m: what a person can dial in."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

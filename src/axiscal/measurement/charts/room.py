@@ -16,6 +16,7 @@ TOOL_RADIUS = 0.04
 _SLACK = 1e-10
 """Share of a travel by which rounding may leave it."""
 _ANGLE = 1e-9
+"""rad: rounding of an angle."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -11,7 +11,9 @@ from axiscal.measurement.charts.room import Room
 from axiscal.numerics import Array
 
 _FINE = np.radians(0.25)
+"""A way is looked at every quarter of a degree, as fine as what stands in it is described."""
 _MOST_LEGS = 3
+"""Coordinates up to which all orders of going one after the other are tried."""
 _LIMIT = 1e-9
 """m or rad, by which rounding and what lies between samples may leave a travel."""
 

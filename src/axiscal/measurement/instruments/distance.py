@@ -30,6 +30,7 @@ from axiscal.numerics import Array
 SHIFTS = ("station_x", "station_y", "station_z")
 _UNKNOWNS: dict[str, Reads] = dict.fromkeys(("zero", *SHIFTS, *TOOL), "length")
 _LEAST = 1e-3
+"""m: nearer to the station a distance has no direction; nobody measures there."""
 
 
 class Distance:

@@ -20,7 +20,9 @@ from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _ALONG = 1e-6
+"""Rounding of a unit vector."""
 _UNSEEN = 1e-9
+"""Rounding of a lever, m/rad or 1."""
 
 
 class Stepped(Angle):

@@ -21,6 +21,7 @@ MARK = "# axiscal-csv 1"
 _COLUMNS = ("run_id", "axis", "error", "direction", "target", "value", "unit", "u_std", "t_c", "time")
 _NEEDED = ("axis", "error", "target", "value", "unit")
 _SIGNS = {"+": 1, "-": -1, "−": -1, "": 0}
+"""What the format writes for the two directions, and for none."""
 
 
 @dataclass(frozen=True, slots=True)

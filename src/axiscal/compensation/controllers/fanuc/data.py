@@ -15,7 +15,9 @@ from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 
 LARGEST = 7
+"""By FANUC's manual: an entry is a digit with its sign, -7 to +7."""
 FIRST_DATA = 10000
+"""By FANUC's manual: the number of the first point's entry."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

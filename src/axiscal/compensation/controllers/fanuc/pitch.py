@@ -18,6 +18,7 @@ DETECTION = 1e-6
 DIRECTION, BOTH, NEGATIVE, APART = 1006, 3605, 3626, 3627
 """Numbers of the parameters that hold the way to the reference point, the choice of two sets, and the second one."""
 _NEEDED = range(3620, 3625)
+"""By FANUC's manual: the parameters that say which points an axis has."""
 _BACKWARDS = 5
 """Bit ZMI of parameter 1006."""
 

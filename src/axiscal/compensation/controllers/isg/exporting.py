@@ -36,7 +36,9 @@ _HOLDS = "every error motion as a table over its axis, and every location error:
 _APART = "; and what each axis is apart between its directions"
 _LEFT = "the reversal of straightness and of angles, and the orientation of the tool."
 _RECORDS = 1000
+"""Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
 _MULTIPLE = (1e-6, float(np.radians(1e-4)))
+"""The grid of positions, m and rad: the decimals that are written."""
 
 
 def make(estimate: Estimate, options: ExportOptions) -> Draft:

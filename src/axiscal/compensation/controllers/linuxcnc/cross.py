@@ -18,6 +18,7 @@ from axiscal.exceptions import TableError
 from axiscal.units import to_unit
 
 POINTS = 16
+"""By LinuxCNC's manual: points of a `lincurve`."""
 RAMP = 1.0
 """Seconds from nothing to the whole correction."""
 LEAST_SPEED = 2e-4

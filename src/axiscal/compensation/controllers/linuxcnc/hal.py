@@ -16,6 +16,7 @@ from axiscal.numerics import Array
 
 _COMPONENTS = ("lincurve", "sum2", "mux2", "limit2", "mult2")
 _LIMITS = (("min", -1e20), ("max", 1e20))
+"""By LinuxCNC's manual: what `limit2` has unless they are set."""
 _ARROWS = {"=>", "<=", "<=>"}
 
 

@@ -24,6 +24,7 @@ from axiscal.units import from_unit, to_unit
 _SETP = re.compile(r"setp (xyz[ab]c-trt-kins)\.([xyz]-(?:rot-point|offset)|conventional-directions) (-?[\d.]+)")
 _CONVENTIONAL = "conventional-directions"
 _SWIVELS = {"A": 1, "B": 0}
+"""Which axis of x, y a swivelling table is displaced along: geometry."""
 _ASK = (
     'the xyzac- and xyzbc-trt-kins of LinuxCNC 2.9 turn against ISO 841: write direction = "reversed", or "iso" where '
     "the pin conventional-directions is set,"

@@ -17,7 +17,9 @@ import numpy as np
 from axiscal.numerics import Array
 
 ROWS = 256
+"""By LinuxCNC's source (usrmotintf.cc): rows that are kept."""
 _CHUNK = 254
+"""By LinuxCNC's source (usrmotintf.cc): characters that fgets takes at once."""
 _FLOAT = rb"""(?>[ \t\n\v\f\r]*)(?P<%b>(?>[+-]?(?:
     0[xX](?:[0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]*)(?:[pP][+-]?[0-9]*)?
     | (?!0[xX])(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]*)?

@@ -24,6 +24,7 @@ from axiscal.units import from_unit
 POINTS = 200
 """Points of a table where nothing is said: what an 828D holds for an axis."""
 _STEP = 1e-6
+"""The grid of positions, m: the decimals that are written."""
 _HOLDS = (
     "encoder compensation for every axis (the mean of both directions), and CEC tables for what the directions are "
     "apart, for straightness, sag and squareness."

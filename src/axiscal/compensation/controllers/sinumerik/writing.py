@@ -15,6 +15,7 @@ from axiscal.numerics import Array
 from axiscal.units import to_unit
 
 TABLES = 128
+"""By SIEMENS' manual: CEC tables that a control holds."""
 POINTS = 2000
 """Points that MD18342 allows for a CEC table."""
 ENC, CEC = "AX_EEC.INI", "NC_CEC.INI"
