@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -167,7 +168,37 @@ def test_a_reading_of_another_place_is_kept(start: Start) -> None:
     elsewhere = Place("laser along Y", (0.2, 0.05), (0, 1))
     campaign.record(2e-6, 1e-7, at=elsewhere)
     (kept,) = campaign.state.readings
-    assert kept == Reading("laser along Y", (0.2, 0.05), (0, 1), 2e-6, 1e-7, time=kept.time)
+    assert kept == Reading("laser along Y", (0.2, 0.05), (0, 1), 2e-6, 1e-7, time=kept.time, number=1)
+
+
+def test_a_reading_keeps_the_number_under_which_it_was_asked_for(start: Start) -> None:
+    campaign = start("readings = 9")
+    asked = []
+    for answer in ("read", "skip", "read", "undo", "read", "read"):
+        if answer == "undo":
+            campaign.undo()
+            continue
+        question = campaign.next()
+        assert isinstance(question, Asked)
+        asked.append(question.reading)
+        if answer == "skip":
+            campaign.skip("the beam is blocked")
+        else:
+            campaign.record(1e-6)
+    assert asked == [1, 2, 3, 3, 4]
+    assert [reading.number for reading in campaign.state.readings] == [1, 3, 4]
+    assert [milestone.number for milestone in campaign.history()] == [0, 1, 3, 4]
+    assert [reading.number for reading in reopened(campaign).known().readings] == [1, 3, 4]
+
+
+def test_readings_that_nobody_asked_for_have_the_next_free_numbers(start: Start) -> None:
+    campaign = start("readings = 9")
+    campaign.next()
+    campaign.skip("the beam is blocked")
+    campaign.adopt(tuple(Reading("laser along X", (0.1 * n, 0.2), (1, 0), n * 1e-6) for n in range(2)))
+    assert [reading.number for reading in campaign.state.readings] == [2, 3]
+    assert isinstance(question := campaign.next(), Asked)
+    assert question.reading == 4
 
 
 def test_an_answer_needs_a_question(start: Start) -> None:
@@ -307,7 +338,7 @@ def test_readings_that_exist_are_adopted(start: Start) -> None:
     campaign = start("readings = 5")
     readings = tuple(Reading("laser along X", (0.1 * n, 0.2), (1, 0), n * 1e-6, None) for n in range(4))
     campaign.adopt(readings)
-    assert campaign.state.readings == readings
+    assert campaign.state.readings == tuple(replace(each, number=n) for n, each in enumerate(readings, start=1))
     assert 4 * 59 < campaign.status().seconds < 4 * 63
 
 

@@ -183,6 +183,28 @@ def test_skip_undo_status(started: Command) -> None:
     started("undo", "m.axiscal").refused("nothing to take back")
 
 
+def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
+    started("next", "m.axiscal")
+    assert 'Skipped reading 1 in "laser" at X = ' in started("record", "m.axiscal", "--skip", "no beam").out
+    for value in ("0.1 um", "900 um"):
+        started("next", "m.axiscal")
+        kept = started("record", "m.axiscal", value, "--accept").out
+    assert kept.startswith("Kept reading 3: 900 um at X = ")
+    assert 'Took back reading 3 in "laser" at X = ' in (taken := started("undo", "m.axiscal").out)
+    assert "1 reading is kept" in taken
+    assert started("next", "m.axiscal").out.startswith("Reading 3:")
+    document = started("record", "m.axiscal", "0.2 um", "--json").document
+    assert (document["reading"], document["readings"]) == (3, 2)
+    assert "Skipped reading 1 in" in started("status", "m.axiscal").out
+    assert started("next", "m.axiscal").out.startswith("Reading 4:")
+    started("record", "m.axiscal", "2000000 um")
+    assert 'Reading 4 in "laser" at X = ' in str(started("finish", "m.axiscal", "--json", "--out", "r").document)
+    result = json.loads(Path("r/result.json").read_text())
+    assert [row["reading"] for row in result["history"]] == [0, 2, 3, 4]
+    assert [row["reading"] for row in result["rejected"]] == [4]
+    assert "Reading 4 not believed." in Path("r/report.html").read_text(encoding="utf-8")
+
+
 def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("finish", "m.axiscal", "--out", "r").status == 0
     assert started("finish", "m.axiscal", "--out", "r").status == 0

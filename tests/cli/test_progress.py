@@ -8,6 +8,7 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Milestone
 from axiscal.cli.progress import progress_line
 from axiscal.description.target import Target
+from axiscal.measurement.reading import Reading
 
 KNOWN = Accuracy(2e-6, 4e-6, 2e-6, 4e-6)
 
@@ -27,4 +28,11 @@ def target(readings: int | None = None, rms: float | None = None, budget: float 
     ],
 )
 def test_of_how_many(asked: Target, said: str) -> None:
-    assert progress_line(Milestone(3, None, KNOWN, 60.0), asked).startswith(said)
+    reading = Reading("laser", (0.0,), (0,), 0.0, number=3)
+    assert progress_line(Milestone(3, reading, KNOWN, 60.0), asked).startswith(said)
+
+
+def test_how_many_were_taken_is_no_number_of_a_reading() -> None:
+    reading = Reading("laser", (0.0,), (0,), 0.0, number=5)
+    said = progress_line(Milestone(3, reading, KNOWN, 60.0), target(120))
+    assert said.startswith("reading 5, 3 taken of 120: RMS 2 um")

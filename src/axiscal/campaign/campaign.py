@@ -72,12 +72,17 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class Milestone:
-    """A reading (None: before the first), and how well the machine was known after it and after how many seconds."""
+    """The last of so many readings taken (None: before the first), how well the machine was known, and the seconds."""
 
-    number: int
+    taken: int
     reading: Reading | None
     accuracy: Accuracy
     seconds: float
+
+    @property
+    def number(self) -> int:
+        """The number of the reading, 0 before the first."""
+        return 0 if self.reading is None else self.reading.numbered(self.taken - 1)
 
 
 class Campaign:
@@ -155,8 +160,7 @@ class Campaign:
             return Ended(because)
         if not self.prepared():
             return Ended("nothing is left to measure")
-        place, number = self.state.plan[0], len(self.state.readings) + len(self.state.skipped) + 1
-        asked = Asked(number, place)
+        asked = Asked(self.state.free, self.state.plan[0])
         if not beyond and self._over_budget(self._seconds_until(asked)):
             return Ended(BUDGET)
         self._append(asked)
@@ -271,9 +275,9 @@ class Campaign:
         """Return how well the machine was known after each reading, from the first one on."""
         readings, known = self.state.readings, estimated(self.case(), ())
         milestones = [Milestone(0, None, known.accuracy, 0.0)]
-        for number, reading in enumerate(readings, start=1):
-            known = estimated(self.case(), readings[:number], known)
-            milestones.append(Milestone(number, reading, known.accuracy, known.seconds))
+        for taken, reading in enumerate(readings, start=1):
+            known = estimated(self.case(), readings[:taken], known)
+            milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
         return tuple(milestones)
 
     def adopt(self, readings: tuple[Reading, ...]) -> None:

@@ -35,7 +35,8 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     """Return one line: reading, accuracy with its targets, minutes with their budget."""
     others = target.rms is not None or target.worst is not None or target.budget is not None
     most = "" if target.readings is None else f" of {'at most ' if others else ''}{target.readings}"
-    number = f"reading {milestone.number}{most}"
+    more = milestone.number != milestone.taken  # a skip has a number too
+    number = f"reading {milestone.number}" + (f", {milestone.taken} taken{most}" if more else most)
     minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
     minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
     return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"

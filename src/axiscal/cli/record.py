@@ -12,6 +12,7 @@ from axiscal.cli.leaving import Stand
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.second_thoughts import doubted, others_doubted
+from axiscal.cli.texts import asked_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
@@ -56,7 +57,7 @@ def record(
     with Campaign.open(record) as campaign:
         if skip is not None:
             asked = campaign.skip(skip)
-            message, document = f"Skipped reading {asked.reading}: {skip.strip()}", {"skipped": asked.reading}
+            message, document = f"Skipped {asked_text(campaign, asked)}: {skip.strip()}", {"skipped": asked.reading}
         else:
             before = doubted(campaign)
             stood = Stand.of(campaign) if at is not None else None
@@ -127,13 +128,14 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
     place = place_text(axes, reading.pose, setup.moves)
     value = format_quantity(reading.value, reading_unit(setup))
-    return f"Kept {value} at {place} ({len(campaign.state.readings)} so far)."
+    return f"Kept reading {reading.number}: {value} at {place} ({len(campaign.state.readings)} so far)."
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
 
     unit = reading_unit(campaign.description.setup(reading.setup))
     return {
+        "reading": reading.number,
         "readings": len(campaign.state.readings),
         "setup": reading.setup,
         "position": shown_pose(campaign.description.machine.axes, reading.pose),

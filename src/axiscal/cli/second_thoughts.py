@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.measurement.place_texts import place_text, reading_unit
+from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.units import format_quantity
 
 _SURPRISING = 3.0
@@ -22,10 +22,10 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     """
     last, now = len(campaign.state.readings) - 1, doubted(campaign)
     said = [
-        f"with this one, reading {index + 1} is no longer relied on: {_shown(campaign, index)}. Read there again."
+        f"with this one, {_shown(campaign, index)}, is no longer relied on. Read there again."
         for index in sorted(now - before - {last})
     ]
-    said += [f"with this one, reading {index + 1} is believed: {_shown(campaign, index)}." for index in before - now]
+    said += [f"with this one, {_shown(campaign, index)}, is believed." for index in before - now]
     surprise = campaign.concluded().innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     if last not in now and size >= _SURPRISING:
@@ -40,4 +40,4 @@ def _shown(campaign: Campaign, index: int) -> str:
     reading, description = campaign.state.readings[index], campaign.description
     setup = description.setup(reading.setup)
     value = format_quantity(reading.value, reading_unit(setup))
-    return f'{value} at {place_text(description.machine.axes, reading.pose, setup.moves)} in "{setup.name}"'
+    return f"{reading_text(description.machine.axes, setup, reading, index)}, {value}"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, count_text, question_text
-from axiscal.measurement.place_texts import place_text
+from axiscal.cli.texts import accuracy_text, asked_text, count_text, question_text
 from axiscal.units import format_quantity, to_unit
 
 
@@ -28,13 +27,13 @@ def status(record: RecordFile, json: Json = False) -> None:
 def _lines(campaign: Campaign) -> list[str]:
 
     status, description = campaign.status(), campaign.description
-    state, target, axes = status.state, description.target, description.machine.axes
+    state, target = status.state, description.target
     lines = [
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
     ]
-    lines += [f"Skipped {place_text(axes, gap.place.pose)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"Skipped {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:

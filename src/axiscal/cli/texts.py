@@ -59,6 +59,13 @@ def _in_touch(campaign: Campaign, asked: Asked) -> str:
     return f"  at        ball {ball.name} of {setup.artefact.name}: {way}"
 
 
+def asked_text(campaign: Campaign, asked: Asked) -> str:
+    """Return which reading was asked for: 'reading 7 in "laser" at X = 120 mm'."""
+    setup = campaign.description.setup(asked.place.setup)
+    where = place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
+    return f'reading {asked.reading} in "{setup.name}" at {where}'
+
+
 def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:
     """Return the question, or why there is none, as the document `axiscal-next/1`."""
     if isinstance(asked, Ended):

@@ -5,8 +5,9 @@ from __future__ import annotations
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import count_text
-from axiscal.record.events import Finished, Recorded
+from axiscal.cli.texts import asked_text, count_text
+from axiscal.measurement.place_texts import reading_text
+from axiscal.record.events import Recorded, Skipped
 
 
 def undo(record: RecordFile, json: Json = False) -> None:
@@ -20,10 +21,24 @@ def undo(record: RecordFile, json: Json = False) -> None:
     """
 
     with Campaign.open(record) as campaign:
-        event = campaign.undo().event
+        what, number = _last(campaign)
+        undone = type(campaign.undo().event).__name__.lower()
         left = len(campaign.state.readings)
-    what = "the reading" if isinstance(event, Recorded) else "the end" if isinstance(event, Finished) else "the skip"
     if json:
-        say_document({"schema": "axiscal-undo/1", "undone": type(event).__name__.lower(), "readings": left})
+        say_document({"schema": "axiscal-undo/1", "undone": undone, "reading": number, "readings": left})
     else:
         say(f"Took back {what}; {count_text(left, 'reading')} {'is' if left == 1 else 'are'} kept.")
+
+
+def _last(campaign: Campaign) -> tuple[str, int | None]:
+    """Return what would be taken back, and the number of its reading."""
+    state, description = campaign.state, campaign.description
+    event = state.undo[-1].event if state.undo else None
+    if isinstance(event, Recorded):
+        index, reading = len(state.readings) - 1, state.readings[-1]
+        setup = description.setup(reading.setup)
+        return reading_text(description.machine.axes, setup, reading, index), reading.number
+    if isinstance(event, Skipped):
+        asked = state.skipped[-1].asked
+        return f"the skip of {asked_text(campaign, asked)}", asked.reading
+    return "the end", None

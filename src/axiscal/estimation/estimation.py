@@ -23,6 +23,7 @@ from axiscal.estimation.timed import Timed
 from axiscal.inference.fit import Fit
 from axiscal.inference.implausible import objection
 from axiscal.inference.outliers import FEWEST, Doubt
+from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.threads import one_thread
 
@@ -94,5 +95,10 @@ class Estimation:
 
     def objection_to(self, doubt: Doubt) -> str:
         """Return in words what an implausible reading is."""
-        reading = self.readings[doubt.reading]
-        return objection(doubt, reading, self.stated.description.setup(reading.setup))
+        reading, described = self.readings[doubt.reading], self.stated.description
+        return objection(doubt, reading, described.setup(reading.setup), described.machine.axes)
+
+    def name_of(self, index: int) -> str:
+        """Return which reading it is that has this index among the readings: its number, set-up and place."""
+        reading, described = self.readings[index], self.stated.description
+        return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)

@@ -15,13 +15,14 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.inference.outliers import Doubt
+from axiscal.machine.axis import Axis
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen, seen
 from axiscal.measurement.setup import Setup
@@ -47,14 +48,14 @@ def unit_guess(size: float, angular: bool = False) -> str:
     return next((words for most, words in _SLIPS if size <= most), "")
 
 
-def objection(doubt: Doubt, reading: Reading, setup: Setup) -> str:
+def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]) -> str:
     """Return what an implausible reading is, and which slip of the unit may have made it."""
     unit = reading_unit(setup)
     value = ", ".join(format_quantity(each, unit) for each in reading.values)
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else "more than a million"
     guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
-    text = f'reading {doubt.reading + 1} in "{setup.name}", {value}, is {size} standard deviations from all that the '
-    return f"{text}stated std and the other readings allow{', ' if guess else ''}{guess}"
+    text = f"{reading_text(axes, setup, reading, doubt.reading)}, {value}, is {size} standard deviations from all that"
+    return f"{text} the stated std and the other readings allow{', ' if guess else ''}{guess}"
 
 
 @dataclass(frozen=True, eq=False, slots=True)

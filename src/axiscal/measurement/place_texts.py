@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
 
@@ -26,6 +27,12 @@ def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] 
     """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
     chosen = range(len(axes)) if only is None else only
     return ", ".join(f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {axes[k].unit}" for k in chosen)
+
+
+def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
+    """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
+    place = place_text(axes, reading.pose, setup.moves)
+    return f'reading {reading.numbered(index)} in "{setup.name}"{" at " if place else ""}{place}'
 
 
 def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:

@@ -20,6 +20,7 @@ class Reading:
     std : standard deviation of this reading in the unit of the value; None takes the set-up's noise
     line : line of the file it came from, if it came from one
     accepted : somebody vouches for it, however much it surprises
+    number : under which a campaign knows it for life, from 1; None outside of a campaign
     """
 
     setup: str
@@ -31,11 +32,16 @@ class Reading:
     accepted: bool = False
     others: tuple[float, ...] = ()
     time: float | None = None
+    number: int | None = None
 
     @property
     def place(self) -> Place:
         """Where it was taken."""
         return Place(self.setup, self.pose, self.approach)
+
+    def numbered(self, index: int) -> int:
+        """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""
+        return index + 1 if self.number is None else self.number
 
     @property
     def values(self) -> tuple[float, ...]:

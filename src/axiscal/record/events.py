@@ -5,8 +5,8 @@ Events are facts and never change; the state is always folded from them anew. Un
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -51,7 +51,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A reading was taken."""
+    """A reading was taken; folding gives it the number under which one was asked for, else the next free one."""
 
     reading: Reading
 
@@ -119,7 +119,7 @@ class Undoable:
 class State:
     """Where the campaign stands.
 
-    readings : in the order they were taken, without those taken back
+    readings : in the order they were taken, without those taken back; each has its number
     skipped : what could not be measured
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
@@ -140,9 +140,18 @@ class State:
     undo: tuple[Undoable, ...] = ()
     last: int = 0
 
+    @property
+    def free(self) -> int:
+        """The number of the next reading: readings and skips have one each, and keep it while they stand."""
+        return _free(self.readings, self.skipped)
+
 
 class EventOrderError(ValueError):
     """Events that cannot have happened in this order; the record has been written by something else."""
+
+
+def _free(readings: Sequence[Reading], skipped: Sequence[Gap]) -> int:
+    return len(readings) + len(skipped) + 1
 
 
 def fold(events: Iterable[Stored]) -> State:
@@ -214,7 +223,7 @@ class _Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._readings.append(event.reading)
+            self._readings.append(replace(event.reading, number=self._number()))
             self._renew = self._renew or not self._asked_for(event)
         elif isinstance(event, Finished):
             self._finished = event.because
@@ -225,6 +234,9 @@ class _Folding:
             self._skipped.append(gap)
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
+
+    def _number(self) -> int:
+        return self._pending.reading if self._pending else _free(self._readings, self._skipped)
 
     def _asked_for(self, event: Recorded) -> bool:
         """Whether a reading was taken where one was wanted, and from there."""

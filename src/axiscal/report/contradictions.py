@@ -66,8 +66,8 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     unit = reading_unit(setup)
     size = f"{abs(to_unit(each.size, unit)):.2g} ± {2 * to_unit(each.std, unit):.2g} {unit}"
     if each.family == "bad":
-        number = estimation.readings.index(trusted(estimation)[int(each.place)]) + 1
-        return f'reading {number} in "{each.owner}" seems to be wrong by {size}', "take it again"
+        index = estimation.readings.index(trusted(estimation)[int(each.place)])
+        return f"{estimation.name_of(index)} seems to be wrong by {size}", "take it again"
     again = f'state drift = "{abs(to_unit(each.size, unit)):.2g} {unit}/h" in the set-up, or measure when it is warm'
     how = f"by {size} in an hour" if each.family == "drift" else f"and level off after {size}"
     return f'the zero of "{each.owner}" seems to drift {how}', again

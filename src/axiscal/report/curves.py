@@ -203,7 +203,7 @@ def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> l
     for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
         left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
-        parts.append(_Part(index + 1, reading, row, left, std, whole, index in refused))
+        parts.append(_Part(reading.numbered(index), reading, row, left, std, whole, index in refused))
     return parts
 
 

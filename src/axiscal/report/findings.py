@@ -95,7 +95,7 @@ def _outliers(estimation: Estimation) -> Iterator[Finding]:
         2.0, _MANY * len(surprises)
     )  # then it is not the readings
     for index, (reading, surprise) in enumerate(zip(estimation.readings, surprises, strict=True)):
-        doubt = doubted.get(index)
+        doubt, name = doubted.get(index), estimation.name_of(index).replace("reading", "Reading", 1)
         if doubt is not None and doubt.implausible:
             said = estimation.objection_to(doubt)
             text = f"{said[:1].upper()}{said[1:]}: it is not used; take it again, or record it with --accept."
@@ -104,10 +104,10 @@ def _outliers(estimation: Estimation) -> Iterator[Finding]:
             fate = "it is not used" if doubt.rejected else f"it counts with weight {doubt.weight:.2g}"
             away = f"{doubt.surprise:.1f} standard deviations from what the other readings say"
             remedy = "take it again, or record it with --accept if it is right"
-            yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}: {fate}; {remedy}.')
+            yield Finding("outlier", None, f"{name} is {away}: {fate}; {remedy}.")
         elif surprise > _OUTLIER and not reading.accepted and not misfit:
             away = f"{surprise:.1f} standard deviations from what the readings before it predict"
-            yield Finding("outlier", None, f'Reading {index + 1} in "{reading.setup}" is {away}; take it again.')
+            yield Finding("outlier", None, f"{name} is {away}; take it again.")
 
 
 def _scales(estimation: Estimation) -> Iterator[Finding]:

@@ -103,15 +103,13 @@ def _reversal(curve: CurveSummary) -> bool:
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
     """Return how well the machine was known after each reading, and how much each surprised."""
-    refused = {doubt.reading + 1 for doubt in estimation.outliers if doubt.rejected}
+    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
     tools = _tool_points(estimation.case, campaign.state.readings)
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first, None)]
-    for number, (reading, moment, tool) in enumerate(
-        zip(campaign.state.readings, moments, tools, strict=True), start=1
-    ):
-        row = _row(estimation.case, reading, number, moment, tool)
-        rows.append(replace(row, rejected=number in refused))
+    for index, (reading, moment, tool) in enumerate(zip(campaign.state.readings, moments, tools, strict=True)):
+        row = _row(estimation.case, reading, reading.numbered(index), moment, tool)
+        rows.append(replace(row, rejected=index in refused))
     return rows
 
 
@@ -119,7 +117,7 @@ def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Reje
     """Return the readings that were not believed."""
     return [
         Rejection(
-            doubt.reading + 1,
+            row.reading,
             row.setup or "",
             row.position or {},
             row.value_um or 0.0,
