@@ -28,7 +28,8 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     said += [f"with this one, {_shown(campaign, index)}, is believed." for index in before - now]
     surprise = campaign.concluded().innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
-    if last not in now and size >= _SURPRISING:
+    vouched = campaign.state.readings[last].accepted
+    if last not in now and not vouched and size >= _SURPRISING:
         said.append(
             f"it is {size:.1f} standard deviations from what was expected. It is believed so far; read there again "
             "(axiscal undo, then axiscal record) if anything may have been wrong."
