@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from axiscal.error_model.iso230 import words
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.inference.contradiction import Comparison, Explanation, compared
 from axiscal.measurement.place_texts import reading_unit
@@ -34,9 +35,20 @@ def trusted(estimation: Estimation) -> list[Reading]:
     return [reading for index, reading in enumerate(estimation.readings) if index not in doubted]
 
 
+def with_sides(estimation: Estimation) -> list[Reading]:
+    """Return those of them of which it is told from which side an axis with a reversal came: a reversal is no drift."""
+    return [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
+
+
+def _side_known(reading: Reading, case: Case) -> bool:
+    """Whether what a reading repeats is not another side of a reversal."""
+    moves = case.description.setup(reading.setup).moves
+    return all(reading.approach[axis] != 0 for axis in case.errors.reversing.intersection(moves))
+
+
 def explained(estimation: Estimation) -> Comparison:
     """Return how the departures compare with the model as it was learnt, by the readings that are believed."""
-    return compared(estimation.case.observation, trusted(estimation), estimation.case.inherited)
+    return compared(estimation.case.observation, with_sides(estimation), estimation.case.inherited)
 
 
 def contradictions(estimation: Estimation, found: Comparison) -> Iterator[Finding]:
@@ -66,7 +78,7 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     unit = reading_unit(setup)
     size = f"{abs(to_unit(each.size, unit)):.2g} ± {2 * to_unit(each.std, unit):.2g} {unit}"
     if each.family == "bad":
-        index = estimation.readings.index(trusted(estimation)[int(each.place)])
+        index = estimation.readings.index(with_sides(estimation)[int(each.place)])
         return f"{estimation.name_of(index)} seems to be wrong by {size}", "take it again"
     again = f'state drift = "{abs(to_unit(each.size, unit)):.2g} {unit}/h" in the set-up, or measure when it is warm'
     how = f"by {size} in an hour" if each.family == "drift" else f"and level off after {size}"

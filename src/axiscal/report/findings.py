@@ -20,7 +20,7 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
-from axiscal.report.contradictions import contradictions, explained, trusted
+from axiscal.report.contradictions import contradictions, explained, trusted, with_sides
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.report.wide_bands import wide_bands
@@ -195,17 +195,11 @@ def _misfit(estimation: Estimation) -> Iterator[Finding]:
 
 def _drift(estimation: Estimation) -> Iterator[Finding]:
     """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    usable = [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
+    usable = with_sides(estimation)
     for setup in estimation.stated.description.setups:
         found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(usable, setup), setup)
         if found:
             yield Finding("drift", None, found)
-
-
-def _side_known(reading: Reading, case: Case) -> bool:
-    """Whether what a reading repeats is not another side of a reversal."""
-    moves = case.description.setup(reading.setup).moves
-    return all(reading.approach[axis] != 0 for axis in case.errors.reversing.intersection(moves))
 
 
 def _stated_drift(estimation: Estimation, setup: Setup) -> str:
