@@ -7,6 +7,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.case import Case
 from axiscal.inference.evidence import Evidence
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
@@ -139,3 +140,15 @@ def test_the_prior_of_the_readings_counts_what_is_shared_once() -> None:
     place = tuple(sum(axis.travel) / 2 for axis in DMU.axes)
     reading = Reading("nest", place, (1,) * len(place), 0.0, others=(0.0, 0.0))
     assert Evidence(observation, [reading]).prior(np.zeros(0)) == pytest.approx(observation.prior_covariance())
+
+
+def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches_is_not() -> None:
+    cup = '[[artefacts]]\nname = "cup"\nballs = { centre = ["0 mm", "0 mm", "100 mm"] }\n'
+    bar = BAR.format("xy").replace('station = ["0 mm", "0 mm", "100 mm"]', 'artefact = "cup"')
+    for text, found in ((cup + bar, (1e-3, 0.0, 0.0)), (SPHERES + 'calibrated = "1 um"\n' + TOUCHED, None)):
+        case = Case(described(text))
+        mean = np.zeros(case.observation.size)
+        columns = names(case.observation, 0)
+        mean[columns["centre_x" if found else "turn_x"]] = 1e-3
+        located = case.located(mean)
+        assert (None if located is None else located.description.setups[0].found) == found

@@ -102,7 +102,7 @@ class Case:
     def _found(self, index: int, mean: Array) -> Vector | None:
         setup = self.description.setups[index]
         columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
-        names = next((names for names in (SHIFTS, TURNS) if set(names) & set(columns)), None)
+        names = _located_by(setup, set(columns))
         if names is None:
             return setup.found
         x, y, z = (float(columns.get(name, 0.0)) for name in names)
@@ -202,3 +202,16 @@ class Case:
         lattice = spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
         parts = [seen for i in range(len(setups)) for seen in self.observation.rows_each(i, *lattice.of(i))]
         return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
+
+
+def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:
+    """Return the unknowns that say where a set-up's station is found, or how it is turned; None where it is linear.
+
+    The centre of a bar is where its ball is found; what touches a ball is linear in where that stands.
+    """
+    if setup.artefact is None:
+        return next((names for names in (SHIFTS, TURNS) if set(names) & unknowns), None)
+    if setup.length is None or setup.artefact.calibrated is not None:
+        return None
+    ball = setup.artefact.balls[setup.balls[0]].name
+    return tuple(f"{ball}_{axis}" for axis in "xyz")
