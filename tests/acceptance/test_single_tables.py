@@ -23,25 +23,15 @@ from axiscal.numerics import Array
 from axiscal.report.check_report import judgement_document, judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "Bench"
-chain = "w-X'-b-Y-Z-t"
-[tool]
-length = "50 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[axes.Z]
-travel = ["0 mm", "150 mm"]
-[errors]
-EXX = { std = "20 um", knots = 5, length = "200 mm" }
-EYY = { std = "20 um", knots = 5, length = "200 mm" }
-EZZ = { std = "20 um", knots = 5, length = "200 mm" }
-EYX = { std = "15 um", knots = 5, length = "200 mm" }
-C0Y = { std = "90 urad" }
-EXX_reversal = { std = "8 um" }
-"""
+MACHINE = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 150)},
+    {"EXX EYY EZZ": "20 um", "EYX": "15 um", "C0Y": "90 urad", "EXX_reversal": "8 um"},
+    tool=50,
+    name="Bench",
+)
 SETUPS = "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\napproach = "both"\n'
     f'unknowns = {{ zero = "100 um" }}\n' + reach_of(MACHINE)

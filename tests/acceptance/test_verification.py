@@ -30,21 +30,15 @@ from axiscal.numerics import Array
 from axiscal.report.check_report import judgement_text
 from axiscal.simulation import Simulator, VirtualMachine
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "Bench"
-chain = "w-X'-b-Y-t"
-[tool]
-length = "50 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[errors]
-EXX = { std = "20 um", knots = 5, length = "200 mm" }
-EYY = { std = "20 um", knots = 5, length = "200 mm" }
-C0Y = { std = "90 urad" }
-EXX_reversal = { std = "4 um" }
-"""
+MACHINE = machine_text(
+    "w-X'-b-Y-t",
+    {"X": (0, 300), "Y": (0, 200)},
+    {"EXX EYY": "20 um", "C0Y": "90 urad", "EXX_reversal": "4 um"},
+    tool=50,
+    name="Bench",
+)
 CAMPAIGN = """machine = "m.toml"
 [target]
 rms = "1.5 um"

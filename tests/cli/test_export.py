@@ -11,23 +11,15 @@ from axiscal.cli.app import run
 from axiscal.compensation.registry import CONTROLLERS
 from axiscal.report.delivery import write_whole
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "Bench"
-chain = "w-X'-b-Y-Z-t"
-[tool]
-length = "50 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EXX = { std = "20 um", knots = 5, length = "200 mm" }
-EYY = { std = "20 um", knots = 5, length = "200 mm" }
-EZY = { std = "20 um", knots = 5, length = "200 mm" }
-C0Y = { std = "90 urad" }
-"""
+MACHINE = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)},
+    {"EXX EYY EZY": "20 um", "C0Y": "90 urad"},
+    tool=50,
+    name="Bench",
+)
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' + reach_of(MACHINE)
     for d in "xyz"

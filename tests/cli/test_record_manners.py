@@ -9,17 +9,9 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
+from tests.generators.texts import machine_text
 
-MACHINE = """chain = "w-X'-b-Y-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[errors]
-EXX = { std = "20 um", knots = 5, length = "200 mm" }
-EYY = { std = "20 um", knots = 5, length = "200 mm" }
-EXX_reversal = { std = "6 um" }
-"""
+MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX EYY": "20 um", "EXX_reversal": "6 um"})
 CAMPAIGN = """machine = "machine.toml"
 compensation_active = false
 [target]

@@ -30,29 +30,24 @@ from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
+from tests.generators.texts import machine_text
 
-TOOTHED = """name = "M"
-chain = "w-X'-b-Y-Z-t"
-[tool]
-length = "100 mm"
-[axes.X]
-travel = ["-100 mm", "500 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[axes.Z]
-travel = ["-300 mm", "0 mm"]
-[errors]
-EXX = { std = "10 um", knots = 7, length = "200 mm" }
-EYX = { std = "10 um", knots = 7, length = "200 mm" }
-EZX = { std = "20 um", knots = 7, length = "200 mm" }
-EYY = { std = "10 um", knots = 7, length = "200 mm" }
-EZY = { std = "20 um", knots = 5, length = "200 mm" }
-EZZ = { std = "10 um", knots = 7, length = "200 mm" }
-C0Y = { std = "90 urad" }
-B0Z = { std = "90 urad" }
-EXX_reversal = { std = "5 um" }
-EYY_reversal = { std = "5 um" }
-"""
+TOOTHED = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (-100, 500), "Y": (0, 400), "Z": (-300, 0)},
+    {
+        "EXX EYX": "10 um",
+        "EZX": "20 um",
+        "EYY": "10 um",
+        "EZY": ("20 um", 5, 200),
+        "EZZ": "10 um",
+        "C0Y B0Z": "90 urad",
+        "EXX_reversal EYY_reversal": "5 um",
+    },
+    curve=(7, 200),
+    tool=100,
+    name="M",
+)
 
 FANUC = "\n".join(
     [

@@ -24,22 +24,15 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "M"
-chain = "w-b-X-Y-Z-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EXX = { std = "10 um", knots = 7, length = "150 mm" }
-EXX_reversal = { std = "6 um" }
-EYX = { std = "10 um", knots = 5, length = "150 mm" }
-EZX = { std = "30 um", knots = 5, length = "150 mm" }
-EZY = { std = "30 um", knots = 5, length = "150 mm" }
-"""
+MACHINE = machine_text(
+    "w-b-X-Y-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)},
+    {"EXX": ("10 um", 7, 150), "EXX_reversal": "6 um", "EYX": "10 um", "EZX EZY": "30 um"},
+    curve=(5, 150),
+    name="M",
+)
 AT = np.linspace(0.0, 300.0, 13)
 OLD_UP = -0.020 * np.sin(AT / 70.0)  # what the old table adds on the way up, mm; nothing at zero
 OLD_DOWN = OLD_UP + 0.011

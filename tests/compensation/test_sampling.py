@@ -25,34 +25,25 @@ from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline
 from axiscal.simulation import VirtualMachine
+from tests.generators.texts import Std, machine_text
 
-STRAIGHT = """name = "M"
-chain = "{chain}"
-[tool]
-length = "100 mm"
-[axes.X]
-travel = ["-100 mm", "500 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[axes.Z]
-travel = ["-300 mm", "0 mm"]
-[errors]
-EXX = {{ std = "10 um", knots = 7, length = "200 mm" }}
-EYX = {{ std = "10 um", knots = 7, length = "200 mm" }}
-EYY = {{ std = "10 um", knots = 7, length = "200 mm" }}
-EXY = {{ std = "10 um", knots = 5, length = "200 mm" }}
-EZZ = {{ std = "10 um", knots = 7, length = "200 mm" }}
-EYZ = {{ std = "10 um", knots = 5, length = "200 mm" }}
-C0Y = {{ std = "50 urad" }}
-B0Z = {{ std = "50 urad" }}
-EXX_reversal = {{ std = "5 um" }}
-EYY_reversal = {{ std = "5 um" }}
-"""
+STRAIGHT: dict[str, Std] = {
+    "EXX EYX EYY": "10 um",
+    "EXY": ("10 um", 5, 200),
+    "EZZ": "10 um",
+    "EYZ": ("10 um", 5, 200),
+    "C0Y B0Z": "50 urad",
+    "EXX_reversal EYY_reversal": "5 um",
+}
 CHAINS = ["w-X'-Y'-b-Z-t", "w-b-X-Y-Z-t", "w-Y'-b-X-Z-t"]
 
 
 def machine(chain: str) -> Machine:
-    return machine_from_text(STRAIGHT.format(chain=chain))
+    return machine_from_text(
+        machine_text(
+            chain, {"X": (-100, 500), "Y": (0, 400), "Z": (-300, 0)}, STRAIGHT, curve=(7, 200), tool=100, name="M"
+        )
+    )
 
 
 def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:

@@ -19,21 +19,14 @@ from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "M"
-chain = "w-C'-X'-b-Y-t"
-[axes.X]
-travel = ["0 mm", "400 mm"]
-[axes.Y]
-travel = ["0 mm", "300 mm"]
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[errors]
-EXX = { std = "10 um", knots = 9, length = "150 mm" }
-EXX_reversal = { std = "5 um" }
-EYX = { std = "10 um", knots = 5, length = "200 mm" }
-ECC = { std = "40 urad", knots = 9, length = "120 deg" }
-"""
+MACHINE = machine_text(
+    "w-C'-X'-b-Y-t",
+    {"X": (0, 400), "Y": (0, 300), "C": (0, 360)},
+    {"EXX": ("10 um", 9, 150), "EXX_reversal": "5 um", "EYX": "10 um", "ECC": ("40 urad", 9, 120)},
+    name="M",
+)
 
 
 def known() -> Estimate:

@@ -13,6 +13,7 @@ from axiscal.compensation.controllers.linuxcnc import cross
 from axiscal.compensation.table import CompensationTable
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -96,22 +97,12 @@ def test_before_all_joints_are_homed_nothing_is_added_and_then_it_is_ramped() ->
         assert fastest(session, 1)[0] == pytest.approx(0.05 / cross.RAMP, rel=0.01)
 
 
-GANTRY = """chain = "w-b-Y-X-Z-t"
-[tool]
-length = "50 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EXX = { std = "20 um", knots = 5, length = "200 mm" }
-EYY = { std = "20 um", knots = 5, length = "200 mm" }
-EYX = { std = "20 um", knots = 5, length = "200 mm" }
-C0Y = { std = "90 urad" }
-EYY_reversal = { std = "8 um" }
-"""
+GANTRY = machine_text(
+    "w-b-Y-X-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)},
+    {"EXX EYY EYX": "20 um", "C0Y": "90 urad", "EYY_reversal": "8 um"},
+    tool=50,
+)
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\nunknowns = {{}}\n'
     + reach_of(GANTRY)

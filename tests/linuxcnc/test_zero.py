@@ -13,31 +13,20 @@ from axiscal.cli.app import run
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
 pytestmark = [
     pytest.mark.linuxcnc,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
-MACHINE = """chain = "w-X'-Y'-b-Z-t"
-[tool]
-length = "80 mm"
-[axes.X]
-travel = ["0 mm", "400 mm"]
-[axes.Y]
-travel = ["0 mm", "300 mm"]
-[axes.Z]
-travel = ["-250 mm", "0 mm"]
-[errors]
-EXX = { std = "40 um", knots = 7, length = "200 mm" }
-EYY = { std = "40 um", knots = 7, length = "200 mm" }
-EZZ = { std = "40 um", knots = 7, length = "200 mm" }
-EYX = { std = "20 um", knots = 5, length = "300 mm" }
-EXZ = { std = "20 um", knots = 5, length = "300 mm" }
-C0Y = { std = "100 urad" }
-B0Z = { std = "100 urad" }
-EXX_reversal = { std = "6 um" }
-"""
+MACHINE = machine_text(
+    "w-X'-Y'-b-Z-t",
+    {"X": (0, 400), "Y": (0, 300), "Z": (-250, 0)},
+    {"EXX EYY EZZ": ("40 um", 7, 200), "EYX EXZ": "20 um", "C0Y B0Z": "100 urad", "EXX_reversal": "6 um"},
+    curve=(5, 300),
+    tool=80,
+)
 CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\nunknowns = {{}}\n'
     + reach_of(MACHINE)

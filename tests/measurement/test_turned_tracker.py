@@ -14,23 +14,15 @@ from scipy.spatial.transform import Rotation
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
+from tests.generators.texts import machine_text
 
-MACHINE = """chain = "w-X'-Y'-b-Z-t"
-[tool]
-length = "0 mm"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[axes.Z]
-travel = ["-400 mm", "0 mm"]
-[errors]
-EXX = { std = "15 um", knots = 7, length = "250 mm" }
-EYY = { std = "15 um", knots = 7, length = "250 mm" }
-EZZ = { std = "15 um", knots = 7, length = "250 mm" }
-EYX = { std = "8 um", knots = 5, length = "300 mm" }
-C0Y = { std = "60 urad" }
-"""
+MACHINE = machine_text(
+    "w-X'-Y'-b-Z-t",
+    {"X": (0, 600), "Y": (0, 400), "Z": (-400, 0)},
+    {"EXX EYY EZZ": ("15 um", 7, 250), "EYX": "8 um", "C0Y": "60 urad"},
+    curve=(5, 300),
+    tool=0,
+)
 CAMPAIGN = """machine = "machine.toml"
 [target]
 readings = 6

@@ -22,7 +22,6 @@ from axiscal.measurement.reading import Reading
 FACTORS = (1000.0, 1 / 1000.0, 25.4, 1 / 25.4)
 """By definition: mm for um, inch for mm, and back."""
 _CERTAIN = 6.0
-"""Powers of ten of the odds: a file in another unit has hundreds, one that is right has none."""
 _FEWEST, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
