@@ -1,8 +1,9 @@
-"""Whether readings fit better if they were written in another unit: evidence for y, 1000 y, y/1000, 25.4 y and y/25.4.
+"""Whether readings fit better if they were written in another unit: evidence for y, 1000 y and y/1000.
 
     p(y | f) = f^m N(f y; 0, K),    averaged over scales that are off by common factors
 
-so that a machine that is three times as good, or an instrument five times as noisy, as stated is no other unit.
+so that a machine that is three times as good, or an instrument five times as noisy, as stated is no other unit. Inches
+are not looked for: a machine or a bed 25 times as good as stated exists, and fits no worse.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from axiscal.inference.scales import all_scales
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 
-FACTORS = (1000.0, 1 / 1000.0, 25.4, 1 / 25.4)
-"""By definition: mm for um, inch for mm, and back."""
+FACTORS = (1000.0, 1 / 1000.0)
+"""By definition: mm for um, and back."""
 _CERTAIN = 6.0
 _FEWEST, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
