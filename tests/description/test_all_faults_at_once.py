@@ -38,6 +38,16 @@ name = "y"
 instrument = "probe"
 direction = "y"
 """
+LASER = """machine = "machine.toml"
+compensation_active = false
+[target]
+readings = 5
+[[setups]]
+name = "x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
 
 
 def lines_of(text: str) -> list[int]:
@@ -123,7 +133,7 @@ def test_sizes_that_can_hardly_be_meant_are_asked_about(
     if "km/min" in new:
         new = 'speed = "10000 m/min"'
     (tmp_path / "machine.toml").write_text(GOOD.replace(old, new))
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    (tmp_path / "campaign.toml").write_text(LASER)
     assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
     (question,) = json.loads(capsys.readouterr().out)["questions"]
     assert question.startswith(asked)
