@@ -13,7 +13,9 @@ from hypothesis.extra.numpy import arrays
 from axiscal.evaluation import Positioning, PositioningTest, evaluate
 from axiscal.numerics import Array
 
-FIGURES = [f.name for f in fields(Positioning) if f.name not in ("per_target", "rotary", "warnings", "uncertainty")]
+FIGURES = [
+    f.name for f in fields(Positioning) if f.name not in ("per_target", "rotary", "warnings", "uncertainty", "vdi3441")
+]
 SIDES = ("A", "E", "R")
 
 
@@ -26,7 +28,8 @@ def readings(draw: st.DrawFn) -> tuple[Array, Array]:
 
 def figures(up: Array, down: Array) -> dict[str, float]:
     result = evaluate(PositioningTest(np.arange(float(len(up))), up, down))
-    return {name: getattr(result, name) for name in FIGURES}
+    vdi3441 = {f"VDI {name}": value for name, value in result.vdi3441.items()}
+    return {**{name: getattr(result, name) for name in FIGURES}, **vdi3441}
 
 
 @given(readings())
