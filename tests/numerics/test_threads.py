@@ -46,13 +46,13 @@ from axiscal.description.campaign import read_campaign
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.design.step.best_step import best_step
-from axiscal.estimation.inheritance import problem_of
+from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
 from axiscal.planning.proposal import Thoroughness, proposed
 
-case = problem_of(read_campaign("campaign.toml"))
-task = posed(case, case.observation, case.prior, candidates=50)
+case = case_of(read_campaign("campaign.toml"))
+task = posed(case, Knowledge(case.observation, case.prior), candidates=50)
 outside.clear()
 """
 
