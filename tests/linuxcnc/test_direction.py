@@ -46,6 +46,17 @@ CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 50\n' + "".join(
     'unknowns = { zero = "100 um" }\n'
     for d in "xyz"
 )
+TRACKER = """machine = "machine.toml"
+[target]
+readings = 17
+[[setups]]
+name = "tracker"
+instrument = "tracker"
+station = ["900 mm", "0 mm", "-100 mm"]
+noise = "0.3 um"
+approach = "both"
+unknowns = { zero_x = "100 um", zero_y = "100 um", zero_z = "100 um" }
+"""
 
 
 def machine(swivel: str, direction: str) -> str:
@@ -182,8 +193,9 @@ def test_a_machine_told_the_wrong_way_gets_worse_tables(tmp_path: Path) -> None:
 
 def test_requests_and_predictions_are_in_what_the_control_shows(tmp_path: Path) -> None:
     """Readings through `exec:` from the true machine, then its deviation at poses of the control, both directions."""
-    command = f"exec:{sys.executable} {tilting_table.__file__} A"
-    assert run(["run", str(described("A", tmp_path)), "--source", command, "--out", str(tmp_path / "out")]) == 0
+    command, campaign = f"exec:{sys.executable} {tilting_table.__file__} A", described("A", tmp_path)
+    campaign.write_text(TRACKER)
+    assert run(["run", str(campaign), "--source", command, "--out", str(tmp_path / "out")]) == 0
     rng = np.random.default_rng(3)
     names = "XYZAC"
     low, high = np.array([LIMITS[n] for n in names], dtype=float).T

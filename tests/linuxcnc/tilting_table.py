@@ -66,15 +66,14 @@ def deviation(swivel: str, drives: Mapping[str, float], approach: Mapping[str, i
 
 
 def main() -> None:
-    """Answer requests: the deviation along the direction asked for, um."""
+    """Answer requests as a tracker does: the deviation along x, y and z, um."""
     swivel = sys.argv[1]
     for line in sys.stdin:
         asked = json.loads(line)
         approach = dict.fromkeys("XYZABC", 0)
         approach |= {axis: 1 if side == "+" else -1 for axis, side in asked["approach"].items()}
         off = deviation(swivel, asked["position"], approach)
-        value = 1e3 * sum(a * b for a, b in zip(off, asked["direction"], strict=True))
-        sys.stdout.write(json.dumps({"value": value, "unit": "um"}) + "\n")
+        sys.stdout.write(json.dumps({"value": [1e3 * part for part in off], "unit": "um"}) + "\n")
         sys.stdout.flush()
 
 

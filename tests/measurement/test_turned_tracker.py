@@ -36,13 +36,13 @@ unknowns = { zero_x = "3 mm", zero_y = "3 mm", zero_z = "3 mm", turn_x = "TURN",
 INSTRUMENT = """
 import json, sys
 import numpy as np
-sys.path.insert(0, HERE)
+sys.path[:0] = HERE
 from test_turned_tracker import STATION, TURN, off
 for line in sys.stdin:
     at = np.array([json.loads(line)["position"][axis] for axis in "XYZ"])
     seen = TURN.apply(at + off(*at) - STATION) + STATION - at
     print(json.dumps({"value": [1e3 * v for v in seen], "unit": "um"}), flush=True)
-""".replace("HERE", repr(str(Path(__file__).parent)))
+""".replace("HERE", repr([str(Path(__file__).parent), str(Path(__file__).parents[2])]))
 STATION, TURN = np.array([300.0, -1500.0, -200.0]), Rotation.from_rotvec([0.019, -0.021, 0.023])
 
 
