@@ -18,6 +18,7 @@ from types import TracebackType
 from typing import Self
 
 from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.sources import Request, Skip, Source
@@ -35,7 +36,6 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
-from axiscal.planning.planner import next_places
 from axiscal.record.events import (
     Asked,
     Created,
@@ -91,7 +91,7 @@ class Campaign:
     planner : says where to read next
     """
 
-    def __init__(self, record: Record, description: CampaignDescription, planner: Planner = next_places) -> None:
+    def __init__(self, record: Record, description: CampaignDescription, planner: Planner = plan_ahead) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._case: Case | None = None
@@ -100,7 +100,7 @@ class Campaign:
         self._begun: str | None = None
 
     @classmethod
-    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = next_places) -> Self:
+    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         machine = description.machine
         sources = description.machine_source, description.source
@@ -108,7 +108,7 @@ class Campaign:
         return cls(Record.create(path, created), description, planner)
 
     @classmethod
-    def open(cls, path: str | Path, planner: Planner = next_places, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, planner: Planner = plan_ahead, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = Record.open(path, write=write)
         try:

@@ -61,8 +61,8 @@ class Places:
 
     def by_setup(self) -> Iterator[tuple[int, NDArray[np.intp]]]:
         """Yield each set-up with the indices of its places."""
-        for setup in np.unique(self.setups):
-            yield int(setup), np.flatnonzero(self.setups == setup)
+        for setup in sorted(set(self.setups.tolist())):  # np.unique would load numpy.ma, a tenth of a second
+            yield setup, np.flatnonzero(self.setups == setup)
 
     def within(self, kept: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Places:
         """Return some of them: those that are kept, or those at indices, in their order."""

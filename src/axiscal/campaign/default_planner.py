@@ -1,0 +1,26 @@
+"""The planner that a campaign has unless it is given another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.inference.outliers import Doubt
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Gap
+
+
+def plan_ahead(
+    case: Case,
+    known: Knowledge,
+    taken: Sequence[Reading],
+    doubts: Sequence[Doubt],
+    gaps: Sequence[Gap],
+    left: Sequence[Place],
+) -> tuple[Place, ...]:
+    """Return what `next_places` plans; planning is loaded for it, which a plan that stands need not wait for."""
+    from axiscal.planning.planner import next_places
+
+    return next_places(case, known, taken, doubts, gaps, left)
