@@ -100,10 +100,9 @@ def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator
 
 def _curve(estimation: Estimation, index: int, machine: VirtualMachine) -> Array:
     """Return at 101 positions whether one error's band holds its truth."""
-    wide = estimation.banded
-    function = wide.case.errors.functions[index]
+    function = estimation.banded.case.errors.functions[index]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-    mean, std = wide.estimate.curve(function.name, positions)
+    mean, std = estimation.estimate().curve(function.name, positions)
     held: Array = (np.abs(machine.curves[index](positions) - mean) <= BAND * std).astype(float)
     return held
 
@@ -156,6 +155,6 @@ def _shift(clean: Estimation, other: Estimation) -> float:
     largest = 0.0
     for function in clean.case.errors.functions:
         positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-        was, now = (each.estimate.curve(function.name, positions) for each in (clean, other))
+        was, now = (each.estimate().curve(function.name, positions) for each in (clean, other))
         largest = max(largest, float(np.max(np.abs(now.mean - was.mean) / now.std)))
     return largest

@@ -87,7 +87,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
     with Campaign.open(record, write=False) as campaign:
-        estimate = campaign.known().estimate
+        estimate = campaign.known().estimate()
         return estimate, tuple(campaign.state.readings), export(estimate, "csv", ExportOptions()).control
 
 
@@ -274,7 +274,7 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     assert f"Copy {plan} to found.csv and left.csv, and fill in value_um" in " ".join(shown.split())
     truth = simulator().drawn(SEED)
     with Campaign.open(record, write=False) as campaign:
-        estimate = campaign.concluded().estimate
+        estimate = campaign.concluded().estimate()
     control = table_control(estimate.machine, export(estimate, "linuxcnc", ExportOptions()).tables)
     files = [
         filled(plan, [r.value for r in readings(truth, places, c, 3)], tmp_path / name)

@@ -62,7 +62,7 @@ def known() -> tuple[Estimate, Control]:
     rng, places = np.random.default_rng(1), np.linspace(-0.2, 0.5, 60).tolist()
     values = [float(-error(np.array(x)) + rng.normal(0, NOISE)) for x in places]
     readings = [Reading("laser", (x,), (1,), value) for x, value in zip(places, values, strict=True)]
-    estimate = concluded(Case(described()), readings).estimate
+    estimate = concluded(Case(described()), readings).estimate()
     return estimate, export(estimate, "csv", ExportOptions()).control
 
 

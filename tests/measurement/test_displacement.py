@@ -53,7 +53,7 @@ def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: fl
     case = Case(campaign_from_texts(text, "c.toml", MACHINE.format(chain=chain), "m.toml"))
     places = np.linspace(-0.19, 0.49, 15).tolist()
     estimation = concluded(case, [Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)) for x in places])
-    assert np.max(np.abs(estimation.estimate.mean)) < 1e-9
+    assert np.max(np.abs(estimation.estimate().mean)) < 1e-9
     assert not any(doubt.rejected for doubt in estimation.outliers)
 
 

@@ -110,7 +110,7 @@ def _covered(estimation: Estimation, machine: VirtualMachine) -> float:
     held = []
     for function, curve in zip(estimation.case.errors.functions, machine.curves, strict=True):
         positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-        mean, std = estimation.estimate.curve(function.name, positions)
+        mean, std = estimation.estimate().curve(function.name, positions)
         held.append(np.abs(curve(positions) - mean) <= 1.96 * std)
     return float(np.mean(np.concatenate(held)))
 

@@ -59,7 +59,7 @@ class Check:
     def of(cls, campaign: Campaign, controller: str) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
         estimation = campaign.concluded()
-        estimate = estimation.estimate
+        estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 

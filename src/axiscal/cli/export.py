@@ -90,7 +90,7 @@ def export(
     with Campaign.open(record, write=False) as campaign:
         estimation = campaign.concluded()
         options = informed(options, estimation.case.description, to)
-        offered = registry.export(estimation.estimate, to, options)
+        offered = registry.export(estimation.estimate(), to, options)
         offered = warned(offered, [finding.text for finding in findings(estimation)])
     write_files(offered, out)
     if json:

@@ -65,6 +65,6 @@ def truth_check(estimation: Estimation, truth: VirtualMachine) -> TruthCheck:
 
 def as_found_and_left(estimation: Estimation, truth: VirtualMachine) -> tuple[float, float]:
     """Return the RMS deviation of the machine, and what the estimate does not know of it, m."""
-    blank = replace(estimation.estimate, belief=estimation.case.prior)
+    blank = replace(estimation.estimate(), belief=estimation.case.prior)
     yardstick, found = estimation.case.yardstick, truth.deviation
-    return reached(yardstick, blank, found), reached(yardstick, estimation.estimate, found)
+    return reached(yardstick, blank, found), reached(yardstick, estimation.estimate(), found)

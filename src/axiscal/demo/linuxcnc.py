@@ -101,13 +101,13 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
         finally:
             source.close()
         estimation, readings = campaign.concluded(), len(campaign.state.readings)
-    tables = export(estimation.estimate, "linuxcnc", options)
+    tables = export(estimation.estimate(), "linuxcnc", options)
     write_files(tables, out / "tables" / name)
     return _verified(estimation, tables, truth, build, readings)
 
 
 def _verified(estimation: Estimation, tables: Export, truth: VirtualMachine, build: Build, readings: int) -> Loop:
-    estimate = estimation.estimate
+    estimate = estimation.estimate()
     poses, approaches = _positions(estimate)
     seen: list[Array] = []
     messages: list[str] = []

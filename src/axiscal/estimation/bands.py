@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,16 +14,23 @@ from axiscal.inference.fit import Fit
 from axiscal.numerics import Array
 
 
-def banded(case: Case, knowledge: Knowledge, fit: Fit | None) -> tuple[Case, Knowledge]:
+class Banded(NamedTuple):
+    """Case and knowledge of which the bands are printed."""
+
+    case: Case
+    knowledge: Knowledge
+
+
+def banded(case: Case, knowledge: Knowledge, fit: Fit | None) -> Banded:
     """Return case and knowledge with the same means, and with bands that count that the scales are only learnt.
 
     case, knowledge : at the most probable scales; fit : None where none were learnt
     """
     if fit is None:
-        return case, knowledge
+        return Banded(case, knowledge)
     wider = case.with_rests(fit.widening.rests)
     observation = replace(knowledge.observation, errors=wider.errors)
-    return wider, Knowledge(observation, _widened(knowledge.belief, fit.widening.factor))
+    return Banded(wider, Knowledge(observation, _widened(knowledge.belief, fit.widening.factor)))
 
 
 def _widened(belief: Belief, factor: Array) -> Belief:

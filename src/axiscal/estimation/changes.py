@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
+from axiscal.estimation.bands import Banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -56,7 +57,7 @@ def _alone(estimation: Estimation) -> Estimation:
     return concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
 
 
-def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:
+def _change(before: Banded, now: Banded, function: ErrorFunction) -> Change:
     """Compare all control values together: what no reading tells, such as the constant, is wide and does not count."""
     axis = now.case.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
@@ -71,9 +72,9 @@ def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Cha
     return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
 
 
-def _curve(estimation: Estimation, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
+def _curve(wide: Banded, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
     rows = function.basis.rows(positions)
-    factor = rows @ estimation.knowledge.belief.factor[function.columns]
+    factor = rows @ wide.knowledge.belief.factor[function.columns]
     covariance: Array = factor @ factor.T + function.rest**2 * np.eye(len(rows))
-    return rows @ estimation.knowledge.belief.mean[function.columns], covariance
+    return rows @ wide.knowledge.belief.mean[function.columns], covariance

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.bands import banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimation import Estimation, Stages
@@ -63,6 +64,7 @@ def _nothing(stated: Case) -> Stages:
 def _estimation(stated: Case, stages: Stages) -> Estimation:
     times, plausible, scales, as_shown = stages
     known = displayed(as_shown, times.readings, plausible.implausible)
+    wide = banded(known.case, known.knowledge, scales.fit)
     return Estimation(
         stated,
         known.case,
@@ -73,5 +75,7 @@ def _estimation(stated: Case, stages: Stages) -> Estimation:
         (*plausible.implausible.values(), *known.verdict.doubts),
         scales.fit,
         scales.count,
+        wide,
+        wide.case.yardstick.measure(wide.knowledge.belief),
         stages,
     )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from math import ceil
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Innovations
 from axiscal.estimation.absorbed import Absorbed
-from axiscal.estimation.bands import banded
+from axiscal.estimation.bands import Banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Judged
 from axiscal.estimation.knowledge import Knowledge
@@ -25,7 +24,6 @@ from axiscal.inference.implausible import objection
 from axiscal.inference.outliers import FEWEST, Doubt
 from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.threads import one_thread
 
 _TRIMMED = 0.1
 
@@ -46,6 +44,8 @@ class Estimation:
     readings : each with its time; seconds : of machine time that they take; innovations : of each
     outliers : the readings that are not believed, first those that cannot be, then those that others contradict
     fit : the scales, None where none were learnt; learnt_from : number of readings that they were learnt from
+    banded : case and knowledge with the bands that are printed: they count that scales are only learnt
+    accuracy : how well the machine is known, with these bands
     """
 
     stated: Case
@@ -57,25 +57,12 @@ class Estimation:
     outliers: tuple[Doubt, ...]
     fit: Fit | None
     learnt_from: int
+    banded: Banded
+    accuracy: Accuracy
     stages: Stages
 
-    @cached_property
-    def accuracy(self) -> Accuracy:
-        """How well the machine is known."""
-        with one_thread():
-            return self.banded.case.yardstick.measure(self.banded.knowledge.belief)
-
-    @cached_property
-    def banded(self) -> Estimation:
-        """The same with the bands that are printed: they count that scales are only learnt."""
-        if self.fit is None:
-            return self
-        case, knowledge = banded(self.case, self.knowledge, self.fit)
-        return replace(self, case=case, knowledge=knowledge, fit=None)
-
-    @cached_property
     def estimate(self) -> Estimate:
-        """What tables are made of: the belief about the machine, over the volume of the target."""
+        """Return what tables are made of: the belief about the machine, over the volume of the target."""
         description, wide = self.case.description, self.banded
         grid = map_grid(description.machine, description.setups, self.readings)
         rests = rest_means(wide.knowledge.observation, wide.knowledge.belief.mean)

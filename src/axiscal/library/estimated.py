@@ -106,7 +106,7 @@ class Estimated(Mapping[str, Curve]):
 
     def export(self, controller: str, folder: str | Path) -> list[Path]:
         """Write the files of a controller with their README.txt and return them; raises InputError, OSError."""
-        offered = registry.export(self.estimation.estimate, controller, ExportOptions())
+        offered = registry.export(self.estimation.estimate(), controller, ExportOptions())
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
+from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
 from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import directions_of
@@ -30,9 +32,10 @@ _SEEN = 0.5
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    wide = estimation.banded
-    parts = _partial_residuals(wide, readings)
-    return [_curve(wide, function, parts, truth) for function in wide.case.errors.functions if function.basis.size > 1]
+    wide, estimate = estimation.banded, estimation.estimate()
+    parts = _partial_residuals(estimation, readings)
+    drawn = [function for function in wide.case.errors.functions if function.basis.size > 1]
+    return [_curve(wide, estimate, function, parts, truth) for function in drawn]
 
 
 def value_unit(function: ErrorFunction) -> str:
@@ -41,14 +44,14 @@ def value_unit(function: ErrorFunction) -> str:
 
 
 def _curve(
-    estimation: Estimation, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+    wide: Banded, estimate: Estimate, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
 ) -> CurveSummary:
-    axis = estimation.case.errors.machine.axes[function.axis]
+    axis = wide.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
-    now, seen = estimation.estimate.curve(function.name, positions), _seen_std(estimation, function, rows)
-    prior = replace(estimation.estimate, belief=estimation.case.prior).curve(function.name, positions).std
+    now, seen = estimate.curve(function.name, positions), _seen_std(wide, function, rows)
+    prior = replace(estimate, belief=wide.case.prior).curve(function.name, positions).std
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
         name=function.name,
@@ -63,7 +66,7 @@ def _curve(
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
-        points=[part.point(estimation, function) for part in parts if part.bears_on(function)],
+        points=[part.point(wide, function) for part in parts if part.bears_on(function)],
     )
 
 
@@ -74,10 +77,10 @@ def _turned(axis: Axis) -> str:
     return f"; {axis.name} carries the workpiece: readings show this with the other sign"
 
 
-def _seen_std(estimation: Estimation, function: ErrorFunction, rows: Array) -> Array:
+def _seen_std(wide: Banded, function: ErrorFunction, rows: Array) -> Array:
     """Return the standard deviation without what no allowed reading sees."""
-    known = np.sum((rows @ estimation.knowledge.belief.factor[function.columns]) ** 2, axis=1)
-    hidden = np.sum((rows @ estimation.case.yardstick.unseen[function.columns]) ** 2, axis=1)
+    known = np.sum((rows @ wide.knowledge.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ wide.case.yardstick.unseen[function.columns]) ** 2, axis=1)
     std: Array = np.sqrt(np.maximum(known - hidden, 0.0) + function.rest**2)
     return std
 
@@ -93,18 +96,18 @@ def constants(estimation: Estimation, truth: VirtualMachine | None) -> list[Cons
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
     wide = estimation.banded
     own = [_constant(wide, f, truth) for f in wide.case.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(wide, truth) + _drifts(wide, truth)
+    return own + _setup_unknowns(wide, truth) + _drifts(estimation, truth)
 
 
-def _constant(estimation: Estimation, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:
+def _constant(wide: Banded, function: ErrorFunction, truth: VirtualMachine | None) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
-    std = float(np.linalg.norm(estimation.knowledge.belief.factor[column]))
+    std = float(np.linalg.norm(wide.knowledge.belief.factor[column]))
     prior = float(np.sqrt(function.covariance[0, 0]))
-    hidden = float(np.linalg.norm(estimation.case.yardstick.unseen[column]))
+    hidden = float(np.linalg.norm(wide.case.yardstick.unseen[column]))
     return ConstantSummary(
         name=function.name,
         words=words(function.name),
-        mean=to_unit(float(estimation.knowledge.belief.mean[column]), unit),
+        mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
         std=to_unit(std, unit),
         prior_std=to_unit(prior, unit),
         unit=unit,
@@ -113,19 +116,19 @@ def _constant(estimation: Estimation, function: ErrorFunction, truth: VirtualMac
     )
 
 
-def _setup_unknowns(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
+def _setup_unknowns(wide: Banded, truth: VirtualMachine | None) -> list[ConstantSummary]:
     result = []
-    for index, setup in enumerate(estimation.case.description.setups):
-        columns = estimation.knowledge.observation.unknowns_of(index)
+    for index, setup in enumerate(wide.case.description.setups):
+        columns = wide.knowledge.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
-            unit = estimation.case.unit_of(setup, unknown)
+            unit = wide.case.unit_of(setup, unknown)
             known = None if truth is None else truth.offsets.get(setup.name, {}).get(unknown.name, 0.0)
             result.append(
                 ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
                     words=f"{unknown.name} of the set-up",
-                    mean=to_unit(float(estimation.knowledge.belief.mean[column]), unit),
-                    std=to_unit(float(np.linalg.norm(estimation.knowledge.belief.factor[column])), unit),
+                    mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
+                    std=to_unit(float(np.linalg.norm(wide.knowledge.belief.factor[column])), unit),
                     prior_std=to_unit(unknown.std, unit),
                     unit=unit,
                     truth=None if known is None else to_unit(known, unit),
@@ -177,13 +180,13 @@ class _Part:
         """Whether the reading was expected to depend on this error noticeably."""
         return _share(self.row, function) > _BEARS_ON * self.whole
 
-    def point(self, estimation: Estimation, function: ErrorFunction) -> CurvePoint:
+    def point(self, wide: Banded, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
         position = self.reading.pose[function.axis]
         basis = function.basis.rows(np.array([position]))[0]
         lever = float(self.row[function.columns] @ basis / (basis @ basis))
-        value = float(basis @ estimation.knowledge.belief.mean[function.columns]) + self.left / lever
-        unit, axis = value_unit(function), estimation.case.errors.machine.axes[function.axis]
+        value = float(basis @ wide.knowledge.belief.mean[function.columns]) + self.left / lever
+        unit, axis = value_unit(function), wide.case.errors.machine.axes[function.axis]
         return CurvePoint(
             position=to_unit(position, axis.unit),
             value=to_unit(value, unit),
@@ -195,10 +198,11 @@ class _Part:
 
 
 def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
-    functions, mean = estimation.case.errors.functions, estimation.knowledge.belief.mean
+    wide = estimation.banded
+    functions, mean = wide.case.errors.functions, wide.knowledge.belief.mean
     refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
     parts = []
-    numbers = seen(estimation.knowledge.observation, readings)
+    numbers = seen(wide.knowledge.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))

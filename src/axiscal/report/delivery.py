@@ -62,7 +62,7 @@ def _tables(estimation: Estimation, controller: str, folder: Path, warnings: Seq
     folder.mkdir(parents=True, exist_ok=True)
     try:
         options = informed(ExportOptions(), estimation.case.description, controller)
-        offered = registry.export(estimation.estimate, controller, options)
+        offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
     write_files(warned(offered, warnings), folder / controller)
