@@ -42,11 +42,11 @@ class Outcome:
 
 
 def environment(sources: str) -> dict[str, str]:
-    """Return the environment of a command: one thread, one width of the page, and the sources to run.
+    """Return the environment of a command: one width of the page, and the sources to run.
 
     sources : as PYTHONPATH, from the present folder; empty: the package that is installed
     """
-    fixed = {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "120", "NO_COLOR": "1", "TERM": "dumb", "TZ": "UTC"}
+    fixed = {"COLUMNS": "120", "NO_COLOR": "1", "TERM": "dumb", "TZ": "UTC"}
     fixed["PYTHONDONTWRITEBYTECODE"] = ""  # compiled once, not with every command
     folders = [str(Path(folder).resolve()) for folder in sources.split(os.pathsep) if folder]
     tools = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.acceptance.as_found_and_left import as_found_and_left
-from axiscal.acceptance.table_checks import Part, needed, parts_of, taken
+from axiscal.acceptance.table_checks import Part, needed, parts_of, taken_away
 from axiscal.acceptance.verification import (
     Judgement,
     expected,
@@ -86,7 +86,7 @@ class Check:
         machine, lattice = self.description.machine, self.estimation.case.lattice
         places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
         parts, setups = parts_of(self.estimate, self.tables), self.description.setups
-        return tuple(sorted(parts, key=lambda part: -float(np.std(taken(machine, part, setups, places)))))
+        return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
 
     def _used_places(self) -> Places:
         names = [setup.name for setup in self.description.setups]

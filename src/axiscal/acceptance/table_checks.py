@@ -94,7 +94,7 @@ def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     return (*parts, *([whole] if most > _NOTHING else []))
 
 
-def taken(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> Array:
+def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> Array:
     """Return what a part takes away from each value of the readings at places, (m,), m."""
     sent = places.poses + part.control(places.poses, places.approaches)
     shift = frames(machine, places.poses).tcp - frames(machine, sent).tcp
@@ -265,7 +265,7 @@ def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places
     """Return by how much a part makes the values of a set-up differ, in standard deviations of one."""
     if len(places) < 2:
         return 0.0
-    return float(np.ptp(taken(machine, part, setups, places))) / setups[int(places.setups[0])].noise
+    return float(np.ptp(taken_away(machine, part, setups, places))) / setups[int(places.setups[0])].noise
 
 
 def _new(places: Places, known: Places) -> Places:

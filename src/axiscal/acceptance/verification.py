@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
-from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken
+from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
@@ -272,7 +272,7 @@ def _shares(
         return ()
     before, after = seen
     free = datums.free
-    columns = np.stack([taken(estimate.machine, part, setups, places) for part in parts], axis=1)
+    columns = np.stack([taken_away(estimate.machine, part, setups, places) for part in parts], axis=1)
     covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
     return shares(parts, free @ columns, free @ (before.values - after.values), covariance)
 

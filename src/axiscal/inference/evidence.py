@@ -119,7 +119,7 @@ class Evidence:
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
             entry = self._entries[part.function.name]
-            entries[sharing.where] += self._scale("rest", entry.name, entry.first_rest, logs) ** 2 * sharing.values
+            entries[sharing.entries] += self._scale("rest", entry.name, entry.first_rest, logs) ** 2 * sharing.values
         return result
 
     def _priors(self, logs: Array) -> Array:
@@ -158,7 +158,7 @@ class Evidence:
             self._add_gradient(part, part.rows.T @ pulled[:, start:stop], logs, result)
             start = stop
             if (at := self._index.get(("rest", part.function.name))) is not None:
-                shared = float(pull.reshape(-1)[sharing.where] @ sharing.values)
+                shared = float(pull.reshape(-1)[sharing.entries] @ sharing.values)
                 result[at] = self._scale("rest", part.function.name, 0.0, logs) ** 2 * shared
         return result
 

@@ -75,8 +75,8 @@ def fit(
         len(evidence.values),
     )
     found = Scales(scales, tuple(np.exp(best)))
-    told = evidence.log_likelihood(0 * best), evidence.log_likelihood(best)
-    return Fit(found, *told, widening(evidence, possible, _rests(observation, readings, scales, possible)))
+    likelihoods = evidence.log_likelihood(0 * best), evidence.log_likelihood(best)
+    return Fit(found, *likelihoods, widening(evidence, possible, _rests(observation, readings, scales, possible)))
 
 
 def _rests(

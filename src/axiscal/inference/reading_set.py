@@ -20,9 +20,9 @@ from axiscal.numerics import Array
 
 
 class Sharing(NamedTuple):
-    """The entries of a matrix (m, m) that are not nought: where, counted along its rows, and their values."""
+    """The entries of a matrix (m, m) that are not nought: their numbers, counted along its rows, and their values."""
 
-    where: NDArray[np.intp]
+    entries: NDArray[np.intp]
     values: Array
 
 

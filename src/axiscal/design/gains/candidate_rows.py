@@ -42,10 +42,10 @@ class _Rests:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Block:
-    """Candidates of one set-up.  where, numbers : slices of the pool's candidates and of their numbers."""
+    """Candidates of one set-up.  candidates, numbers : slices of the pool's candidates and of their numbers."""
 
     setup: int
-    where: slice
+    candidates: slice
     numbers: slice
     rows: Array | None
     rests: tuple[_Rests, ...]
@@ -131,14 +131,14 @@ class Pool:
         for block in self._blocks:
             seen = columns[:, : self.size] @ self._rows(block).T
             self._add_cells_and_drifts(block, observation, columns, seen)
-            result[block.where] = np.einsum("ij,ij->j", seen, seen).reshape(-1, self._values(block)).sum(axis=1)
+            result[block.candidates] = np.einsum("ij,ij->j", seen, seen).reshape(-1, self._values(block)).sum(axis=1)
         return result
 
     def forms(self, scorer: Scorer) -> Forms:
         """Return numerator and denominator of the gain of every candidate."""
         above, below, joints = np.empty(self.count), np.empty(self.count), []
         for block in self._blocks:
-            part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
+            part = self.lattice.poses[block.candidates], self.lattice.approaches[block.candidates]
             seen = scorer.observation.numbers(block.setup, *part)
             n, m = scorer.split_all(seen)
             every = np.arange(self._values(block))
@@ -166,9 +166,9 @@ class Pool:
 
     def rows(self, observation: Observation, index: int) -> Array:
         """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
-        block = next(b for b in self._blocks if b.where.start <= index < b.where.stop)
+        block = next(b for b in self._blocks if b.candidates.start <= index < b.candidates.stop)
         count = self._values(block)
-        inside = count * (index - block.where.start) + np.arange(count)
+        inside = count * (index - block.candidates.start) + np.arange(count)
         result = np.zeros((count, observation.size))
         result[:, : self.size] = self._rows(block)[inside]
         for rests in block.rests:
@@ -188,7 +188,7 @@ class Pool:
                 yield number, course, share
 
     def _values(self, block: _Block) -> int:
-        return int(self.values[block.where.start])
+        return int(self.values[block.candidates.start])
 
     def _slices(self) -> Iterator[tuple[int, slice]]:
         for setup in np.unique(self.lattice.setups):
@@ -196,14 +196,14 @@ class Pool:
             for start in range(int(mine[0]), int(mine[-1]) + 1, _BLOCK):
                 yield int(setup), slice(start, min(start + _BLOCK, int(mine[-1]) + 1))
 
-    def _block(self, setup: int, where: slice) -> _Block:
-        first, count = int(self.first[where.start]), int(self.values[where].sum())
-        block = _Block(setup, where, slice(first, first + count), None, self._rests(setup, where))
+    def _block(self, setup: int, candidates: slice) -> _Block:
+        first, count = int(self.first[candidates.start]), int(self.values[candidates].sum())
+        block = _Block(setup, candidates, slice(first, first + count), None, self._rests(setup, candidates))
         return replace(block, rows=self._rows(block)) if self._kept else block
 
-    def _rests(self, setup: int, where: slice) -> tuple[_Rests, ...]:
+    def _rests(self, setup: int, candidates: slice) -> tuple[_Rests, ...]:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
-        part = self.lattice.poses[where], self.lattice.approaches[where]
+        part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
         effects = self._bare.rest_effects(setup, *part)
         return tuple(
             _Rests(
@@ -217,7 +217,7 @@ class Pool:
     def _rows(self, block: _Block) -> Array:
         if block.rows is not None:
             return block.rows
-        part = self.lattice.poses[block.where], self.lattice.approaches[block.where]
+        part = self.lattice.poses[block.candidates], self.lattice.approaches[block.candidates]
         each = [seen.rows for seen in self._bare.rows_each(block.setup, *part)]
         return each[0] if len(each) == 1 else np.stack(each, axis=1).reshape(-1, self.size)
 
