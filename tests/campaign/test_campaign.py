@@ -121,6 +121,15 @@ def ignore(milestone: Milestone) -> None:
     pass
 
 
+def test_a_target_of_u_is_reached_when_196_standard_uncertainties_along_the_one_axis_are_within_it(
+    start: Start,
+) -> None:
+    campaign = start('U = "6 um"')
+    campaign.run(Listed(*[Answer(0.0)] * 20), lambda milestone: None)
+    enough = next(count for count in range(20) if 1.96 * std_after(count) <= 6e-6)
+    assert (campaign.state.finished, len(campaign.state.readings)) == ("U target reached", enough)
+
+
 def test_asking_again_gives_the_same_question(start: Start) -> None:
     campaign = start("readings = 3")
     asked = campaign.next()

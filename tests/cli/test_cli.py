@@ -294,6 +294,18 @@ def test_a_run_without_a_person(axiscal: Command) -> None:
     assert again.document["history"] == outcome.document["history"]
 
 
+def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
+    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d")
+    first, second, *others = outcome.out.splitlines()
+    result = json.loads(Path("d/result.json").read_text())
+    assert first.startswith(f"U = {result['U_um']:.3g} um in space (95%, k = {result['k']:.2f}), for a tool of ")
+    assert "as warm as when it was read, of the 2 errors that are described (EXX EXX_reversal)" in first
+    assert f"Standard uncertainty {result['rms_um']:.3g} um RMS" in second
+    assert result["k"] == pytest.approx(result["U_um"] / result["rms_um"], rel=1e-5)
+    assert [line.split(" U =")[0] for line in others[:2]] == ["With the files for linuxcnc", "With the files for csv"]
+    assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
+
+
 def test_a_run_is_not_overwritten_and_can_be_resumed(axiscal: Command, tmp_path: Path) -> None:
     (tmp_path / "two.csv").write_text("value_um\n1\n2\n")
     failed = axiscal("run", "c.toml", "--source", "csv:two.csv", "--out", "d")

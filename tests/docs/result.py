@@ -86,6 +86,19 @@ class Warning(Fields):
     text: str = Field(description="in words")
 
 
+class TableValue(Fields):
+    """An entry of `tables`; effects are of all files of the control together."""
+
+    controller: str = Field(description="name of the control")
+    file: str | None = Field(description="where it stands in the folder; null where none was written")
+    axis: str = Field(description="what it moves")
+    before_um: float | None = Field(description="RMS of the deviation as estimated, its mean taken off")
+    after_um: float | None = Field(description="what the files leave of it")
+    expected_um: float | None = Field(description="standard uncertainty to be expected with the files loaded")
+    U_um: float | None = Field(description="the same expanded, by `k`")
+    left_out: str = Field(description="what they leave, or why there are none, in words")
+
+
 class Result(Fields):
     """The document."""
 
@@ -94,11 +107,20 @@ class Result(Fields):
     readings: int = Field(description="how many were taken")
     minutes: float = Field(description="machine time")
     stopped_because: str = Field(description="why the campaign ended, in words")
-    rms_um: float = Field(description="RMS standard deviation of the tool point over the volume (k = 1)")
+    U_um: float = Field(
+        description="expanded uncertainty of the tool point in space over the volume: it is no farther off with 95 %"
+    )
+    U_axis_um: dict[str, float] = Field(description="the same along x, y and z of the workpiece frame")
+    U_worst_um: float = Field(description="the same in space at the worst place of the volume")
+    U_level: float = Field(description="the probability that they hold: 0.95")
+    k: float = Field(description="coverage factor, `U_um` over `rms_um`")
+    U_holds_for: str = Field(description="tool, volume, temperature and errors that they were evaluated for, in words")
+    rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")
+    target_u: float | None = Field(alias="target_U_um", description="the expanded uncertainty asked for")
     promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
     reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
     history: list[Milestone] = Field(description="how well the machine was known after each reading")
@@ -107,13 +129,14 @@ class Result(Fields):
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
     warnings: list[Warning] = Field(description="what is to be minded")
+    tables: list[TableValue] = Field(description="files that were written for controls, and what they leave")
     versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
 
 
 def page() -> str:
     """Return the page: a table for each kind of object."""
     return "\n".join([_HEAD, *(_table(each) for each in (Result, Milestone, ErrorCurve, ConstantValue))]) + "".join(
-        "\n" + _table(each) for each in (RejectedReading, Warning)
+        "\n" + _table(each) for each in (RejectedReading, Warning, TableValue)
     )
 
 

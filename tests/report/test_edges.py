@@ -13,7 +13,7 @@ from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.report.figures import accuracy
 from axiscal.report.page import render
-from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary, Uncertainty
 
 
 def _figures(page: str) -> list[dict[str, Any]]:
@@ -21,9 +21,12 @@ def _figures(page: str) -> list[dict[str, Any]]:
     return found
 
 
+EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
+
+
 def _bare(**changes: Any) -> Summary:
     first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
-    empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", 0, 0.0, 14.2, 31.0, 0.0, [first])
+    empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED)
     return replace(empty, **changes)
 
 
@@ -38,13 +41,15 @@ def test_a_campaign_without_readings_has_a_page() -> None:
         "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, 0.0], [9.0, 9.0], [9.0, 9.0], [9.0, 9.0], "mm", "um"
     )
     page = render(_bare(curves=[curve]))
-    assert "Before any reading the TCP is known to <strong>±14.2\u00a0µm</strong>" in page
+    assert "Before any reading the tool point is known to <strong>U = 23.4\u00a0µm</strong> in space" in page
+    assert "Expanded uncertainty, 95%, k = 1.65, for a tool of 120 mm. Along x 11.0, y 12.0, z 13.0" in page
+    assert "Standard uncertainty 14.2\u00a0µm RMS" in page
     assert "hardly touched by the readings" in page
     assert "truth" not in page[: page.index("<script>")].split("</style>")[1].replace('"truth"', "")
 
 
 def test_an_evaluation_without_history_or_curves_has_a_page() -> None:
-    assert "TCP is known to" in render(_bare(history=[]))
+    assert "the tool point is known to" in render(_bare(history=[]))
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])

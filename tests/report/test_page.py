@@ -30,6 +30,7 @@ from axiscal.report.summary import (
     Summary,
     TableOffer,
     TruthCheck,
+    Uncertainty,
 )
 
 TRAVEL = {"C": (0.0, 360.0), "B": (-30.0, 110.0), "Y": (0.0, 500.0), "X": (0.0, 600.0), "Z": (0.0, 500.0)}
@@ -148,6 +149,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         ],
         stopped_because="rms target reached",
         readings=readings,
+        expanded=Uncertainty(3.3, (1.9, 1.8, 1.7), 6.1, 1.7, "for a tool of 120 mm"),
         minutes=history[-1].minutes,
         rms_um=history[-1].rms_um,
         worst_um=history[-1].worst_um,

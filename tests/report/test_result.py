@@ -19,6 +19,7 @@ from axiscal.report.summary import (
     Rejection,
     Summary,
     TruthCheck,
+    Uncertainty,
     result_json,
 )
 
@@ -92,6 +93,7 @@ SUMMARY = Summary(
     worst_um=20.0,
     unseen_rms_um=0.5,
     history=ROWS,
+    expanded=Uncertainty(15.6, (9.0, 8.0, 7.0), 33.0, 1.71, "for a tool of 120 mm"),
     curves=[CURVE],
     reversals=[replace(CURVE, name="EXX_reversal")],
     constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],
@@ -112,6 +114,7 @@ def test_the_document_is_what_the_contract_says() -> None:
     assert read.history[0].position is None
     assert read.history[1].position == {"X": 120.0}
     assert document["unseen_rms_um"] == 0.5
+    assert (document["U_um"], document["k"], document["U_axis_um"]) == (15.6, 1.71, {"x": 9.0, "y": 8.0, "z": 7.0})
     assert (document["promised_rms_um"], document["reached_rms_um"]) == (9.1, 8.8)
 
 

@@ -53,6 +53,12 @@ def _summed(parts: Array) -> Array:
     return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
 
 
+def _squared(parts: Array) -> Array:
+    """Return S Sᵀ at each pose, (m, 3, 3).  parts : (m, 3, r)"""
+    squared: Array = parts @ parts.transpose(0, 2, 1)
+    return squared
+
+
 @dataclass(frozen=True, eq=False)
 class Yardstick:
     """Measures a belief against the working volume.
@@ -171,6 +177,27 @@ class Yardstick:
         added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
         corrected: Array = added + self._hidden - np.sum(self._here**2, axis=(1, 2))
         return corrected
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
+        places = np.arange(len(self._places)) >= (len(self._places) - _INNER_POINTS if self.sample is None else 0)
+        return np.tile(places, len(self._poses[0]) // len(places))
+
+    def covariances(self, factor: Array) -> Array:
+        """Return the covariance of the TCP deviation at each pose of the yardstick, (m, 3, 3) m²: traces `variances`.
+
+        factor : F (n, r) with C = F Fᵀ
+        """
+        own = factor[: self.errors.size]
+        if own.shape[1] > own.shape[0]:
+            own = np.linalg.qr(own.T).R.T
+        seen = (self.rows.reshape(-1, self.errors.size) @ own).reshape(len(self.rows), 3, -1)
+        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
+        loose = (self.errors.levers(self._poses[0]) * rests[:, None, None]).transpose(1, 2, 0)
+        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
+        counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
+        return counted
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""

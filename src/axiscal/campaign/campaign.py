@@ -262,7 +262,7 @@ class Campaign:
         target = self.description.target
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
-        if target.rms is not None or target.worst is not None:
+        if target.accurate:
             said = accuracy_reached(target, self.known())
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 

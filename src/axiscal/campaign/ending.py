@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.units import to_unit
 
 FUTILE = 50
@@ -35,10 +36,15 @@ def count_reached(target: Target, count: int) -> str | None:
 def accuracy_reached(target: Target, known: Estimation) -> str | None:
     """Return in words which accuracy is reached; None where none is."""
     now = known.accuracy
-    wanted = ("rms", target.rms, now.seen, now.rms), ("worst", target.worst, now.worst_seen, now.worst)
-    for name, limit, seen, whole in wanted:
-        if limit is not None and seen <= now.attainable(limit):
-            return _unless_misfit(f"{name} target reached" + _unless_hidden(whole, limit), known)
+    factor = 1.0 if target.expanded is None else expanded_uncertainty(known).factor(now.rms)
+    wanted = (
+        ("rms", target.rms, now.seen, now.rms, 1.0),
+        ("worst", target.worst, now.worst_seen, now.worst, 1.0),
+        ("U", target.expanded, now.seen, now.rms, factor),
+    )
+    for name, limit, seen, whole, k in wanted:
+        if limit is not None and seen <= now.attainable(limit / k):
+            return _unless_misfit(f"{name} target reached" + _unless_hidden(k * whole, limit), known)
     return None
 
 

@@ -15,6 +15,7 @@ from axiscal.cli.texts import micrometres
 from axiscal.demo.five_axis import description, run_demo
 from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
+from axiscal.report.headline import first_lines
 from axiscal.report.summary import Summary
 
 
@@ -73,9 +74,10 @@ def _end(summary: Summary, folder: Path) -> str:
     check = summary.truth
     assert check is not None
     return (
-        f"\n{summary.stopped_because}: {summary.readings} readings in {summary.minutes:.0f} minutes of machine time.\n"
+        f"\n{first_lines(summary)}\n"
+        f"{summary.stopped_because}: {summary.readings} readings in {summary.minutes:.0f} minutes of machine time.\n"
         f"RMS deviation of the tool as found  {check.before_rms_um or 0:6.2f} um\n"
-        f"promised by the estimate            {check.promised_rms_um:6.2f} um\n"
+        f"standard uncertainty promised       {check.promised_rms_um:6.2f} um\n"
         f"reached, since the truth is known   {check.reached_rms_um:6.2f} um\n"
         f"Report: {folder / 'report.html'}\nTables: {folder / 'tables'}"
     )

@@ -16,9 +16,10 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.report.delivery import warned, write_files
+from axiscal.report.delivery import introduced, write_files
 from axiscal.report.findings import findings
 from axiscal.units import parse_quantity, to_unit
 
@@ -91,7 +92,8 @@ def export(
         estimation = campaign.concluded()
         options = informed(options, estimation.case.description, to)
         offered = registry.export(estimation.estimate(), to, options)
-        offered = warned(offered, [finding.text for finding in findings(estimation)])
+        factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
+        offered = introduced(offered, factor, [finding.text for finding in findings(estimation)])
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

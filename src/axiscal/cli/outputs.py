@@ -8,6 +8,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
 from axiscal.report.delivery import deliver
+from axiscal.report.headline import first_lines
 from axiscal.report.summarising import Extras
 from axiscal.report.summary import result_json
 
@@ -22,8 +23,8 @@ def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extra
         say_document(result_json(summary))
         return
     say(
-        f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes, "
-        f"RMS {summary.rms_um:.3g} um, worst {summary.worst_um:.3g} um.\n"
+        f"{first_lines(summary)}\n"
+        f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"
         f"Report: {out / 'report.html'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
     )
     for offer in summary.tables:

@@ -16,6 +16,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.document import shown
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import PlanError, ProgramError, TargetError
 from axiscal.gcode import ProgramOptions, write_programs
 from axiscal.gcode.controls import dialect
@@ -143,7 +144,8 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
         return Limits(readings, rms, None, seconds)
     if rms is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, rms, None, own.budget)
-    return Limits(own.readings, own.rms, own.worst, own.budget)
+    own_rms = own.rms if own.expanded is None else max(own.rms or 0.0, as_standard(case, case.knowledge, own.expanded))
+    return Limits(own.readings, own_rms, own.worst, own.budget)
 
 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:

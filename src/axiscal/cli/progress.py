@@ -33,7 +33,7 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
 
 def progress_line(milestone: Milestone, target: Target) -> str:
     """Return one line: reading, accuracy with its targets, minutes with their budget."""
-    others = target.rms is not None or target.worst is not None or target.budget is not None
+    others = target.accurate or target.budget is not None
     most = "" if target.readings is None else f" of {'at most ' if others else ''}{target.readings}"
     more = milestone.number != milestone.taken  # a skip has a number too
     number = f"reading {milestone.number}" + (f", {milestone.taken} taken{most}" if more else most)

@@ -74,8 +74,8 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
 
 
 def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:
-    """Return the accuracy with the targets, where there are any."""
-    parts = [("RMS", known.rms, rms), ("worst", known.worst, worst)]
+    """Return the standard uncertainty with the targets, where there are any."""
+    parts = [("standard uncertainty RMS", known.rms, rms), ("worst", known.worst, worst)]
     return ", ".join(
         f"{name} {micrometres(value)}" + (f" (target {micrometres(target)})" if target is not None else "")
         for name, value, target in parts

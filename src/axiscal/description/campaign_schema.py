@@ -21,6 +21,7 @@ class TargetTable(Table):
 
     rms: Length | None = Field(None, examples=['"2 um"'])
     worst: Length | None = Field(None, examples=['"4 um"'])
+    U: Length | None = Field(None, examples=['"12 um"'])
     readings: int | None = Field(None, examples=["40"])
     budget: Time | None = Field(None, examples=['"90 min"'])
     volume: dict[str, list[QuantityText]] = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])

@@ -26,13 +26,14 @@ _MARGIN, _THIN = 0.02, 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """When to stop: the first of rms, worst, readings, budget that is reached.
+    """When to stop: the first of rms, worst, expanded, readings, budget that is reached.
 
     rms, worst : m, of the TCP over the volume; budget : s
     volume : (lowest, highest) coordinate per axis in chain order, m or rad
     criterion : what the next reading is chosen to reduce
     part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
     aligned : a rigid motion of the part is not counted: it is probed
+    expanded : U, of the TCP in space over the volume with 95 %, m
     """
 
     rms: float | None
@@ -43,11 +44,17 @@ class Target:
     criterion: Criterion
     part: PartVolume | None = None
     aligned: bool = False
+    expanded: float | None = None
+
+    @property
+    def accurate(self) -> bool:
+        """Whether an accuracy is asked for."""
+        return not self.rms is self.worst is self.expanded is None
 
     @property
     def empty(self) -> bool:
         """Whether nothing would ever stop the campaign."""
-        return self.rms is self.worst is self.readings is self.budget is None
+        return self.rms is self.worst is self.expanded is self.readings is self.budget is None
 
 
 def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
@@ -65,7 +72,7 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
     aligned = part is not None if table.aligned is None else table.aligned
-    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion, part, aligned)
+    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion, part, aligned, table.U)
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
@@ -91,7 +98,8 @@ def coordinate(text: str, axis: Axis) -> float:
 
 
 def _refuse_not_positive(table: TargetTable, document: Document) -> None:
-    for name, example in (("rms", '"2 um"'), ("worst", '"4 um"'), ("readings", "40"), ("budget", '"90 min"')):
+    lengths = ("rms", '"2 um"'), ("worst", '"4 um"'), ("U", '"12 um"')
+    for name, example in (*lengths, ("readings", "40"), ("budget", '"90 min"')):
         value = getattr(table, name)
         if value is not None and value <= 0:
             written = shown(document.data["target"][name])

@@ -14,6 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.belief import Belief
 from axiscal.error_model.prior import matern52
 from axiscal.estimation.machine_estimate import Band
@@ -28,8 +29,6 @@ from axiscal.units import to_unit
 
 _DEGREE = 6
 """N and D of a reading's gain are squares of cubics between two knots (B&H eq. 23)."""
-_NINETY_FIVE = 1.96
-"""Standard deviations of a printed band: two-sided 95 %, as `report.sentences.BAND`."""
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
 
@@ -115,7 +114,7 @@ class Curve:
         """Return the curve as it is drawn."""
         at = np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
         mean, std = self(at)
-        shown = to_unit(at, self.position_unit), to_unit(mean, self.unit), _NINETY_FIVE * to_unit(std, self.unit)
+        shown = to_unit(at, self.position_unit), to_unit(mean, self.unit), BAND * to_unit(std, self.unit)
         return DrawnLine(self.name, *shown, self.position_unit, self.unit)
 
     @property

@@ -21,6 +21,12 @@ def chi_square_tail(degrees: float, value: float) -> float:
     return float(_function("scipy.special", "chdtrc")(degrees, value))
 
 
+def chi_square_share(degrees: Array, values: Array) -> Array:
+    """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
+    share: Array = _function("scipy.special", "chdtr")(degrees, values)
+    return share
+
+
 def transposed_solution(upper: Array, right: Array) -> Array:
     """Return U⁻ᵀ B, (n, m).  upper : (n, n), upper triangular; right : (n, m)"""
     solved: Array = _function("scipy.linalg", "solve_triangular")(upper, right, trans="T", check_finite=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from axiscal.design.plan.task import Limits, Task
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, timed
+from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -40,7 +42,7 @@ def planned_places(
     left : of an earlier plan, to begin with
     """
     task = posed(case, knowledge, gaps, readings)
-    limits = limits_left(case.description.target, len(readings), timed(case, readings, Timed()).seconds)
+    limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
     if not len(task.lattice):
         return ()
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
@@ -119,6 +121,14 @@ def refuse_lacking(case: Case) -> None:
     for setup in case.description.setups:
         if setup.lacks is not None:
             raise PlanError(*setup.lacks)
+
+
+def _standard(case: Case, knowledge: Knowledge) -> Target:
+    """Return the target with the RMS that an expanded uncertainty asks for, by what is known now."""
+    target = case.description.target
+    if target.expanded is None:
+        return target
+    return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

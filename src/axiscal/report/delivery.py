@@ -25,8 +25,10 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
+from axiscal.report.headline import effect_words
 from axiscal.report.summarising import Extras, summarise
-from axiscal.report.summary import Summary, TableOffer, result_json
+from axiscal.report.summary import Summary, TableEffect, TableOffer, result_json
+from axiscal.units import to_unit
 
 CONTROLLERS = ("linuxcnc", "csv")
 """What every finished campaign gets; `axiscal export` makes the others."""
@@ -41,8 +43,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     A table that a control cannot hold is not written; the report says why.
     """
     summary = summarise(campaign, estimation, extras)
-    warnings = [warning.text for warning in summary.warnings]
-    offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, out / "tables", warnings)]
+    offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, out / "tables", summary)]
     summary = replace(summary, tables=offers)
     document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
     write_whole(out / "result.json", document + "\n")
@@ -57,26 +58,36 @@ def write_report(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary))
 
 
-def _tables(estimation: Estimation, controller: str, folder: Path, warnings: Sequence[str]) -> list[TableOffer]:
+def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summary) -> list[TableOffer]:
     """Write the files for one control and return what they hold and leave, or why there are none."""
+    factor, warnings = summary.expanded.factor, [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
     try:
         options = informed(ExportOptions(), estimation.case.description, controller)
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
-    write_files(warned(offered, warnings), folder / controller)
-    left = left_out(offered)
+    write_files(introduced(offered, factor, warnings), folder / controller)
+    left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
-    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left) for name, axis in axes.items()]
+    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
 
 
-def warned(offered: Export, warnings: Sequence[str]) -> Export:
-    """Return an export whose README.txt warns of what is doubtful in the estimate behind the files."""
-    if not warnings:
-        return offered
-    minded = "\n".join(f"- {text}" for text in warnings)
-    return replace(offered, readme=f"{offered.readme.rstrip()}\n\nMind, before the files are loaded:\n{minded}\n")
+def effect_of(offered: Export) -> TableEffect:
+    """Return what the files do to the tool point, um."""
+    return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
+
+
+def introduced(offered: Export, factor: float, warnings: Sequence[str]) -> Export:
+    """Return an export whose README.txt says first what to expect, and last what is doubtful in the estimate.
+
+    factor : k of the expanded uncertainty
+    """
+    title, _, text = offered.readme.partition("\n")
+    text = f"{title}\n{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})\n{text}"
+    if warnings:
+        text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
+    return replace(offered, readme=text)
 
 
 def write_files(offered: Export, folder: Path) -> None:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.report.figures import Figure, axis_style, band, finite_range, layout, plain
-from axiscal.report.sentences import BAND, axis_unit, coordinate, figure, quantity, unit_text
+from axiscal.report.sentences import axis_unit, coordinate, figure, quantity, unit_text
 from axiscal.report.summary import CurvePoint, CurveSummary, number, numbers
 
 _HEIGHT, _HEIGHT_ALONE = 210, 360

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jinja2 import Environment
 
-from axiscal.report import figures, gallery, sentences, whiskers
+from axiscal.report import figures, gallery, headline, sentences, whiskers
 from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.report.summary import Summary
 
@@ -39,6 +39,9 @@ def render(summary: Summary) -> str:
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
         "unseen": sentences.unseen_size(summary),
         "occasion": sentences.occasion(summary),
+        "holds_for": headline.expanded_words(summary),
+        "table_lines": [line.replace(" um", "\u00a0µm") for line in headline.table_lines(summary)],
+        "u_target": sentences.target_text(summary.expanded.space, summary.target_u_um),
         "rms_target": sentences.target_text(summary.rms_um, summary.target_rms_um),
         "worst_target": sentences.target_text(summary.worst_um, summary.target_worst_um),
         "glyphs": _GLYPHS,

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Position, Summary
-
-BAND = 1.96
-"""Standard deviations to the edge of a printed band: 95 %."""
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _LOST = 0.01

@@ -12,6 +12,7 @@ from axiscal.campaign.versions import versions
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
@@ -19,6 +20,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
+from axiscal.report.headline import conditions
 from axiscal.report.summary import (
     CurveSummary,
     Finding,
@@ -29,6 +31,7 @@ from axiscal.report.summary import (
     Summary,
     TableOffer,
     TruthCheck,
+    Uncertainty,
 )
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
@@ -80,6 +83,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         worst_um=rows[-1].worst_um,
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
+        expanded=_expanded(estimation),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),
@@ -89,12 +93,22 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
+        target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
         truth=extras.truth_check,
         iso230=extras.iso230,
         reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
     )
+
+
+def _expanded(estimation: Estimation) -> Uncertainty:
+    """Return the expanded uncertainties of the headline."""
+    found = expanded_uncertainty(estimation)
+    x, y, z = (to_unit(each, "um") for each in found.axes)
+    factor = found.factor(estimation.accuracy.rms)
+    space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
+    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated))
 
 
 def _reversal(curve: CurveSummary) -> bool:

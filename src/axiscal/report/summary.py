@@ -1,7 +1,7 @@
 """What a campaign found, as plain data in display units: the only thing the report and `result.json` are made from.
 
 Positions in mm and deg; deviations in um, urad or arcsec (the unit stands beside the value); time in minutes.
-Every `std` is one standard deviation; the report draws bands at 1.96 of them.
+Every `std`, `rms` and `worst` is one standard deviation; `expanded` and the bands that the report draws hold 95 %.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from axiscal.accuracy.expanded import LEVEL
 from axiscal.exceptions import SummaryError
 
 Position = Mapping[str, float]
@@ -132,12 +133,28 @@ class Rejection:
 
 @dataclass(frozen=True, slots=True)
 class TableOffer:
-    """A compensation file, and what it leaves uncorrected in words (empty: nothing)."""
+    """A compensation file, and what it leaves uncorrected in words (empty: nothing).
+
+    effect : of all files of the control together; None where none is written
+    """
 
     file: str
     controller: str
     axis: str
     left_out: str = ""
+    effect: TableEffect | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TableEffect:
+    """What the files of one control do to the tool point over the volume, RMS, um.
+
+    before, after : of the deviation as estimated; expected : with what is not known, a standard uncertainty
+    """
+
+    before: float
+    after: float
+    expected: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +195,21 @@ class ResidualCheck:
 
 
 @dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """Expanded uncertainties of the tool point over the volume, 95 %, um.
+
+    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
+    factor : k, of `space` over the standard uncertainty; conditions : what it was evaluated for, in words
+    """
+
+    space: float
+    axes: tuple[float, float, float]
+    worst: float
+    factor: float
+    conditions: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows."""
 
@@ -194,6 +226,7 @@ class Summary:
     worst_um: float
     unseen_rms_um: float
     history: Sequence[HistoryRow]
+    expanded: Uncertainty
     curves: Sequence[CurveSummary] = ()
     reversals: Sequence[CurveSummary] = ()
     constants: Sequence[ConstantSummary] = ()
@@ -203,6 +236,7 @@ class Summary:
     tables: Sequence[TableOffer] = ()
     target_rms_um: float | None = None
     target_worst_um: float | None = None
+    target_u_um: float | None = None
     truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     reading_residual: ResidualCheck | None = None
@@ -218,6 +252,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "readings": summary.readings,
         "minutes": number(summary.minutes, "minutes"),
         "stopped_because": summary.stopped_because,
+        **_expanded(summary.expanded),
         "rms_um": number(summary.rms_um, "rms_um"),
         "worst_um": number(summary.worst_um, "worst_um"),
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
@@ -228,6 +263,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "observability": list(summary.observability),
         "rejected": [_rejection(rejection) for rejection in summary.rejected],
         "warnings": [{"code": w.code, "error": w.error, "text": w.text} for w in summary.warnings],
+        "tables": [_table(offer, summary.expanded.factor) for offer in summary.tables],
         "versions": dict(sorted(summary.versions.items())),
     }
 
@@ -260,11 +296,24 @@ def _targets(summary: Summary) -> dict[str, Any]:
     found: dict[str, Any] = {
         "target_rms_um": _optional(summary.target_rms_um, "target_rms_um"),
         "target_worst_um": _optional(summary.target_worst_um, "target_worst_um"),
+        "target_U_um": _optional(summary.target_u_um, "target_U_um"),
     }
     if summary.truth is not None:
         found["promised_rms_um"] = number(summary.truth.promised_rms_um, "promised_rms_um")
         found["reached_rms_um"] = number(summary.truth.reached_rms_um, "reached_rms_um")
     return found
+
+
+def _expanded(found: Uncertainty) -> dict[str, Any]:
+    x, y, z = numbers(found.axes, "U_axis_um", 3)
+    return {
+        "U_um": number(found.space, "U_um"),
+        "U_axis_um": {"x": x, "y": y, "z": z},
+        "U_worst_um": number(found.worst, "U_worst_um"),
+        "U_level": LEVEL,
+        "k": number(found.factor, "k"),
+        "U_holds_for": found.conditions,
+    }
 
 
 def _history(row: HistoryRow) -> dict[str, Any]:
@@ -303,6 +352,20 @@ def _constant(constant: ConstantSummary) -> dict[str, Any]:
         "unit": constant.unit,
         "prior_std": number(constant.prior_std, f"prior_std of {constant.name}"),
         "seen": constant.seen,
+    }
+
+
+def _table(offer: TableOffer, factor: float) -> dict[str, Any]:
+    found = offer.effect
+    return {
+        "controller": offer.controller,
+        "file": offer.file if found is not None else None,
+        "axis": offer.axis,
+        "before_um": None if found is None else number(found.before, "before_um of a table"),
+        "after_um": None if found is None else number(found.after, "after_um of a table"),
+        "expected_um": None if found is None else number(found.expected, "expected_um of a table"),
+        "U_um": None if found is None else number(factor * found.expected, "U_um of a table"),
+        "left_out": offer.left_out,
     }
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axiscal.report.sentences import BAND, constant_note, short, unit_text
+from axiscal.accuracy.expanded import BAND
+from axiscal.report.sentences import constant_note, short, unit_text
 from axiscal.report.summary import ConstantSummary, number
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation
 from axiscal.inference.fit import Fit
 from axiscal.inference.mixture import POOR
 from axiscal.report.curves import value_unit
-from axiscal.report.sentences import BAND
 from axiscal.report.summary import Finding
 from axiscal.units import to_unit
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorFunction
 from axiscal.numerics import Array
@@ -110,7 +111,7 @@ def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:
     variances, errors = experiment.single.overall_variances, experiment.squared_errors
     steps = list(range(len(variances)))
     mean, std = errors.mean(axis=0), errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
-    whiskers = {"type": "data", "array": (1.96 * std).tolist(), "color": "var(--accent)", "thickness": 1.4, "width": 5}
+    whiskers = {"type": "data", "array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4, "width": 5}
     traces = [
         _points(steps, variances, "overall variance J", "var(--truth)", "lines", width=2.6),
         _points(steps, experiment.spline_errors.tolist(), "the spline of figure 4", "var(--soft)", "lines", dash="dot"),

@@ -1,0 +1,88 @@
+"""Expanded uncertainty of the tool point: U such that the deviation lies within ±U, or no farther than U, with 95 %.
+
+At a pose the deviation left is normal with covariance Σ, its squared length Σλ_i z_i² with λ the eigenvalues of Σ and z
+standard normal. By three moments (Hall 1983; Buckley and Eagleson 1988), with κ₁ = Σλ, κ₂ = 2Σλ², κ₃ = 8Σλ³:
+
+    P(Σλ_i z_i² ≤ q) = P(χ²_ν ≤ (q − κ₁) √(2ν/κ₂) + ν),    ν = 8 κ₂³/κ₃²
+
+U in space solves mean over the poses of P(U²) = 0.95, U along an axis mean of 2Φ(U/σ) − 1 = 0.95.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.belief import Belief
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import chi_square_share
+
+LEVEL = 0.95
+"""Probability of every band and every expanded uncertainty."""
+BAND = 1.96
+"""Standard deviations of a normal to the edge of a band of that probability."""
+_WORST = 10
+"""Poses of the largest trace among which the worst place is looked for: their U differ by 20 % at most."""
+_FARTHEST, _HALVINGS = 12.0, 60
+"""No U is farther than so many roots of the largest trace; halved so often, its bracket is rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expanded:
+    """Expanded uncertainties of 95 % over a volume, m.
+
+    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
+    """
+
+    space: float
+    axes: tuple[float, float, float]
+    worst: float
+
+    def factor(self, rms: float) -> float:
+        """Return k, the expanded uncertainty in space over the standard uncertainty `rms`, m."""
+        return self.space / rms if rms > 0 else BAND
+
+
+def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
+    """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
+    return expanded_of(yardstick.covariances(belief.factor), yardstick.evenly)
+
+
+def expanded_of(covariances: Array, evenly: NDArray[np.bool_]) -> Expanded:
+    """Return the expanded uncertainties where the deviation has these covariances.
+
+    covariances : (m, 3, 3) Σ at poses, m²; evenly : (m,) which of the poses stand for the volume; the others are places
+    where it may be worst
+    """
+    spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
+    variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
+    worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
+    x, y, z = (_reach(variances[:, [axis]]) for axis in range(3))
+    return Expanded(_reach(spectra[evenly]), (x, y, z), max(_reach(spectra[[each]]) for each in worst))
+
+
+def _reach(spectra: Array) -> float:
+    """Return the distance U, m, within which the deviation lies with 95 %, over all poses.  spectra : (m, d) λ"""
+    largest = float(spectra.sum(axis=1).max(initial=0.0))
+    if largest == 0:
+        return 0.0
+    low, high = 0.0, _FARTHEST * float(np.sqrt(largest))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        within = float(np.mean(_within(spectra / largest, middle**2 / largest)))
+        low, high = (middle, high) if within < LEVEL else (low, middle)
+    return high
+
+
+def _within(spectra: Array, square: float) -> Array:
+    """Return P(Σλ z² ≤ square) at each pose, (m,); 1 where nothing is left to vary."""
+    first, second, third = (factor * np.sum(spectra**power, axis=1) for power, factor in ((1, 1), (2, 2), (3, 8)))
+    open_ = third > 0
+    degrees = 8 * second[open_] ** 3 / third[open_] ** 2
+    at = (square - first[open_]) * np.sqrt(2 * degrees / second[open_]) + degrees
+    result = np.ones(len(spectra))
+    result[open_] = chi_square_share(degrees, np.maximum(at, 0.0))
+    return result

@@ -1,0 +1,55 @@
+"""The first lines: how well the tool point is known, what for, and what the files for a control will reach of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from axiscal.accuracy.expanded import LEVEL
+from axiscal.estimation.case import Case
+from axiscal.report.sentences import figure, quantity
+from axiscal.report.summary import Summary, TableEffect
+from axiscal.units import format_quantity
+
+
+def conditions(case: Case) -> str:
+    """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
+    machine, setups = case.description.machine, case.description.setups
+    volume = "the part" if case.description.target.part is not None else "the volume"
+    stated = any(setup.growth for setup in setups)
+    warm = "at 20 degC where a set-up states its temperature" if stated else "as warm as when it was read"
+    count = len(machine.errors)
+    names = " ".join(entry.name for entry in machine.errors)
+    tool = format_quantity(machine.tool, "mm", 4)
+    return f"for a tool of {tool}, over {volume}, {warm}, of the {count} errors that are described ({names})"
+
+
+def expanded_words(summary: Summary) -> str:
+    """Return in a sentence what U is, along which axes how much, and what for."""
+    found = summary.expanded
+    along = ", ".join(f"{axis} {figure(value)}" for axis, value in zip("xyz", found.axes, strict=True))
+    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.factor:.2f}, {found.conditions}".rstrip(", ")
+    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}."
+
+
+def table_lines(summary: Summary) -> Sequence[str]:
+    """Return for each control what is to be expected with its files loaded."""
+    effects = {offer.controller: offer.effect for offer in summary.tables if offer.effect is not None}
+    return [effect_words(name, effect, summary.expanded.factor) for name, effect in effects.items()]
+
+
+def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
+    """Return what is to be expected with all files of a control loaded.  factor : k"""
+    expanded, before, after = (f"{each:.3g} um" for each in (factor * effect.expected, effect.before, effect.after))
+    expected = f"With the files for {controller} U = {expanded} is to be expected"
+    return f"{expected}: of {before} RMS as estimated they leave {after}."
+
+
+def first_lines(summary: Summary) -> str:
+    """Return the same for a terminal."""
+    found = summary.expanded
+    lines = [
+        f"U = {found.space:.3g} um in space ({LEVEL:.0%}, k = {found.factor:.2f}), {found.conditions}.",
+        f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
+        f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
+    ]
+    return "\n".join([*lines, *table_lines(summary)])
