@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
+from axiscal.design.plan.out_and_back import out_and_back, returns
 from axiscal.design.plan.task import Task
 from axiscal.measurement.place import Places
 from axiscal.measurement.time_taken import reading_seconds, travel_table
@@ -83,13 +84,19 @@ def _by_setup(task: Task, places: Places) -> Places:
 
 
 def _on_a_short_way(task: Task, places: Places) -> Places:
-    """Return the readings of one set-up on a short way, from where the machine stands if it is mounted."""
+    """Return the readings of one set-up out and back along its axis, or on a short way if several move.
+
+    From where the machine stands, if the set-up is mounted.
+    """
     if len(places) < 2:
         return places
     machine, approaches, first = task.observation.machine, counting(task, places), None
-    setup = task.observation.setups[int(places.setups[0])]
+    setup, here = task.observation.setups[int(places.setups[0])], None
     if task.here is not None and task.here.setups[0] == places.setups[0]:
-        first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
+        here = task.here.poses[0]
+        first = way_seconds(machine, setup, here, places.poses, approaches)
+    if returns(setup):
+        return out_and_back(machine, setup, places, approaches, here)
     return places.within(np.array(route(travel_table(machine, setup, places.poses, approaches), first), dtype=np.intp))
 
 
