@@ -79,12 +79,12 @@ def effect_of(offered: Export) -> TableEffect:
 
 
 def introduced(offered: Export, factor: float, warnings: Sequence[str]) -> Export:
-    """Return an export whose README.txt says first what to expect, and last what is doubtful in the estimate.
+    """Return an export whose README.txt says what to expect of its files, and last what is doubtful in the estimate.
 
     factor : k of the expanded uncertainty
     """
-    title, _, text = offered.readme.partition("\n")
-    text = f"{title}\n{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})\n{text}"
+    expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
+    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
     if warnings:
         text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
     return replace(offered, readme=text)
