@@ -103,6 +103,14 @@ class ReadingSet:
                 result.append(ErrorPart(function, self.rows[:, function.columns], distances(function.basis), shared))
         return result
 
+    def features(self, root: Array) -> Array:
+        """Return Φ with Φ Φᵀ the covariance of the numbers without noise, (m, k), the errors first.
+
+        root : F (size, r) with F Fᵀ the covariance of the errors
+        """
+        rests = [part.function.rest * part.shared for part in self.parts() if part.function.rest > 0]
+        return np.hstack([self.rows[:, : len(root)] @ root, *rests, self.unknowns()])
+
     def unknowns(self) -> Array:
         """Return U with U Uᵀ the covariance that unknowns and drifts of the set-ups give the numbers, (m, k)."""
         start, setups = self._observation.errors.size, self._observation.setups

@@ -40,9 +40,7 @@ class Fitted:
         values, root = numbers.values, observation.errors.prior_root() if prior is None else _root(prior[1])
         if prior is not None:
             values = values - numbers.rows[:, :size] @ prior[0]
-        rests = [part.function.rest * part.shared for part in numbers.parts() if part.function.rest > 0]
-        features = np.hstack([numbers.rows[:, :size] @ root, *rests, numbers.unknowns()])
-        return cls(features, numbers.noise + numbers.extra_variance, values, numbers.reading)
+        return cls(numbers.features(root), numbers.noise + numbers.extra_variance, values, numbers.reading)
 
     def covariance(self) -> Array:
         """Return the covariance of the numbers before any was read, noise included, (m, m)."""

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorFunction
+from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -44,18 +45,39 @@ _A_LINE = 3
 """So many readings tell a rate from a zero."""
 
 
+@dataclass(frozen=True, slots=True)
+class Search:
+    """How closely departures are looked for.
+
+    steps : places of a step along an axis
+    scanned : whether periods that nobody stated are looked for at any frequency, in all errors; if not, the usual
+        pitches of a screw in the positioning of its axis
+    """
+
+    steps: int = _PLACES
+    scanned: bool = True
+
+
+EVERYWHERE = Search()
+"""For what readings say."""
+IN_PLANS = Search(steps=9, scanned=False)
+"""For what readings could say: enough for a root mean square over the places that a step may have."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Departure:
     """One departure that may be.
 
     columns : (m, r) b; its size has the unit of what `columns` are per: m, rad, or per hour of drift
     owner : the set-up, or the error whose curve departs; place : where, m or rad; the pitch, or the index of a reading
+    function : index of that error; None where only the readings suffer
     """
 
     family: Family
     owner: str
     columns: Array
     place: float = 0.0
+    function: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,15 +93,17 @@ class _Numbers:
     effects: Array
 
 
-def departures(observation: Observation, readings: Sequence[Reading]) -> Iterator[Departure]:
+def departures(
+    observation: Observation, readings: Sequence[Reading], search: Search = EVERYWHERE
+) -> Iterator[Departure]:
     """Yield what readings could show that the model does not hold; numbers in the order of the readings."""
     seen = _numbers(observation, readings)
     for index, setup in enumerate(observation.setups):
         for number in range(len(directions_of(setup))):
             yield from _drifts(seen, index, number, setup.name)
-    for index, function in enumerate(observation.errors.functions):
+    for index in range(len(observation.errors.functions)):
         if np.any(np.abs(seen.effects[index]) > _FELT):
-            yield from _of_error(observation, seen, index, function)
+            yield from _of_error(observation, seen, index, search)
     for index in range(len(readings)):
         yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
 
@@ -111,37 +135,61 @@ def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Depa
         yield Departure("levelling", name, np.where(mine, 1 - np.exp(-since / _LEVELLING), 0.0)[:, None], float(number))
 
 
-def _of_error(observation: Observation, seen: _Numbers, index: int, function: ErrorFunction) -> Iterator[Departure]:
+def _of_error(observation: Observation, seen: _Numbers, index: int, search: Search) -> Iterator[Departure]:
+    function = observation.errors.functions[index]
+    axis = observation.errors.machine.axes[function.axis]
+    for family, place in _possible(observation, function, axis, len(seen.time), search):
+        along = shape(family, place, function, axis, seen.poses[:, function.axis])
+        yield Departure(family, function.name, seen.effects[index][:, None] * along, place, index)
+
+
+def _possible(
+    observation: Observation, function: ErrorFunction, axis: Axis, count: int, search: Search
+) -> Iterator[tuple[Family, float]]:
+    """Yield what one error may do, and where."""
     if function.kind == "location" or (function.kind == "motion" and function.basis.size == 1):
         return
-    axis, lever = observation.errors.machine.axes[function.axis], seen.effects[index]
-    at, (low, high) = seen.poses[:, function.axis], axis.travel
-    travel = high - low
+    low, high = axis.travel
     if function.kind == "reversal":
-        for centre in np.linspace(low, high, 5):
-            hump = np.exp(-(((at - centre) / (_QUARTER * travel)) ** 2))
-            yield Departure("reversal", function.name, (lever * hump)[:, None], float(centre))
+        yield from (("reversal", float(centre)) for centre in np.linspace(low, high, 5))
         return
-    places = np.linspace(low, high, _PLACES + 1)
-    for place in places[1:-1]:
-        yield Departure("step", function.name, (lever * (at > place))[:, None], float(place))
-    width = travel / max(len(function.basis.knots) - 1, 1)
-    for place in np.arange(low, high, _OWN_SHARE * width):
-        yield Departure("bump", function.name, (lever * np.exp(-(((at - place) / width) ** 2)))[:, None], float(place))
-    yield Departure("scale", function.name, (lever * (at - (low + high) / 2) / travel)[:, None])
-    for pitch in _pitches(observation, function, travel, len(at), axis.rotary):
-        turns = 2 * np.pi * at / pitch
-        columns = np.column_stack([lever * np.cos(turns), lever * np.sin(turns)])
-        yield Departure("pitch", function.name, columns, pitch)
+    yield from (("step", float(place)) for place in np.linspace(low, high, search.steps + 2)[1:-1])
+    yield from (("bump", float(place)) for place in np.arange(low, high, _OWN_SHARE * _spacing(function, axis)))
+    yield "scale", 0.0
+    yield from (("pitch", pitch) for pitch in _pitches(observation, function, axis, count, search))
+
+
+def shape(family: Family, place: float, function: ErrorFunction, axis: Axis, at: Array) -> Array:
+    """Return what a departure of size 1 adds to an error along its axis, (m, r).  at : (m,) m or rad"""
+    low, high = axis.travel
+    if family == "pitch":
+        turns = 2 * np.pi * at / place
+        return np.column_stack([np.cos(turns), np.sin(turns)])
+    if family == "step":
+        return np.where(at > place, 1.0, 0.0)[:, None]
+    if family == "scale":
+        linear: Array = ((at - (low + high) / 2) / (high - low))[:, None]
+        return linear
+    width = _QUARTER * (high - low) if family == "reversal" else _spacing(function, axis)
+    hump: Array = np.exp(-(((at - place) / width) ** 2))[:, None]
+    return hump
+
+
+def _spacing(function: ErrorFunction, axis: Axis) -> float:
+    """Return how far apart the knots of an error are, m or rad."""
+    return axis.length / max(len(function.basis.knots) - 1, 1)
 
 
 def _pitches(
-    observation: Observation, function: ErrorFunction, travel: float, count: int, rotary: bool
+    observation: Observation, function: ErrorFunction, axis: Axis, count: int, search: Search
 ) -> Sequence[float]:
     """Return the stated period, or usual pitches and a scan over frequencies in steps of half a turn per travel."""
     entry = next(e for e in observation.errors.machine.errors if e.name == function.name)
     if entry.period is not None:
         return [entry.period]
+    usual = [] if axis.rotary else list(_PITCHES)
+    if not search.scanned:
+        return usual if function.name == axis.positioning_error else []
     slowest = 2.0 * max(len(function.basis.knots) - 1, 1) / 2
     turns = np.arange(slowest, min(_FINEST * count, slowest + _MOST_PITCHES / 2), 0.5)
-    return [*(travel / turns).tolist(), *([] if rotary else _PITCHES)]
+    return [*(axis.length / turns).tolist(), *usual]

@@ -27,6 +27,22 @@ def chi_square_share(degrees: Array, values: Array) -> Array:
     return share
 
 
+def chi_square_limit(degrees: float, tail: float) -> float:
+    """Return what a chi-square of these degrees of freedom reaches with probability `tail`."""
+    return float(_function("scipy.special", "chdtri")(degrees, tail))
+
+
+def noncentral_share(limit: float, degrees: float, noncentrality: Array) -> Array:
+    """Return the probability that a chi-square of these degrees and noncentralities is at most `limit`."""
+    share: Array = _function("scipy.special", "chndtr")(limit, degrees, noncentrality)
+    return share
+
+
+def noncentrality_for(limit: float, degrees: float, share: float) -> float:
+    """Return the noncentrality with which a chi-square of these degrees is at most `limit` with probability `share`."""
+    return float(_function("scipy.special", "chndtrinc")(limit, degrees, share))
+
+
 def transposed_solution(upper: Array, right: Array) -> Array:
     """Return U⁻ᵀ B, (n, m).  upper : (n, n), upper triangular; right : (n, m)"""
     solved: Array = _function("scipy.linalg", "solve_triangular")(upper, right, trans="T", check_finite=False)

@@ -1,0 +1,150 @@
+"""What readings can vouch for, against simulated campaigns, plain matrices and the estimate's own algebra."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from axiscal.accuracy.damage import FALSE_ALARM, KAPPA
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.defence import EffectMap, defence, defended
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.knowledge import Knowledge, block
+from axiscal.inference.weighted_fit import Fitted
+from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.simulation import Simulator
+
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", length = "200 mm", knots = 21, rest = "0.3 um" }
+EXX_reversal = { std = "3 um" }
+"""
+CAMPAIGN = """machine = "m"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+drift = "0 um/h"
+"""
+
+
+def axis() -> Case:
+    """Return an axis of a metre with a laser whose zero is open by a millimetre."""
+    return Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
+
+
+def readings(count: int = 20, seconds: float = 60.0) -> list[Reading]:
+    """Return readings out and back, uneven, so many seconds apart."""
+    along = np.linspace(0.01, 0.99, count) + 4e-3 * np.sin(np.arange(count))
+    out, back = along[::2], along[1::2][::-1]
+    places = [(float(x), 1) for x in out] + [(float(x), -1) for x in back]
+    return [Reading("laser", (x,), (side,), 0.0, time=seconds * i) for i, (x, side) in enumerate(places)]
+
+
+def of_family(family: str, taken: list[Reading], place: int = 0) -> Departure:
+    """Return one departure of a family, the one at this place in its list."""
+    return [each for each in departures(axis().observation, taken, IN_PLANS) if each.family == family][place]
+
+
+def with_values(taken: list[Reading], values: Array) -> list[Reading]:
+    """Return readings with other values."""
+    return [replace(reading, value=float(value)) for reading, value in zip(taken, values, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("family", "place"), [("drift", 0), ("levelling", 0), ("step", 1), ("step", 4), ("bump", 10), ("reversal", 2)]
+)
+def test_the_power_is_that_of_twenty_thousand_campaigns(family: str, place: int) -> None:
+    case, taken = axis(), readings()
+    departure = of_family(family, taken, place)
+    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
+    covariance = Fitted.of(case.observation, taken).covariance()
+    effect, promise = EffectMap(case, taken).effect(departure), 0.8e-6
+    size = math.sqrt((KAPPA**2 - 1) / effect.wrong) * promise
+    drawn = np.random.default_rng(1).standard_normal((20_000, len(column))) @ np.linalg.cholesky(covariance).T
+    contrast = np.linalg.solve(covariance, column)
+    statistic = ((drawn + size * column) @ contrast) ** 2 / (column @ contrast)
+    seen = float(np.mean(statistic > stats.chi2.isf(FALSE_ALARM, 1)))
+    assert effect.power(promise) == pytest.approx(seen, abs=0.01)
+
+
+@pytest.mark.parametrize(("family", "place"), [("drift", 0), ("step", 4), ("bump", 10), ("reversal", 2)])
+def test_information_and_error_are_what_the_estimate_makes_of_such_readings(family: str, place: int) -> None:
+    case, taken = axis(), readings()
+    departure = of_family(family, taken, place)
+    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
+    after = block(Knowledge(case.observation, case.prior), with_values(taken, column), np.ones(len(taken)))
+    effect = EffectMap(case, taken).effect(departure)
+    information = float(sum(each.chi_square for each in after.innovations))
+    assert effect.information[0, 0] == pytest.approx(information, rel=1e-9)
+    if departure.function is None:
+        left = case.yardstick.root.of(after.after.belief.mean)
+        assert effect.wrong == pytest.approx(float(np.sum(left**2)), rel=1e-9)
+
+
+def test_what_a_step_leaves_over_the_volume_is_its_own_integral() -> None:
+    case, taken = axis(), readings()
+    departure = of_family("step", taken, 4)
+    after = Knowledge(case.observation, case.prior).read(with_values(taken, departure.columns[:, 0]))
+    function = case.errors.functions[0]
+    at = (np.arange(20_000) + 0.5) / 20_000
+    left = (at > departure.place) - function.basis.rows(at) @ after.belief.mean[function.columns]
+    if case.yardstick.zeroed[0]:
+        left = left - left.mean()
+    reversal = after.belief.mean[case.errors.functions[1].columns][0] / 2
+    wrong = float(np.mean(left**2)) + reversal**2
+    assert EffectMap(case, taken).effect(departure).wrong == pytest.approx(wrong, rel=0.01)
+
+
+def test_the_damage_does_not_depend_on_the_promise() -> None:
+    case, taken = axis(), readings()
+    some, others = (defence(case, taken, promise) for promise in (0.5e-6, 5e-6))
+    named = [{(each.family, each.owner): each.damage for each in found.departures} for found in (some, others)]
+    assert named[0] == named[1]
+    assert others.u_def == 5e-6
+    assert others.weakest is None
+    assert some.weakest is not None
+    assert some.u_def == some.weakest.damage > 0.5e-6
+
+
+def test_readings_once_along_vouch_for_less_than_out_and_back() -> None:
+    case, back = axis(), readings()
+    along = sorted(back, key=lambda reading: reading.pose)
+    along = [replace(reading, time=60.0 * i) for i, reading in enumerate(along)]
+    damage = [
+        next(each.damage for each in defence(case, taken, 0.5e-6).departures if each.family == "drift")
+        for taken in (along, back)
+    ]
+    assert damage[0] > 5e-6
+    assert damage[1] < 1.2e-6
+
+
+def test_two_readings_vouch_for_nothing() -> None:
+    found = defence(axis(), readings()[:2], 0.5e-6)
+    assert found.u_def > 5e-6
+    assert found.departures[0].power == 0.0
+
+
+def test_a_reading_that_is_rejected_vouches_for_nothing() -> None:
+    case = axis()
+    truth = Simulator(case.description.machine, case.description.setups).drawn(2)
+    rng, setup = np.random.default_rng(2), case.description.setups[0]
+    taken = [replace(r, value=truth.read(setup, r.pose, r.approach, rng)) for r in readings()]
+    taken[7] = replace(taken[7], value=taken[7].value + 60e-6)
+    found = defended(concluded(case, taken))
+    assert found.readings == len(taken) - 1
+    assert found.promise <= found.u_def
