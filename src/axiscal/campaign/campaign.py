@@ -161,7 +161,7 @@ class Campaign:
         if not self.prepared():
             return Ended("nothing is left to measure")
         asked = Asked(self.state.free, self.state.plan[0])
-        if not beyond and self._over_budget(self._seconds_until(asked)):
+        if not beyond and self._over_budget(self.seconds([asked.place])):
             return Ended(BUDGET)
         self._append(asked)
         return asked
@@ -271,6 +271,10 @@ class Campaign:
         reached = None if self.state.finished is not None else self.reached()
         return Status(self.state, self.known().accuracy, self._times().seconds, reached)
 
+    def seconds(self, places: Sequence[Place] = ()) -> float:
+        """Return the machine time that the readings took, and places would take after them, s."""
+        return elapsed(self.case(), self._times(), places)
+
     def history(self) -> tuple[Milestone, ...]:
         """Return how well the machine was known after each reading, from the first one on."""
         readings, known = self.state.readings, estimated(self.case(), ())
@@ -323,7 +327,7 @@ class Campaign:
         """Return the question as a source is asked it."""
         setup = self.description.setup(asked.place.setup)
         place = self.description.machine.axes, asked.place.pose, asked.place.approach
-        seconds = self._seconds_until(asked) if setup.drift > 0 else 0.0
+        seconds = self.seconds([asked.place]) if setup.drift > 0 else 0.0
         return Request(asked.reading, setup, *place, seconds)
 
     def copy(self, path: Path) -> None:
@@ -353,9 +357,6 @@ class Campaign:
         """Return the seconds since the record was begun; never less than at the reading before."""
         now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
         return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
-
-    def _seconds_until(self, asked: Asked) -> float:
-        return elapsed(self.case(), self._times(), [asked.place])
 
     def _times(self) -> Timed:
         before = Timed() if self._known is None else self._known.stages.timed

@@ -23,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
     no_args_is_help=True,
-    context_settings={"max_content_width": 100},
+    context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
 )
 
 
@@ -34,8 +34,7 @@ def axiscal(version: Annotated[bool, typer.Option("--version", help="Print the v
     \b
     Example: the loop with a person
       axiscal start campaign.toml mill.axiscal
-      axiscal next mill.axiscal
-      axiscal record mill.axiscal "-1.7 um"
+      axiscal measure mill.axiscal
       axiscal finish mill.axiscal --out results
 
     Exit status: 0 done, 1 the job could not be done and stderr says why, 2 wrong usage.

@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from axiscal.exceptions import RecordError
+
+
+def own_record() -> Path:
+    """Return the record that is meant where none is named: of AXISCAL_RECORD, or the only one here."""
+    if named := os.environ.get("AXISCAL_RECORD"):
+        return Path(named)
+    here = sorted(Path.cwd().glob("*.axiscal"))
+    if len(here) == 1:
+        return here[0].relative_to(Path.cwd())
+    names = ", ".join(path.name for path in here)
+    what = f"There are {len(here)} records here: {names}" if here else "There is no campaign record here"
+    raise RecordError(what, "Name the one that is meant, or put its path into AXISCAL_RECORD", Path.cwd())
+
+
 RecordFile = Annotated[Path, typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.")]
+OwnRecord = Annotated[
+    Path,
+    typer.Argument(
+        metavar="RECORD",
+        default_factory=own_record,
+        show_default=False,
+        help="The campaign record, a file *.axiscal; AXISCAL_RECORD, or the only one here, where it is left out.",
+    ),
+]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for record, result.json, report and tables.")]
+Out = Annotated[
+    Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")
+]

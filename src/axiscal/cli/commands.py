@@ -17,6 +17,7 @@ _FILES = {
     "demo": "demo",
     "plan": "plan",
     "start": "start",
+    "measure": "measure",
     "next": "next_reading",
     "record": "record",
     "undo": "undo",

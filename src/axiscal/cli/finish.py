@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, Out, RecordFile
+from axiscal.cli.arguments import Json, Out, OwnRecord
 from axiscal.cli.outputs import RECORD, write_outputs
 
 
-def finish(record: RecordFile, out: Out, json: Json = False) -> None:
+def finish(record: OwnRecord, out: Out, json: Json = False) -> None:
     """End a campaign and write its results.
 
     A campaign that is finished already is written again, into the same folder if you like; `axiscal undo` takes the end

@@ -8,13 +8,13 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import question_document, question_text
 
 
 def next_reading(
-    record: RecordFile,
+    record: OwnRecord,
     beyond: Annotated[bool, typer.Option("--beyond", help="Ask for one more although a target is reached.")] = False,
     json: Json = False,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import RecordFile
+from axiscal.cli.arguments import OwnRecord
 from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
 from axiscal.report.delivery import write_report
@@ -16,7 +16,7 @@ from axiscal.report.summarising import Extras, summarise
 
 
 def report(
-    record: RecordFile,
+    record: OwnRecord,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Where to write it; default: beside the record.")
     ] = None,

@@ -52,5 +52,5 @@ def start(
         readings = count_text(len(planned), "reading")
         say(
             f"{path} is ready: {description.machine.name}, {setups}, {readings} planned.\n"
-            f"Ask for the first reading: axiscal next {path}"
+            f"Take the readings: axiscal measure {path}"
         )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, asked_text, count_text, question_text
 from axiscal.units import format_quantity, to_unit
 
 
-def status(record: RecordFile, json: Json = False) -> None:
+def status(record: OwnRecord, json: Json = False) -> None:
     """Say where a campaign stands: readings, accuracy, minutes, what was skipped, what is asked.
 
     \b

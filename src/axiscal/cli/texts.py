@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
-from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
-from axiscal.measurement.setup import Setup
+from axiscal.guide.question import coming_text, go_text, parked_text, touch_text, way_text
+from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
-
-_COMING = {1: "from below", -1: "from above"}
-"""Words for the two directions."""
 
 
 def micrometres(length: float) -> str:
@@ -24,39 +17,19 @@ def micrometres(length: float) -> str:
     return f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um"
 
 
-def way_text(setup: Setup) -> str:
-    """Return which way a set-up reads: "along x", "about -y" or "along (0.6, 0.8, 0)"."""
-    return f"{'along' if INSTRUMENTS[setup.instrument].reads == 'length' else 'about'} {direction_text(setup)}"
-
-
 def question_text(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
-    axes, setup = campaign.description.machine.axes, campaign.description.setup(asked.place.setup)
-    parked = [k for k in range(len(axes)) if k not in setup.moves]
-    come = ", ".join(f"{axes[k].name} {_COMING[s]}" for k, s in enumerate(asked.place.approach) if s)
+    setup = campaign.description.setup(asked.place.setup)
+    coming, touch, parked = (word(campaign, asked) for word in (coming_text, touch_text, parked_text))
     lines = [
         f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {way_text(setup)}',
-        f"  go to     {place_text(axes, asked.place.pose, setup.moves)}",
-        f"  coming    {come}" if come else "",
-        _in_touch(campaign, asked),
-        f"  parked    {place_text(axes, asked.place.pose, parked)}" if parked else "",
+        f"  go to     {go_text(campaign, asked)}",
+        f"  coming    {coming}" if coming else "",
+        f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
+        f"  parked    {parked}" if parked else "",
         f'  then      axiscal record {campaign.path} "VALUE {reading_unit(setup)}"',
     ]
     return "\n".join(line for line in lines if line)
-
-
-def _in_touch(campaign: Campaign, asked: Asked) -> str:
-    """Say at which ball a reading is taken, and how the machine has to go there; nothing where none is touched."""
-    setup, machine = campaign.description.setup(asked.place.setup), campaign.description.machine
-    if setup.contact == "free" or not len(setup.balls or (setup.station or ())):
-        return ""
-    held = "all axes together, the tool point held (TRAORI, TCPM, G43.4)"
-    way = held if setup.contact == "held" else "off the ball, turn, and back to it"
-    if setup.artefact is None:
-        return f"  the way   {way}"
-    tip = frames(machine, np.array([asked.place.pose])).tcp
-    ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
-    return f"  at        ball {ball.name} of {setup.artefact.name}: {way}"
 
 
 def asked_text(campaign: Campaign, asked: Asked) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import asked_text, count_text
 from axiscal.measurement.place_texts import reading_text
 from axiscal.record.events import Recorded, Skipped
 
 
-def undo(record: RecordFile, json: Json = False) -> None:
+def undo(record: OwnRecord, json: Json = False) -> None:
     """Take back the last reading, skip or finish.
 
     Its question is open again. The record still shows that it happened.
@@ -21,13 +21,20 @@ def undo(record: RecordFile, json: Json = False) -> None:
     """
 
     with Campaign.open(record) as campaign:
-        what, number = _last(campaign)
-        undone = type(campaign.undo().event).__name__.lower()
-        left = len(campaign.state.readings)
+        said, document = taken_back(campaign)
     if json:
-        say_document({"schema": "axiscal-undo/1", "undone": undone, "reading": number, "readings": left})
+        say_document({"schema": "axiscal-undo/1", **document})
     else:
-        say(f"Took back {what}; {count_text(left, 'reading')} {'is' if left == 1 else 'are'} kept.")
+        say(said)
+
+
+def taken_back(campaign: Campaign) -> tuple[str, dict[str, object]]:
+    """Take back the last reading, skip or finish, and return that in words and as a document."""
+    what, number = _last(campaign)
+    undone = type(campaign.undo().event).__name__.lower()
+    left = len(campaign.state.readings)
+    said = f"Took back {what}; {count_text(left, 'reading')} {'is' if left == 1 else 'are'} kept."
+    return said, {"undone": undone, "reading": number, "readings": left}
 
 
 def _last(campaign: Campaign) -> tuple[str, int | None]:

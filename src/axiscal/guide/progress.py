@@ -1,0 +1,49 @@
+"""How far a campaign is: readings and minutes done and to come, and how well the machine is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.campaign import Campaign
+from axiscal.measurement.place import Place
+from axiscal.planning.promise import promised
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a campaign stands.
+
+    taken, coming : readings; coming holds the one that is asked for
+    seconds, left : of machine time, used and to come by the plan
+    before, now, promised : how well the machine was known at first, is known, and will be after the plan
+    """
+
+    taken: int
+    coming: int
+    seconds: float
+    left: float
+    before: Accuracy
+    now: Accuracy
+    promised: Accuracy
+
+    @classmethod
+    def of(cls, campaign: Campaign) -> Progress:
+        """Return where the campaign stands, by the plan as it is now."""
+        known, places = campaign.known(), coming(campaign)
+        case, seconds = campaign.case(), campaign.seconds()
+        return cls(
+            taken=len(campaign.state.readings),
+            coming=len(places),
+            seconds=seconds,
+            left=campaign.seconds(places) - seconds,
+            before=case.yardstick.measure(case.prior),
+            now=known.accuracy,
+            promised=promised(*known.banded, places) if places else known.accuracy,
+        )
+
+
+def coming(campaign: Campaign) -> tuple[Place, ...]:
+    """Return the places of the readings to come, the one asked for first."""
+    pending = campaign.state.pending
+    return (() if pending is None else (pending.place,)) + tuple(campaign.state.plan)

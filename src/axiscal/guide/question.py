@@ -1,0 +1,94 @@
+"""The next reading as the person at the machine has to know it: what to mount, where to go, from which side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.guide.expectation import Expectation, expectation
+from axiscal.guide.sign import sign_text
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
+from axiscal.measurement.setup import Setup
+from axiscal.record.events import Asked
+
+_COMING = {1: "from below", -1: "from above"}
+"""Words for the two directions."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Question:
+    """The words for one reading; those that do not apply are empty.
+
+    number : of the reading; mount : whether the set-up has to be mounted first
+    go, parked : coordinates; coming : sides of the last motion; touch : the ball, and how to get there
+    unit : of the values when none is typed; expected : what earlier readings say of it
+    """
+
+    number: int
+    setup: Setup
+    mount: bool
+    go: str
+    coming: str
+    touch: str
+    parked: str
+    sign: str
+    unit: str
+    expected: Expectation
+
+    @classmethod
+    def of(cls, campaign: Campaign, asked: Asked) -> Question:
+        """Return the words for what is asked."""
+        setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
+        return cls(
+            number=asked.reading,
+            setup=setup,
+            mount=not readings or readings[-1].setup != setup.name,
+            go=go_text(campaign, asked),
+            coming=coming_text(campaign, asked),
+            touch=touch_text(campaign, asked),
+            parked=parked_text(campaign, asked),
+            sign=sign_text(setup),
+            unit=reading_unit(setup),
+            expected=expectation(campaign.known(), asked.place),
+        )
+
+
+def way_text(setup: Setup) -> str:
+    """Return which way a set-up reads: "along x", "about -y" or "along (0.6, 0.8, 0)"."""
+    return f"{'along' if INSTRUMENTS[setup.instrument].reads == 'length' else 'about'} {direction_text(setup)}"
+
+
+def go_text(campaign: Campaign, asked: Asked) -> str:
+    """Return where the axes go that move: "X = 120 mm"."""
+    setup = campaign.description.setup(asked.place.setup)
+    return place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
+
+
+def parked_text(campaign: Campaign, asked: Asked) -> str:
+    """Return where the other axes stand."""
+    axes, setup = campaign.description.machine.axes, campaign.description.setup(asked.place.setup)
+    return place_text(axes, asked.place.pose, [k for k in range(len(axes)) if k not in setup.moves])
+
+
+def coming_text(campaign: Campaign, asked: Asked) -> str:
+    """Return from which sides to come: "X from below"; empty where none matters."""
+    axes = campaign.description.machine.axes
+    return ", ".join(f"{axes[k].name} {_COMING[s]}" for k, s in enumerate(asked.place.approach) if s)
+
+
+def touch_text(campaign: Campaign, asked: Asked) -> str:
+    """Return at which ball a reading is taken, and how the machine has to go there; empty where none is touched."""
+    setup, machine = campaign.description.setup(asked.place.setup), campaign.description.machine
+    if setup.contact == "free" or not len(setup.balls or (setup.station or ())):
+        return ""
+    held = "all axes together, the tool point held (TRAORI, TCPM, G43.4)"
+    way = held if setup.contact == "held" else "off the ball, turn, and back to it"
+    if setup.artefact is None:
+        return way
+    tip = frames(machine, np.array([asked.place.pose])).tcp
+    ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
+    return f"ball {ball.name} of {setup.artefact.name}: {way}"

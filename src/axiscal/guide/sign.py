@@ -1,0 +1,24 @@
+"""The sign of a reading in words: what a person sees when it is positive."""
+
+from __future__ import annotations
+
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place_texts import direction_text
+from axiscal.measurement.setup import Setup
+
+
+def sign_text(setup: Setup) -> str:
+    """Return when a reading of the set-up is positive; all are of the tool, seen from the workpiece."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return "+ where the tool stands too far towards +x, +y, +z, seen from the workpiece"
+    if not instrument.model.directed:
+        return "+ where the distance is longer than it should be"
+    way = _signed(direction_text(setup))
+    if instrument.reads == "angle":
+        return f"+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
+    return f"+ where the tool stands too far towards {way}, seen from the workpiece"
+
+
+def _signed(direction: str) -> str:
+    return direction if direction[0] in "-(" else f"+{direction}"

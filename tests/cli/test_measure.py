@@ -1,0 +1,161 @@
+"""The prompt, driven through a pseudo-terminal as a person would: a whole campaign, and what goes wrong on the way."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli import app
+
+CAMPAIGN = """\
+machine = "one-axis"
+[target]
+readings = 4
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+noise = "0.5 um"
+"""
+PATIENCE = 60.0
+"""s: for a prompt to come on a busy computer."""
+
+
+class Terminal:
+    """`axiscal measure` in a terminal of its own."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.screen, self._read = "", 0
+        self.pid, self.terminal = pty.fork()
+        if self.pid == 0:
+            os.chdir(folder)
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
+            words = [sys.executable, "-m", "axiscal.cli", "measure", *arguments]
+            os.execvpe(sys.executable, words, {**os.environ, "TERM": "dumb"})
+
+    def until(self, prompt: str) -> str:
+        """Return what came on the screen up to and with a prompt since the last one."""
+        while prompt not in self.screen[self._read :]:
+            ready, _, _ = select.select([self.terminal], [], [], PATIENCE)
+            assert ready, f"no {prompt!r} after: {self.screen}"
+            try:
+                came = os.read(self.terminal, 4096)
+            except OSError:
+                came = b""
+            assert came, f"ended before {prompt!r}: {self.screen}"
+            self.screen += came.decode()
+        end = self.screen.index(prompt, self._read) + len(prompt)
+        shown, self._read = self.screen[self._read : end], end
+        return shown
+
+    def type(self, line: str) -> None:
+        """Type a line."""
+        os.write(self.terminal, (line + "\n").encode())
+
+    def ended(self) -> int:
+        """Return the exit status; minus the number of the signal that ended it."""
+        return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a campaign that has been started."""
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
+    subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
+    return tmp_path
+
+
+def kept(folder: Path) -> list[float]:
+    """Return the readings on the disk, um."""
+    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
+        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
+
+
+def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
+    terminal = Terminal(folder)
+    shown = terminal.until("Enter when it stands, or pause > ")
+    assert 'Set-up "laser": mount the interferometer, reading along x' in shown
+    terminal.type("")
+    shown = terminal.until("reading [um] > ")
+    assert "reading 1 of 4" in shown
+    assert "+ where the tool stands too far towards +x" in shown
+    terminal.type("-1,7")
+    assert "kept reading 1 at X = " in terminal.until("reading [um] > ")
+    terminal.type("twelve")
+    assert "Type ? for what can be typed" in terminal.until("reading [um] > ")
+    terminal.type("0.0005 mm")
+    assert "kept reading 2" in terminal.until("reading [um] > ")
+    terminal.type("undo")
+    assert "Took back reading 2" in terminal.until("reading [um] > ")
+    terminal.type("400")
+    assert re.search(r"That is \d+\.\d standard deviations", terminal.until("Enter to read again: "))
+    terminal.type("")
+    terminal.until("reading [um] > ")
+    for value in ("0.4", "1.1", "0.2"):
+        terminal.type(value)
+        shown = terminal.until("kept reading ")
+    assert "axiscal finish mill.axiscal --out DIR" in terminal.until("--out DIR")
+    assert terminal.ended() == 0
+    assert kept(folder) == [-1.7, 0.4, 1.1, 0.2]
+
+
+def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> None:
+    first = Terminal(folder)
+    first.until("pause > ")
+    first.type("")
+    first.until("reading [um] > ")
+    first.type("2")
+    first.until("reading [um] > ")
+    first.type("pause")
+    assert "Go on: axiscal measure mill.axiscal" in first.until("measure mill.axiscal")
+    assert first.ended() == 0
+    second = Terminal(folder, "mill.axiscal")
+    assert "reading 2 of 4" in second.until("reading [um] > ")
+    second.type("skip the beam is blocked")
+    assert "skipped" in second.until("reading [um] > ")
+    second.type("\x04")
+    assert second.ended() == 0
+    assert kept(folder) == [2.0]
+
+
+@pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGHUP])
+def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blow: signal.Signals) -> None:
+    terminal = Terminal(folder)
+    terminal.until("pause > ")
+    terminal.type("")
+    terminal.until("reading [um] > ")
+    terminal.type("3.5")
+    terminal.until("it is on the disk")
+    os.kill(terminal.pid, blow)
+    assert terminal.ended() == -blow
+    assert kept(folder) == [3.5]
+
+
+def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:
+    terminal = Terminal(folder)
+    terminal.until("pause > ")
+    os.write(terminal.terminal, b"\x03")
+    assert "Nothing that was recorded is lost" in terminal.until("is lost")
+    assert terminal.ended() == 1
+
+
+def test_the_record_is_asked_for_where_there_are_two(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "other.axiscal").write_bytes((folder / "mill.axiscal").read_bytes())
+    monkeypatch.chdir(folder)
+    assert app.run(["status"]) == 1
+    assert "mill.axiscal, other.axiscal" in capsys.readouterr().err
+    monkeypatch.setenv("AXISCAL_RECORD", str(folder / "mill.axiscal"))
+    assert app.run(["status"]) == 0
