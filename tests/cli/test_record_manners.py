@@ -129,3 +129,14 @@ def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_
     captions = dict(re.findall(r"<figcaption><b>(E\w+)</b> <span>(.*?)</span>", page.read_text()))
     assert "X carries the workpiece: readings show this with the other sign" in captions["EXX"]
     assert "carries" not in captions["EYY"]
+
+
+def test_one_command_keeps_a_reading_and_says_the_next_one(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked(record, capsys)
+    told = said(capsys, "record", str(record), "1.0 um", "--next")
+    assert "Kept reading 1" in told
+    assert "Reading 2: set-up" in told
+    document = json.loads(said(capsys, "record", str(record), "0.4 um", "--next", "--json"))
+    assert (document["reading"], document["next"]["question"]["reading"]) == (2, 3)
+    document = json.loads(said(capsys, "next", str(record), "--json"))
+    assert document["question"]["reading"] == 3

@@ -7,10 +7,9 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import Ended
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import question_document, question_text
+from axiscal.cli.texts import next_text, question_document
 
 
 def next_reading(
@@ -31,7 +30,5 @@ def next_reading(
         asked = campaign.next(beyond=beyond)
         if json:
             say_document(question_document(campaign, asked))
-        elif isinstance(asked, Ended):
-            say(f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {record} --out DIR")
         else:
-            say(question_text(campaign, asked))
+            say(next_text(campaign, asked))

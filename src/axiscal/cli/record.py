@@ -12,7 +12,7 @@ from axiscal.cli.leaving import Stand
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.second_thoughts import doubted, others_doubted
-from axiscal.cli.texts import asked_text
+from axiscal.cli.texts import asked_text, next_text, question_document
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
@@ -30,6 +30,7 @@ def record(
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
     accept: Annotated[bool, typer.Option("--accept", help="Believe it, however much it surprises.")] = False,
+    then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
     json: Json = False,
 ) -> None:
     """Keep a reading: actual minus commanded, along (about) the set-up's direction.
@@ -43,6 +44,7 @@ def record(
       axiscal record mill.axiscal "-1.7 um"
       axiscal record mill.axiscal 2.1um --std 0.2um
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
+      axiscal record mill.axiscal "0.4 um" --next
       axiscal record mill.axiscal --skip "the beam is blocked here"
     """
 
@@ -50,7 +52,7 @@ def record(
     if (skip is None) == (not text):
         raise typer.BadParameter("give either VALUE or --skip REASON")
     if skip is not None and (std or at or setup or approach or accept):
-        raise typer.BadParameter("--skip is of the reading that was asked for; it takes no other option than --json")
+        raise typer.BadParameter("--skip is of the reading that was asked for; it takes only --next and --json")
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
     document: dict[str, object]
@@ -68,10 +70,14 @@ def record(
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
             document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
+        question = campaign.next() if then_next else None
+        if question is not None:
+            document |= {"next": question_document(campaign, question)}
+        coming = f"Ask for the next one: axiscal next {record}" if question is None else next_text(campaign, question)
     if json:
         say_document({"schema": "axiscal-record/1", **document})
     else:
-        say(f"{message}\nAsk for the next one: axiscal next {record}")
+        say(f"{message}\n{coming}")
 
 
 _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."

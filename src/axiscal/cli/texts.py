@@ -32,6 +32,13 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     return "\n".join(line for line in lines if line)
 
 
+def next_text(campaign: Campaign, asked: Asked | Ended) -> str:
+    """Return the question, or why there is none and what to do."""
+    if isinstance(asked, Ended):
+        return f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {campaign.path} --out DIR"
+    return question_text(campaign, asked)
+
+
 def asked_text(campaign: Campaign, asked: Asked) -> str:
     """Return which reading was asked for: 'reading 7 in "laser" at X = 120 mm'."""
     setup = campaign.description.setup(asked.place.setup)
