@@ -268,12 +268,14 @@ class SiteReader:
             self._refuse_no_turn(turning)
         steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
         park, room = self._park(set(turning)), self._room(artefact)
+        contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
+        back = 0.0 if contact == "held" else RETRACT if self._table.retract is None else self._table.retract
+        free = np.array(artefact.free)
         each = tuple(
-            Held(room, np.array(artefact.balls[i].place), np.array(artefact.free), artefact.cone, turning, park, steps)
+            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, back)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 else Balls(each)
-        contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         unknowns = (*unknowns_at(artefact, balls), *self._tool)
         moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
         return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)

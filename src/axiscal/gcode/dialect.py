@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
 
 Words = Sequence[tuple[str, str]]
 """Names of axes with where they go, as text in mm or deg."""
@@ -18,6 +19,8 @@ class Dialect(ABC):
 
     title : its name for people; suffix : of its files; decimals : of a coordinate; longest_name : of a program
     letters : of the axes that it knows; notes : what must be known of it
+    tip_decimals : of a place of the tool point, mm; tip_needs : which mode and zero that needs, for the head
+    tip_notes : what must be known of that mode; from_zero : it takes the table as it stands when the mode begins
     """
 
     title: ClassVar[str]
@@ -26,6 +29,10 @@ class Dialect(ABC):
     longest_name: ClassVar[int] = 24
     letters: ClassVar[str] = "XYZABCUVW"
     notes: ClassVar[tuple[str, ...]]
+    tip_decimals: ClassVar[int] = 4
+    tip_needs: ClassVar[tuple[str, ...]]
+    tip_notes: ClassVar[tuple[str, ...]]
+    from_zero: ClassVar[bool] = False
 
     def check(self, axes: Sequence[Axis]) -> None:
         """Raise ProgramError for an axis that the control has no name for."""
@@ -49,6 +56,31 @@ class Dialect(ABC):
     def stop(self, axes: Sequence[Axis]) -> list[str]:
         """Return what halts the program until somebody presses start."""
         return ["M0"]
+
+    def refuse_no_tip(self, machine: Machine) -> None:
+        """Raise ProgramError where the control cannot hold the tool point of such a machine."""
+        if not {"X", "Y", "Z"} <= {axis.name for axis in machine.axes}:
+            raise ProgramError("a tool point is held by X, Y and Z", "Name the linear axes of the machine so")
+
+    @property
+    def pause(self) -> list[str]:
+        """What halts the program while the tool point is held."""
+        return ["M0"]
+
+    @abstractmethod
+    def tip_on(self, tool: str, tip: Words) -> list[str]:
+        """Return what makes X Y Z those of the tool point on the workpiece.  tool : length, mm; tip : where it is"""
+
+    @abstractmethod
+    def tip_off(self, axes: Words) -> list[str]:
+        """Return what makes them those of the machine again.  axes : where these are"""
+
+    @abstractmethod
+    def tip_move(self, words: Words, feed: int) -> str:
+        """Return a straight move of the tool point on the workpiece, rotary axes in step.
+
+        feed : mm/min of the tool point, deg/min where it stays
+        """
 
     @abstractmethod
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:

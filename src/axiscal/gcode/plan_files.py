@@ -47,7 +47,8 @@ def _readme(made: Sequence[Program], controller: str) -> str:
         "axiscal estimate. Its rows are in the order of the programs; take out the rows that were not read.",
         "",
     ]
-    return "\n".join([*lines, *(f"- {note}" for note in made[0].notes)]) + "\n"
+    notes = dict.fromkeys(note for program in made for note in program.notes)
+    return "\n".join([*lines, *(f"- {note}" for note in notes)]) + "\n"
 
 
 def _written(path: Path, text: str) -> Path:

@@ -6,21 +6,40 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
+import numpy as np
+
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
 from axiscal.gcode.dialect import Dialect
+from axiscal.gcode.gliding import Driver, SlideDriver, TipDriver
 from axiscal.gcode.groups import Group, groups
+from axiscal.gcode.in_touch import InTouch
 from axiscal.gcode.listing import Listed, listing
 from axiscal.gcode.plain_words import plain, program_name
 from axiscal.gcode.program_options import ProgramOptions
 from axiscal.gcode.scale import AxisScale
-from axiscal.gcode.steps import Arrival, Clearance, Dwell, Halt, Move, Remark, Step, run_through
-from axiscal.gcode.targets import ReadingTarget, target
+from axiscal.gcode.steps import (
+    Arrival,
+    Clearance,
+    Dwell,
+    Glide,
+    Halt,
+    Hold,
+    Move,
+    Release,
+    Remark,
+    Step,
+    run_through,
+)
+from axiscal.gcode.targets import Decimals, ReadingTarget, target
+from axiscal.gcode.touching_ways import Ways
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.inverse import drawn_back
+from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
-from axiscal.units import format_quantity
+from axiscal.units import format_quantity, to_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +91,6 @@ def _named(known: Mapping[str, Setup], name: str) -> Setup:
     return known[name]
 
 
-def _refuse_contact(setup: Setup) -> None:
-    """Raise ProgramError for a set-up in touch: linear axes that go before rotary ones would tear it off."""
-    if setup.contact != "free":
-        what = f'"{setup.name}" reads in touch, and these programs move one family of axes after another'
-        remedy = "Drive it in the control's tool centre point mode (TRAORI, TCPM or M128, G43.4, M428) from plan --json"
-        raise ProgramError(what, remedy)
-
-
 class _Writer:
     """Writes the programs of one machine in one dialect."""
 
@@ -91,20 +102,61 @@ class _Writer:
         self._clearance = _clearance(machine, self._scales, options)
 
     def program(self, number: int, setup: Setup, places: Sequence[tuple[int, Place]]) -> Program:
-        _refuse_contact(setup)
         dialect = self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
         run = list(self._steps(setup, places))
         lines = [self._comment(text) for text in self._head(setup, places)]
         lines += [line for step in run for line in self._lines(step)]
         text = dialect.framed(name, number, self._machine.axes, lines)
-        readings = tuple(self._listed(setup, run))
-        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
+        readings = tuple(self._listed(setup, run, places))
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes(setup))
 
     def _steps(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
-        targets = [target(self._scales, setup.name, number, place.pose, place.approach) for number, place in places]
         reading = setup.reading_time if self._options.wait == "dwell" else None
-        return run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance)
+        if setup.chart is not None and setup.contact == "held":
+            yield from self._in_touch(setup, setup.chart).run_through(places, reading)
+            return
+        poses = [self._stood_at(setup, place) for _, place in places]
+        numbered = zip(places, poses, strict=True)
+        targets = [target(self._scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
+        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clear_of(setup))
+
+    def _in_touch(self, setup: Setup, chart: Chart) -> InTouch:
+        """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
+        slides = SlideDriver(self._scales, self._groups, self._clear_of(setup))
+        held = _turns(setup, self._machine)
+        driver: Driver = slides
+        if held:
+            self._dialect.refuse_no_tip(self._machine)
+            step = Decimal(1).scaleb(-self._dialect.tip_decimals)
+            driver = TipDriver(self._machine, slides, self._scales, step, self._options.feed)
+        ways = Ways(self._machine, setup, chart, held and self._dialect.from_zero, self._inside(self._clear_of(setup)))
+        return InTouch(setup, ways, driver)
+
+    def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
+        """Return a clearance in m, a little within the travel: chords of a turn may rise."""
+        if clearance is None:
+            return None
+        axis = self._machine.axes[clearance[0]]
+        low, high = axis.travel
+        place = float(clearance[1]) / to_unit(1.0, axis.unit)
+        return clearance[0], min(max(place, low + axis.overrun), high - axis.overrun)
+
+    def _stood_at(self, setup: Setup, place: Place) -> Sequence[float]:
+        """Return where the axes stand at a reading: off its ball, where the probe begins."""
+        if setup.contact != "retracted":
+            return place.pose
+        pose: list[float] = drawn_back(self._machine, np.array([place.pose]), setup.retract)[0].tolist()
+        return pose
+
+    def _clear_of(self, setup: Setup) -> Clearance | None:
+        """Return the clearance; where balls stand on the table, the axis Z at its upper end unless another is said."""
+        if self._clearance is not None or setup.contact == "free":
+            return self._clearance
+        for k, axis in enumerate(self._machine.axes):
+            if axis.name == "Z":
+                return k, self._scales[k].last if axis.direction[2] > 0 else self._scales[k].first
+        return None
 
     def _head(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> list[str]:
         return [
@@ -114,47 +166,71 @@ class _Writer:
             f"READINGS {places[0][0]} TO {places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
+            *(self._dialect.tip_needs if self._holds(setup) else ()),
+            *(_AT_BALL if setup.contact == "retracted" else ()),
         ]
+
+    def _holds(self, setup: Setup) -> bool:
+        """Whether the control holds the tool point in a set-up."""
+        return setup.contact == "held" and _turns(setup, self._machine)
 
     def _lines(self, step: Step) -> list[str]:
         match step:
             case Move():
                 words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.move(words, step.feed)]
+            case Glide():
+                return [self._dialect.tip_move(step.to, step.feed)]
+            case Hold():
+                return self._dialect.tip_on(self._tool(), step.at)
+            case Release():
+                return self._dialect.tip_off(step.at)
             case Dwell():
                 return self._dialect.dwell_s(step.seconds)
             case Halt():
-                return self._dialect.stop(self._machine.axes)
+                return self._dialect.pause if step.held else self._dialect.stop(self._machine.axes)
             case Remark():
                 return [self._comment(step.text)]
             case Arrival():
                 return []
 
+    def _tool(self) -> str:
+        """Return the length of the tool, mm."""
+        return f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
+
     def _comment(self, text: str) -> str:
         """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
         return self._dialect.comment(plain(text))
 
-    def _listed(self, setup: Setup, run: Sequence[Step]) -> Iterator[Listed]:
+    def _listed(self, setup: Setup, run: Sequence[Step], places: Sequence[tuple[int, Place]]) -> Iterator[Listed]:
         """Yield the readings with the time from the start at the first one, stops not counted."""
-        seconds = 0.0
+        seconds, asked = 0.0, dict(places)
         for step in run:
-            if isinstance(step, Move | Dwell):
+            if isinstance(step, Move | Glide | Dwell):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
-                yield self._row(setup, step.target, seconds)
+                yield self._row(setup, step.target, asked[step.target.number], seconds)
 
-    def _row(self, setup: Setup, reached: ReadingTarget, seconds: float) -> Listed:
-        texts = [scale.written(value) for scale, value in zip(self._scales, reached.position, strict=True)]
+    def _row(self, setup: Setup, reached: ReadingTarget, asked: Place, seconds: float) -> Listed:
+        at = reached.position if setup.contact != "retracted" else self._at_ball(asked)
+        texts = [scale.written(value) for scale, value in zip(self._scales, at, strict=True)]
         return Listed(reached.number, seconds, setup, self._machine.axes, tuple(texts), reached.approach)
 
-    def _notes(self) -> tuple[str, ...]:
+    def _at_ball(self, asked: Place) -> Decimals:
+        """Return the pose that is read, with the tool point at the ball, in the numbers of the program."""
+        numbers = (scale.nearest(value) for scale, value in zip(self._scales, asked.pose, strict=True))
+        return tuple(number for number in numbers if number is not None)
+
+    def _notes(self, setup: Setup) -> tuple[str, ...]:
         return (
             *self._dialect.notes,
+            *(self._dialect.tip_notes if self._holds(setup) else ()),
+            *(_TOUCHED if setup.contact == "retracted" else ()),
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
             f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()} Nothing is known "
             "here of what stands in the way: watch the first run at reduced feed.",
-            "Jog the axes only at the first two stops, before and at the mounting of the instrument; from there the "
-            "program goes to its start again. At a reading nothing may be moved by hand.",
+            f"Jog the axes only {_JOG if not self._holds(setup) else _JOG_HELD} At a reading nothing may be moved by "
+            "hand.",
             f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
         )
 
@@ -169,6 +245,24 @@ class _Writer:
             return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
 
         return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
+
+
+_AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
+_TOUCHED = (
+    "At a reading the tool stands off its ball, drawn back along itself: run the control's own cycle for a sphere "
+    "there. What is read is where the centre was found less where it is stated, along x, y and z of the workpiece.",
+)
+
+_JOG = (
+    "at the first two stops, before and at the mounting of the instrument; from there the program goes to its start "
+    "again."
+)
+_JOG_HELD = "at the first stop: from the mounting on the control holds the tool point."
+
+
+def _turns(setup: Setup, machine: Machine) -> bool:
+    """Whether a rotary axis moves in a set-up."""
+    return any(machine.axes[k].rotary for k in setup.moves)
 
 
 def _clearance(machine: Machine, scales: Sequence[AxisScale], options: ProgramOptions) -> Clearance | None:

@@ -38,6 +38,32 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
+class Glide:
+    """A straight move of the tool point on the workpiece, rotary axes in step.
+
+    to : names of axes with where to, X Y Z on the workpiece, as text; feed in mm/min, deg/min where the point stays
+    """
+
+    to: tuple[tuple[str, str], ...]
+    feed: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """From here on X Y Z are those of the tool point on the workpiece.  at : where it is, as text"""
+
+    at: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """From here on they are those of the machine again.  at : where its axes are, as text"""
+
+    at: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Dwell:
     """The axes stand still, s."""
 
@@ -46,7 +72,9 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Halt:
-    """The program halts until somebody presses start."""
+    """The program halts until somebody presses start.  held : while the control holds the tool point"""
+
+    held: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +91,7 @@ class Arrival:
     target: ReadingTarget
 
 
-Step = Move | Dwell | Halt | Remark | Arrival
+Step = Move | Glide | Hold | Release | Dwell | Halt | Remark | Arrival
 
 
 Clearance = tuple[int, Decimal]
@@ -86,24 +114,24 @@ def run_through(
     standing = targets[0].turning
     for text in ("PRESS START WHEN THE WAY TO THE START IS CLEAR", "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"):
         yield from (Remark(text), Halt())
-        yield from _to_the_start(standing, groups, clearance)
+        yield from to_the_start(standing, groups, clearance)
     for target in targets:
-        clear = _cleared(standing, clearance)
+        clear = cleared(standing, clearance)
         turning = target.way_in(clear if _others_move(standing, target.position, clearance) else standing)
         stops = [turning, target.position]
         if _others_move(standing, turning, clearance):
-            stops = [clear, _cleared(turning, clearance), *stops]
+            stops = [clear, cleared(turning, clearance), *stops]
         for stop in stops:
-            yield from _moves(standing, stop, scales, groups)
+            yield from moves(standing, stop, scales, groups)
             standing = stop
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
-        yield from _dwells(settle)
-        yield from [Halt()] if reading is None else _dwells(reading)
-    yield from _moves(standing, _cleared(standing, clearance), scales, groups)
+        yield from dwells(settle)
+        yield from [Halt()] if reading is None else dwells(reading)
+    yield from moves(standing, cleared(standing, clearance), scales, groups)
 
 
-def _to_the_start(start: Decimals, groups: Sequence[Group], clearance: Clearance | None) -> Iterator[Move]:
+def to_the_start(start: Decimals, groups: Sequence[Group], clearance: Clearance | None) -> Iterator[Move]:
     """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
     apart = None if clearance is None else clearance[0]
     own = [group for group in groups if apart in group.axes]
@@ -114,7 +142,7 @@ def _to_the_start(start: Decimals, groups: Sequence[Group], clearance: Clearance
     yield from (Move({k: start[k] for k in group.axes if k == apart}, group.feed(None), 0.0) for group in own)
 
 
-def _cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
+def cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
     """Return the place with the axis of the clearance where it is clear."""
     if clearance is None:
         return place
@@ -128,7 +156,7 @@ def _others_move(start: Decimals, stop: Decimals, clearance: Clearance | None) -
     )
 
 
-def _dwells(seconds: float) -> Iterator[Dwell]:
+def dwells(seconds: float) -> Iterator[Dwell]:
     """Yield dwells of at most a minute that add up to so many seconds; raises ProgramError for more than an hour."""
     if not 0 <= seconds <= LONGEST_WAIT:
         what = f"a wait of {format_quantity(seconds, 's')} at each reading"
@@ -137,7 +165,7 @@ def _dwells(seconds: float) -> Iterator[Dwell]:
     yield from [Dwell(seconds / max(parts, 1))] * parts
 
 
-def _moves(start: Decimals, stop: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group]) -> Iterator[Move]:
+def moves(start: Decimals, stop: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group]) -> Iterator[Move]:
     """Yield the moves from one place to another, group after group; none where nothing is to move."""
     for group in groups:
         begin: Places = {k: start[k] for k in group.axes}

@@ -50,6 +50,12 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
     return result
 
 
+def drawn_back(machine: Machine, poses: Array, far: float) -> Array:
+    """Return poses (m, q) with the linear axes moved so that the tool is drawn back along itself.  far : m"""
+    at = frames(machine, poses)
+    return tip_at(machine, poses, at.tcp + far * at.stem)
+
+
 def _solved(ways: Array, away: Array) -> Array:
     """Return the travels that add up to the ways, or come nearest, (m, k).  ways : (m, 3, k); away : (m, 3)."""
     if ways.shape[2] == 3 and np.all(np.abs(np.linalg.det(ways)) > _FLAT):

@@ -7,6 +7,8 @@ a = min_k A_k/2|t_k'|: the way takes 1/v + v/a, or 2/√a where it is too short 
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from axiscal.machine.description import Machine
@@ -17,6 +19,8 @@ from axiscal.numerics import Array
 
 _SAMPLES = 33
 """Places along a way, for how fast an axis may go there: a way over a part of a turn bends little."""
+_ASIDE = 1e-9
+"""m or rad: rounding of an axis that does not move."""
 _STILL = 1e-12
 """Of an axis that does not move along a way; and no division by nought."""
 
@@ -50,29 +54,34 @@ def _in_touch(machine: Machine, chart: Chart, start: Array, stop: Array, approac
     """Return the time of ways with the tool point held, over the places from where the sides are come from."""
     here, there = chart.places(start), chart.places(stop)
     ends = [chart.bounds(number) for number in range(chart.size)]
-    past = there - _sides(chart, there, approach) * np.array([end.overrun for end in ends])
+    past = there - sides_of(chart, there, approach) * np.array([end.overrun for end in ends])
     return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
 
 
-def _sides(chart: Chart, there: Array, approach: Array) -> Array:
-    """Return from which side each coordinate is come to, (m, size): that of the axes that go with it."""
-    aside = 1e-6
-    sides = np.zeros_like(there)
-    for number in range(chart.size):
-        step = np.zeros(chart.size)
-        step[number] = aside
-        moved = chart.poses(there + step) - chart.poses(there)
-        along = np.sign(np.nan_to_num(moved)) * approach
-        sides[:, number] = np.where(np.all(approach == 0, axis=1), 0.0, np.sign(along.sum(axis=1)))
-    return sides
+def sides_of(chart: Chart, there: Array, approach: Array) -> Array:
+    """Return from which side each coordinate is come to, (m, size): what brings most axes from where they come.
+
+    there : (m, size) u; approach : (m, q) +1, −1, 0 of the axes
+    """
+    away = np.array([chart.bounds(number).overrun for number in range(chart.size)])
+    choices = np.array(list(product((1.0, -1.0), repeat=chart.size)))
+    here = np.nan_to_num(chart.poses(there))
+    ways = [here - np.nan_to_num(chart.poses(there - choice * away)) for choice in choices]
+    agreed = np.stack([np.sum(np.where(np.abs(way) > _ASIDE, np.sign(way), 0.0) * approach, axis=1) for way in ways])
+    sides = np.where(away > 0, choices[agreed.argmax(axis=0)], 0.0)
+    return np.where(np.any(approach != 0, axis=1)[:, None], sides, 0.0)
 
 
 def held_seconds(machine: Machine, chart: Chart, start: Array, stop: Array) -> Array:
     """Return the time of ways straight in u with all axes together, (m,).  start, stop : (m, size)"""
     share = np.linspace(0.0, 1.0, _SAMPLES)[:, None, None]
     places = start + share * (stop - start)
-    poses = np.nan_to_num(chart.poses(places.reshape(-1, chart.size)).reshape(_SAMPLES, len(start), -1))
-    step = 1.0 / (_SAMPLES - 1)
+    return path_seconds(machine, chart.poses(places.reshape(-1, chart.size)).reshape(_SAMPLES, len(start), -1))
+
+
+def path_seconds(machine: Machine, path: Array) -> Array:
+    """Return the time of ways with all axes together, (m,).  path : (s, m, q) poses at even shares of each way"""
+    poses, step = np.nan_to_num(path), 1.0 / (len(path) - 1)
     slopes = np.abs(np.gradient(poses, step, axis=0, edge_order=2)).max(axis=0)
     bends = np.abs(np.diff(poses, 2, axis=0)).max(axis=0) / step**2
     speeds, accelerations = (np.array([getattr(axis, name) for axis in machine.axes]) for name in _LIMITS)

@@ -9,6 +9,8 @@ from axiscal.machine.axis import Axis
 
 _FIRST = 1000
 """Programs are called O1001, O1002 …"""
+_GENTLE = 500
+"""mm/min, for a block that is not to move at all."""
 
 
 class Fanuc(Dialect):
@@ -32,6 +34,28 @@ class Fanuc(Dialect):
         "G61 (exact stop) is in force while the program runs and G64 (cutting mode) after it.",
         "Programs are O1001, O1002 and so on, one for each set-up: rename them where these numbers are taken.",
     )
+
+    tip_decimals = 3
+    from_zero = True
+    tip_needs = ("IN TOUCH - TOOL POINT ON THE TABLE BY G43.4", "NEEDS G54 AT THE MACHINE ZERO AND THE TOOL IN H1")
+    tip_notes = (
+        "G43.4 is an option. The coordinates must be those of the table (parameter 19696 bit 5, WKP = 0) as it stands "
+        "when G43.4 comes, which is at zero; bit 6, RFC = 1, makes the feed hold where only rotary axes turn.",
+        "H1 must hold the length of the tool as the machine description has it. G43.4 and G49 come with the place "
+        "where the machine stands already, so that neither moves an axis.",
+    )
+
+    def tip_on(self, tool: str, tip: Words) -> list[str]:
+        """Return G43.4 with the place of the tool point, at which it is."""
+        return [f"G1 G43.4 {' '.join(axis + value for axis, value in tip)} H1 F{_GENTLE}"]
+
+    def tip_off(self, axes: Words) -> list[str]:
+        """Return G49 with the place of the machine, at which it is."""
+        return [f"G1 G49 {' '.join(axis + value for axis, value in axes)} F{_GENTLE}"]
+
+    def tip_move(self, words: Words, feed: int) -> str:
+        """Return G1 on the table."""
+        return f"G1 {' '.join(axis + value for axis, value in words)} F{feed}"
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
         """Return number, check, safety line, spindle and coolant off, exact stop.

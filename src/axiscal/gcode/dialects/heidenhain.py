@@ -21,6 +21,35 @@ class Heidenhain(Dialect):
         "deg/min and do not take the short way.",
     )
 
+    from_zero = True
+    tip_needs = (
+        "IN TOUCH - TOOL POINT ON THE WORKPIECE BY TCPM",
+        "NEEDS THE PRESET AT THE MACHINE DATUM AND THE TOOL CALLED",
+    )
+    tip_notes = (
+        "FUNCTION TCPM is an option; F CONT makes the feed that of the axes that are programmed, AXIS POS PATHCTRL "
+        "AXIS lets rotary axes turn evenly. An older control has M128 instead.",
+        "The active preset must be the machine datum with no rotation, and the tool must have been called with its "
+        "length, so that coordinates count from the machine's zero with the table at zero.",
+    )
+
+    def tip_on(self, tool: str, tip: Words) -> list[str]:
+        """Return tool centre point management, with rotary axes at programmed positions."""
+        return ["FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS"]
+
+    def tip_off(self, axes: Words) -> list[str]:
+        """Return its end: it must not be in force with M91."""
+        return ["FUNCTION RESET TCPM"]
+
+    def tip_move(self, words: Words, feed: int) -> str:
+        """Return L in the workpiece's coordinates."""
+        return f"L {_named(words)} R0 F{feed}"
+
+    @property
+    def pause(self) -> list[str]:
+        """A programmed stop."""
+        return ["STOP"]
+
     def comment(self, text: str) -> str:
         """Return a comment after a semicolon."""
         return f"; {text}"
@@ -45,9 +74,12 @@ class Heidenhain(Dialect):
 
     def move(self, words: Words, feed: int) -> str:
         """Return L with M91: a feed move in machine coordinates."""
-        named = " ".join(axis + ("" if value.startswith("-") else "+") + value for axis, value in words)
-        return f"L {named} R0 F{feed} M91"
+        return f"L {_named(words)} R0 F{feed} M91"
 
     def dwell_s(self, seconds: float) -> list[str]:
         """Return cycle 9 in seconds; it acts where it is defined."""
         return ["CYCL DEF 9.0 DWELL TIME", f"CYCL DEF 9.1 DWELL {seconds:.3f}"]
+
+
+def _named(words: Words) -> str:
+    return " ".join(axis + ("" if value.startswith("-") else "+") + value for axis, value in words)

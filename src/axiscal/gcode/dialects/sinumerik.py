@@ -22,6 +22,27 @@ class Sinumerik(Dialect):
         "FGROUP names all axes, so that the feed of a turning axis is in deg/min; FGREF is taken to be as delivered.",
     )
 
+    tip_decimals = 6
+    tip_needs = ("IN TOUCH - TOOL POINT ON THE WORKPIECE BY TRAORI", "NEEDS BASE FRAME AT ZERO AND THE TOOL IN D1")
+    tip_notes = (
+        "TRAORI is the five-axis transformation of the machine, an option; ORIAXES lets rotary axes turn evenly, "
+        "which needs $MC_ORI_IPO_WITH_G_CODE = TRUE.",
+        "G500 takes out the settable frames: the base frame must be zero, so that coordinates count from the "
+        "machine's zero with the table at zero. D1 of the tool in the spindle holds its length.",
+    )
+
+    def tip_on(self, tool: str, tip: Words) -> list[str]:
+        """Return no settable frame, the tool's length, and the transformation."""
+        return ["G500", "D1", "TRAORI", "ORIMKS ORIAXES"]
+
+    def tip_off(self, axes: Words) -> list[str]:
+        """Return no transformation, no tool."""
+        return ["TRAFOOF", "D0"]
+
+    def tip_move(self, words: Words, feed: int) -> str:
+        """Return G1; the feed is that of all axes of FGROUP."""
+        return f"G1 {_named(words)} F{feed}"
+
     def knows(self, name: str) -> bool:
         """Return whether an axis may have that name; A2= to C7= are directions of the tool there."""
         return super().knows(name) or re.fullmatch("[XYZUVW][1-9]", name) is not None
@@ -42,9 +63,12 @@ class Sinumerik(Dialect):
 
     def move(self, words: Words, feed: int) -> str:
         """Return G1 SUPA: a feed move in machine coordinates; the name of an axis with a digit takes a =."""
-        named = " ".join(axis + "=" * (len(axis) > 1) + value for axis, value in words)
-        return f"G1 SUPA {named} F{feed}"
+        return f"G1 SUPA {_named(words)} F{feed}"
 
     def dwell_s(self, seconds: float) -> list[str]:
         """Return G4 F in seconds; it does not touch the feed of moves."""
         return [f"G4 F{seconds:.3f}"]
+
+
+def _named(words: Words) -> str:
+    return " ".join(axis + "=" * (len(axis) > 1) + value for axis, value in words)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.inverse import tip_at
+from axiscal.machine.inverse import drawn_back, tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import along_one
@@ -22,6 +22,7 @@ class Held:
 
     point : (3,) the ball, m, workpiece frame; free : (3,) where it is free; cone : rad, that the tool keeps within
     turning : indices of the rotary axes; park : (q,); steps : (turning,) rad, 0 continuous
+    back : m, by which the tool must be able to draw back along itself, from where it comes to the ball
     """
 
     room: Room
@@ -31,6 +32,7 @@ class Held:
     turning: tuple[int, ...]
     park: Array
     steps: tuple[float, ...]
+    back: float = 0.0
 
     @property
     def size(self) -> int:
@@ -58,6 +60,8 @@ class Held:
         found = self.room.holds(poses)
         if found.any():
             found[found] = within_cone(frames(self.room.machine, poses[found]).stem, self.free, self.cone)
+        if self.back > 0 and found.any():
+            found[found] = self.room.in_travel(drawn_back(self.room.machine, poses[found], self.back))
         return found
 
     def between(self, start: Array, stop: Array) -> Array | None:

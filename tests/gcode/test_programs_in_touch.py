@@ -1,0 +1,317 @@
+"""Programs in touch, read again by a reader of their own and driven by matrices of their own: nothing is torn off."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.exceptions import ProgramError
+from axiscal.gcode import Program, ProgramOptions, controllers, dialect, programs
+from axiscal.machine import Machine, load_machine
+from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.place import Place
+from axiscal.numerics import Array
+from tests.generators.kinematics import in_travel, tip
+
+NEST = """
+machine = "dmu60"
+[[artefacts]]
+name = "balls"
+balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
+[[setups]]
+name = "nest"
+instrument = "rtest"
+artefact = "balls"
+ball = "low"
+raster = { B = "15 deg", C = "15 deg" }
+approach = "both"
+"""
+SPHERES = NEST.replace("rtest", "sphere").replace('ball = "low"\n', "")
+BAR = """
+machine = "{machine}"
+[[setups]]
+name = "bar"
+instrument = "ballbar"
+length = "150 mm"
+station = [{station}]
+plane = "xy"
+{keys}
+raster = {{ arc = "10 deg" }}
+approach = "both"
+"""
+STATION = '"0 mm", "0 mm", "100 mm"'
+ON_MILL = '"300 mm", "200 mm", "-70 mm"'
+BALL = np.array([0.2, 0.0, -0.08])
+ON = {"linuxcnc": "M428", "sinumerik": "TRAORI", "heidenhain": "FUNCTION TCPM", "fanuc": "G1 G43.4 "}
+OFF = {"linuxcnc": "M429", "sinumerik": "TRAFOOF", "heidenhain": "FUNCTION RESET TCPM", "fanuc": "G1 G49 "}
+STEP = {"linuxcnc": 1e-6, "sinumerik": 1e-6, "heidenhain": 1e-4, "fanuc": 1e-3}
+"""mm, the last decimal of a place of the tool point."""
+
+
+@cache
+def described(text: str, machine: str = "dmu60") -> CampaignDescription:
+    return campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine)
+
+
+def places_of(campaign: CampaignDescription, count: int = 12, seed: int = 1) -> list[Place]:
+    """Return places of the set-up in any order, from any side."""
+    (setup,) = campaign.setups
+    assert setup.chart is not None
+    poses, approaches = chart_candidates(campaign.machine, setup, setup.chart, 400)
+    chosen = np.random.default_rng(seed).choice(len(poses), count, replace=False)
+    sides = approaches[chosen].astype(int).tolist()
+    return [Place(setup.name, tuple(p), tuple(s)) for p, s in zip(poses[chosen].tolist(), sides, strict=True)]
+
+
+def program_of(campaign: CampaignDescription, places: list[Place], controller: str) -> Program:
+    (program,) = programs(campaign.machine, campaign.setups, places, dialect(controller))
+    return program
+
+
+def pose_at(machine: Machine, turned: dict[str, float], point: Array) -> Array:
+    """Return the pose (rad, m) with rotary axes there and the tool point at a place: by differences of the matrices."""
+    pose = np.array([turned.get(axis.name, 0.0) if axis.rotary else 0.0 for axis in machine.axes])
+    slides = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
+    base = tip(machine, pose)
+    ways = np.stack([tip(machine, pose + np.eye(len(pose))[k]) - base for k in slides], axis=1)
+    pose[slides] = np.linalg.solve(ways, point - base)
+    return pose
+
+
+@dataclass
+class Reader:
+    """Follows a program word by word; mm and deg outside, m and rad inside."""
+
+    machine: Machine
+    controller: str
+    held: bool = False
+    at: dict[str, float] = field(default_factory=dict)
+    tip: Array = field(default_factory=lambda: np.zeros(3))
+    """Of the tool point on the workpiece, m, while it is held."""
+
+    def follow(self, text: str) -> Iterator[tuple[str, list[Array]]]:
+        """Yield "way" with the poses that it goes over, "held", "free", or "READING n" with the pose that it is at."""
+        for line in text.splitlines():
+            block = re.sub(r"^\d+ ", "", line) if self.controller == "heidenhain" else line
+            if block.startswith(ON[self.controller]):
+                yield "held", self._hold(block)
+            elif block.startswith(OFF[self.controller]) and self.held:
+                yield "free", self._release(block)
+            elif found := re.search(r"READING (\d+)\)?$", block):
+                yield f"READING {found[1]}", [self.pose]
+            elif re.match(r"(G53 G1|G1 SUPA|G1|L) [A-Z]", block):
+                machine = "M91" in block or "G53" in block or "SUPA" in block
+                assert self.controller == "fanuc" or machine != self.held, block
+                yield "way", self._way(words(block))
+
+    @property
+    def pose(self) -> Array:
+        """Where the axes are."""
+        if self.held:
+            return pose_at(self.machine, self.at, self.tip)
+        return np.array([self.at[axis.name] for axis in self.machine.axes])
+
+    def _hold(self, block: str) -> list[Array]:
+        pose = self.pose
+        if self.controller in ("heidenhain", "fanuc"):  # what the table is when it begins counts
+            assert all(at == 0 for axis, at in zip(self.machine.axes, pose, strict=True) if axis.rotary)
+        self.held, self.tip = True, tip(self.machine, pose)
+        if self.controller == "fanuc":  # the block names where it stands already
+            stated = np.array([words(block)[name] for name in "XYZ"])
+            np.testing.assert_allclose(stated, self.tip, atol=0.6e-6)
+        return [pose]
+
+    def _release(self, block: str) -> list[Array]:
+        pose = self.pose
+        self.held = False
+        self.at = {axis.name: float(at) for axis, at in zip(self.machine.axes, pose, strict=True)}
+        if self.controller == "fanuc":
+            for name, at in words(block).items():
+                assert at == pytest.approx(self.at[name], abs=0.6e-6)
+        return [pose]
+
+    def _way(self, to: dict[str, float]) -> list[Array]:
+        begin, tip_begin = dict(self.at), self.tip
+        known = len(begin) == len(self.machine.axes)
+        shares = np.linspace(0, 1, 3) if known else np.ones(1)
+        poses = []
+        for share in shares:
+            for name, end in to.items():
+                if self.held and name in "XYZ":
+                    place = "XYZ".index(name)
+                    self.tip = self.tip.copy()
+                    self.tip[place] = tip_begin[place] + share * (end - tip_begin[place])
+                else:
+                    self.at[name] = begin.get(name, end) + share * (end - begin.get(name, end))
+            poses += [self.pose] if known else []
+        return poses
+
+
+def words(block: str) -> dict[str, float]:
+    """Return the axes of a block, m or rad."""
+    found = re.findall(r"(?<![A-Z])([XYZABC])=?([+-]?\d+\.\d+)", block)
+    return {name: math.radians(float(v)) if name in "ABC" else float(v) / 1e3 for name, v in found}
+
+
+@cache
+def read_cached(text: str, count: int, seed: int, controller: str) -> list[tuple[str, list[Array], bool]]:
+    """Return the same of so many places of a campaign."""
+    campaign = described(text)
+    return read(campaign, places_of(campaign, count, seed), controller)
+
+
+def read(campaign: CampaignDescription, places: list[Place], controller: str) -> list[tuple[str, list[Array], bool]]:
+    """Return what a program does, with whether the control holds the tool point; and that no axis leaves its travel."""
+    reader, found = Reader(campaign.machine, controller), []
+    for what, poses in reader.follow(program_of(campaign, places, controller).text):
+        slack = STEP[controller] * 1e-3 + 1e-8
+        assert all(in_travel(campaign.machine, pose, slack) for pose in poses), what
+        found.append((what, poses, reader.held))
+    return found
+
+
+def stands_as_planned(campaign: CampaignDescription, place: Place, pose: Array, controller: str) -> None:
+    """Assert that a reading is taken where it was planned, as far as its numbers can say."""
+    for axis, planned, at in zip(campaign.machine.axes, place.pose, pose, strict=True):
+        angle = 0.5e-4 if controller != "fanuc" else 0.5e-3
+        rounded = math.radians(angle) if axis.rotary else 1e-3 * STEP[controller]
+        slack = rounded if axis.rotary else rounded + 0.6 * math.radians(angle)
+        turned = abs(at - planned) if not axis.rotary else abs(math.remainder(at - planned, math.tau))
+        assert turned <= slack + 1e-9, (axis.name, at, planned)
+
+
+@pytest.mark.parametrize("controller", controllers())
+@pytest.mark.parametrize("seed", range(2))
+def test_a_nest_keeps_its_ball_from_reading_to_reading(controller: str, seed: int) -> None:
+    campaign = described(NEST)
+    places = places_of(campaign, 8, seed)
+    done = read_cached(NEST, 8, seed, controller)
+    readings = [k for k, (what, _, _) in enumerate(done) if what.startswith("READING")]
+    assert [done[k][0] for k in readings] == [f"READING {n}" for n in range(1, 9)]
+    for k, place in zip(readings, places, strict=True):
+        (pose,) = done[k][1]
+        assert np.linalg.norm(tip(campaign.machine, pose) - BALL) < 1e-9
+        stands_as_planned(campaign, place, pose, controller)
+    stayed = 0
+    for before, after in pairwise(readings):
+        between = done[before + 1 : after]
+        if any(what == "free" for what, _, _ in between):
+            continue
+        stayed += 1
+        for _, poses, held in between:
+            assert held
+            for pose in poses:
+                assert np.linalg.norm(tip(campaign.machine, pose) - BALL) < 1e-9
+    assert stayed >= 1
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_rotary_axes_come_to_a_reading_from_the_side_that_was_planned(controller: str) -> None:
+    campaign = described(NEST)
+    places = places_of(campaign, 8, 0)
+    done = read_cached(NEST, 8, 0, controller)
+    trace = [(what, pose) for what, poses, _ in done for pose in poses]
+    numbered = [(k, int(what.split()[1])) for k, (what, _) in enumerate(trace) if what.startswith("READING")]
+    checked = 0
+    for k, number in numbered:
+        for axis_number, axis in enumerate(campaign.machine.axes):
+            side = places[number - 1].approach[axis_number]
+            if not axis.rotary or side == 0:
+                continue
+            come, here = 0.0, trace[k][1][axis_number]
+            for _, pose in reversed(trace[:k]):
+                if (here - pose[axis_number]) * side < come - 1e-9:
+                    break
+                come = (here - pose[axis_number]) * side
+            assert come >= axis.overrun - math.radians(2e-3)
+            checked += 1
+    assert checked >= 12
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_a_probe_stands_off_its_sphere_along_itself(controller: str) -> None:
+    campaign = described(SPHERES)
+    places = places_of(campaign, 10)
+    done = read(campaign, places, controller)
+    assert not any(held for _, _, held in done)
+    at = [poses[0] for what, poses, _ in done if what.startswith("READING")]
+    for place, pose in zip(places, at, strict=True):
+        ball, here = tip(campaign.machine, np.array(place.pose)), tip(campaign.machine, pose)
+        assert np.linalg.norm(here - ball) == pytest.approx(0.05, abs=3e-6)
+    (program,) = [program_of(campaign, places, controller)]
+    for place, row in zip(places, program.readings, strict=True):  # the list says where is read, not where it stands
+        written = [float(text) for text in row.coordinates]
+        planned = [math.degrees(v) if a.rotary else 1e3 * v for a, v in zip(row.axes, place.pose, strict=True)]
+        np.testing.assert_allclose(written, planned, atol=6e-4)
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_a_bar_on_a_mill_keeps_its_length_while_the_slides_go_together(controller: str) -> None:
+    campaign = described(BAR.format(machine="three-axis-mill", station=ON_MILL, keys=""), "three-axis-mill")
+    places = places_of(campaign, 12)
+    done = read(campaign, places, controller)
+    first = next(k for k, (what, _, _) in enumerate(done) if what == "READING 1")
+    last = next(k for k, (what, _, _) in enumerate(done) if what == "READING 12")
+    centre = np.array([0.3, 0.2, -0.07])
+    rounded = 2e-7 if controller != "fanuc" else 2e-6
+    for what, poses, held in done[first : last + 1]:
+        assert not held
+        for pose in poses:
+            short = 0.15 - np.linalg.norm(tip(campaign.machine, pose) - centre)
+            assert -rounded <= short <= 1e-5 + rounded, what
+            if what.startswith("READING"):
+                assert abs(short) <= rounded
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_a_bar_keeps_its_length_while_the_table_turns_in_step(controller: str) -> None:
+    keys = 'turning = { C = 1.0 }\narc = ["10 deg", "200 deg"]'
+    campaign = described(BAR.format(machine="dmu60", station=STATION, keys=keys))
+    done = read(campaign, places_of(campaign, 4), controller)
+    first = next(k for k, (what, _, _) in enumerate(done) if what == "READING 1")
+    last = next(k for k, (what, _, _) in enumerate(done) if what == "READING 4")
+    centre, rounded = np.array([0.0, 0.0, 0.1]), STEP[controller] * 1e-3
+    for what, poses, held in done[first : last + 1]:
+        assert held
+        for pose in poses:
+            short = 0.15 - np.linalg.norm(tip(campaign.machine, pose) - centre)
+            assert -rounded - 1e-9 <= short <= 1e-5 + rounded, what
+            if what.startswith("READING"):
+                assert abs(short) <= rounded + 1e-9
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_a_program_says_which_mode_and_zero_it_needs(controller: str) -> None:
+    campaign = described(NEST)
+    program = program_of(campaign, places_of(campaign, 2), controller)
+    head = program.text.split("READING 1")[0]
+    assert "TOOL POINT ON THE" in head
+    assert "NEEDS" in head
+    assert any("zero" in note or "datum" in note for note in program.notes)
+    assert any("option" in note or "configurations" in note for note in program.notes)
+
+
+def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
+    campaign = described(NEST)
+    places, machine = places_of(campaign, 1), campaign.machine
+    swivel_first = Machine(
+        machine.name, (machine.axis("B"), machine.axis("C"), *machine.axes[2:]), 0.12, (), "w-B'-C'-", ""
+    )
+    with pytest.raises(ProgramError, match="no kinematics for the chain") as refused:
+        programs(swivel_first, campaign.setups, places, dialect("linuxcnc"))
+    assert "choose another control" in str(refused.value)
+
+
+def test_slides_that_are_ordered_apart_cannot_stay_in_touch() -> None:
+    campaign = described(BAR.format(machine="three-axis-mill", station=ON_MILL, keys=""), "three-axis-mill")
+    options = ProgramOptions(order=(("X",), ("Y",), ("Z",)))
+    with pytest.raises(ProgramError, match="move together while the instrument is in touch"):
+        programs(campaign.machine, campaign.setups, places_of(campaign, 4), dialect("fanuc"), options)
