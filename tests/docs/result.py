@@ -131,6 +131,9 @@ class Result(Fields):
     warnings: list[Warning] = Field(description="what is to be minded")
     tables: list[TableValue] = Field(description="files that were written for controls, and what they leave")
     versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
+    record: dict[str, int | str] | None = Field(
+        None, description="`event`, the last one of the record, and `hash`, the name of what it holds up to there"
+    )
 
 
 def page() -> str:

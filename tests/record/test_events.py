@@ -26,8 +26,9 @@ from axiscal.record.payload import PayloadError, decode, encode
 
 CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})
 finite = st.floats(allow_nan=False, allow_infinity=False)
+numbers = st.floats(-1e8, 1e8)
 readings = st.builds(
-    Reading, st.text(), st.tuples(finite, finite), st.tuples(*[st.sampled_from([-1, 0, 1])] * 2), finite, st.none()
+    Reading, st.text(), st.tuples(finite, finite), st.tuples(*[st.sampled_from([-1, 0, 1])] * 2), numbers, st.none()
 )
 recorded = st.builds(Recorded, readings)
 asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from axiscal.record.payload import encode
+from axiscal.record.store import Record
 from tests.scenarios.scenario import Scenario
 
 LIBRARY = 100_000
@@ -41,8 +41,8 @@ def _texts(path: Path, name: str, clock: bool) -> Iterator[tuple[str, str]]:
 
 def _events(path: Path, clock: bool) -> list[Any]:
     """Return the events of a record without the time of writing; `clock`: without that of the readings as well."""
-    with closing(sqlite3.connect(path)) as connection:
-        rows = connection.execute("SELECT kind, payload FROM events ORDER BY id").fetchall()
+    with Record.open(path, write=False) as record:
+        rows = [encode(stored.event) for stored in record.events()]
     events = [(kind, json.loads(payload)) for kind, payload in rows]
     for _, payload in events:
         if clock and payload.get("time") is not None:

@@ -21,9 +21,10 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
 from axiscal.campaign.interrupt import noted_interrupts
+from axiscal.campaign.possible import described, refuse_absurd
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
@@ -112,7 +113,7 @@ class Campaign:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = Record.open(path, write=write)
         try:
-            return cls(record, _description(record), planner)
+            return cls(record, described(record), planner)
         except BaseException:
             record.close()
             raise
@@ -219,6 +220,7 @@ class Campaign:
         place = at or self.open_question().place
         if not all(math.isfinite(each) for each in (value, *others)):
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
+        refuse_absurd(value, *others, std or 0.0)
         self._refuse_other_count(place.setup, 1 + len(others))
         if std is not None and not 0 < std < math.inf:
             raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
@@ -356,7 +358,7 @@ class Campaign:
     def _clock(self) -> float:
         """Return the seconds since the record was begun; never less than at the reading before."""
         now = (datetime.now(UTC) - datetime.fromisoformat(self.begun)).total_seconds()
-        return max([round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
+        return max([0.0, round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _times(self) -> Timed:
         before = Timed() if self._known is None else self._known.stages.timed
@@ -390,11 +392,3 @@ class Campaign:
         if in_a_row >= PATIENCE:
             what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
             raise SourceError(what, "Mend it, then go on with --resume")
-
-
-def _description(record: Record) -> CampaignDescription:
-    created = record.state().created
-    if created is None:
-        raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
-    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    return campaign_from_texts(*texts, prior_text=created.prior_text)

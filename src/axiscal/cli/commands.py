@@ -29,6 +29,7 @@ _FILES = {
     "export": "export",
     "verify": "verify",
     "report": "report",
+    "copy": "copy_record",
     "iso230": "iso230",
     "reproduce": "reproduce",
     "machine": "machine",

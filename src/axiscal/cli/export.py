@@ -21,6 +21,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.report.delivery import introduced, write_files
 from axiscal.report.findings import findings
+from axiscal.report.summarising import record_state
 from axiscal.units import parse_quantity, to_unit
 
 MOST_BYTES = 4_000_000
@@ -93,7 +94,8 @@ def export(
         options = informed(options, estimation.case.description, to)
         offered = registry.export(estimation.estimate(), to, options)
         factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
-        offered = introduced(offered, factor, [finding.text for finding in findings(estimation)])
+        doubts = [finding.text for finding in findings(estimation)]
+        offered = introduced(offered, factor, doubts, record_state(campaign))
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

@@ -6,6 +6,7 @@ Events are facts and never change; the state is always folded from them anew. Un
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 from axiscal.measurement.place import Place
@@ -127,6 +128,7 @@ class State:
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
     last : number of the last event
+    name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
     created: Created | None = None
@@ -139,6 +141,7 @@ class State:
     renew: bool = False
     undo: tuple[Undoable, ...] = ()
     last: int = 0
+    name: str = ""
 
     @property
     def free(self) -> int:
@@ -156,14 +159,17 @@ def _free(readings: Sequence[Reading], skipped: Sequence[Gap]) -> int:
 
 def fold(events: Iterable[Stored]) -> State:
     """Return the state after `events`; raise EventOrderError if they contradict each other."""
-    folding = _Folding()
+    folding = Folding()
     for stored in events:
         folding.add(stored)
     return folding.state()
 
 
-class _Folding:
-    """The state while events are added to it, in time proportional to their number."""
+class Folding:
+    """The state while events are added to it, in time proportional to their number.
+
+    `add` raises EventOrderError; what it was added to is then of no more use.
+    """
 
     def __init__(self) -> None:
         self._created: Created | None = None
@@ -177,7 +183,15 @@ class _Folding:
         self._undo: list[Undoable] = []
         self._last = 0
 
+    def copied(self) -> Folding:
+        """Return another that goes on from here."""
+        other = copy(self)
+        for name in ("_readings", "_skipped", "_plan", "_undo"):
+            setattr(other, name, list(getattr(self, name)))
+        return other
+
     def state(self) -> State:
+        """Return the state so far."""
         return State(
             self._created,
             tuple(self._readings),
@@ -192,6 +206,7 @@ class _Folding:
         )
 
     def add(self, stored: Stored) -> None:
+        """Let one more event happen."""
         event = stored.event
         self._refuse_disorder(stored)
         if isinstance(event, Created):
@@ -219,7 +234,7 @@ class _Folding:
         if not first and self._created is None:
             raise EventOrderError("the first event is not the creation of the campaign")
         if self._finished is not None and not isinstance(stored.event, Undone):
-            raise EventOrderError(f"event {stored.number} comes after the end of the campaign")
+            raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):

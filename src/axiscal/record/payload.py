@@ -17,6 +17,10 @@ KINDS: Mapping[str, type[Event]] = {
 }
 
 
+ABSURD = 1e9
+"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
+
+
 class PayloadError(ValueError):
     """Text in a record that is not an event."""
 
@@ -60,6 +64,20 @@ def _number(value: object) -> float:
     return float(value)
 
 
+def _read_number(value: object) -> float:
+    number = _number(value)
+    if abs(number) >= ABSURD:
+        raise ValueError(f"{number:g} m or rad cannot be read")
+    return number
+
+
+def _std(value: object) -> float:
+    number = _read_number(value)
+    if number <= 0:
+        raise ValueError(f"{number:g} is no standard deviation")
+    return number
+
+
 def _whole(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"{value!r} is not a whole number")
@@ -88,13 +106,13 @@ def _created(fields: Mapping[str, Any]) -> Created:
 
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
-    std = None if fields["std"] is None else _number(fields["std"])
+    std = None if fields["std"] is None else _std(fields["std"])
     accepted = fields.get("accepted", False)  # older records could not say it
-    others = tuple(_number(value) for value in fields.get("others", ()))
+    others = tuple(_read_number(value) for value in fields.get("others", ()))
     time = None if fields.get("time") is None else _number(fields["time"])
     if not isinstance(accepted, bool):
         raise ValueError(f"{accepted!r} is neither true nor false")
-    at, value = _place(fields), _number(fields["value"])
+    at, value = _place(fields), _read_number(fields["value"])
     reading = Reading(at.setup, at.pose, at.approach, value, std, accepted=accepted, others=others, time=time)
     return Recorded(reading)
 

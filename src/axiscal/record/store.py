@@ -1,120 +1,181 @@
-"""The campaign record: one SQLite file to which events are only ever appended.
+"""The campaign record: one file to which events are only ever appended.
 
-A reading is acknowledged when `Record.append` returns: by then it has been committed with a write-ahead log and
-synchronous=FULL, and outlives the process and the power.
+A reading is acknowledged when `Record.append` returns: by then it is on the disk, in this file and in no other, and
+outlives the process and the power. How the file is made: `line_form`.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
-import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
-from urllib.parse import quote
 
 from axiscal.exceptions import RecordError
-from axiscal.record.events import Created, Event, EventOrderError, State, Stored, fold
-from axiscal.record.migrations import MIGRATIONS
+from axiscal.record.alone import HeldError, alone
+from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
+from axiscal.record.events import Created, Event, EventOrderError, Folding, State, Stored
+from axiscal.record.line_form import (
+    BLOCK,
+    FORM,
+    MARK,
+    MARKS,
+    SQLITE,
+    START,
+    DamageError,
+    EventText,
+    Mark,
+    form_of,
+    head,
+    mark_bytes,
+    read_mark,
+    rows_after,
+    transaction,
+    whole_after,
+)
 from axiscal.record.payload import PayloadError, decode, encode
 
-APPLICATION_ID = 0x41584953  # "AXIS"
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
 
 
 class Record:
-    """An open campaign record; a context manager. Every failure is a RecordError that names the file."""
+    """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
-    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
-        self.path = path
-        self._connection = connection
+    handle : of the file, None for a record of the first form that is only read
+    """
+
+    def __init__(self, path: Path, handle: int | None, *, write: bool = True) -> None:
+        self.path, self._handle, self._write = path, handle, write
+        self._mark, self._older = Mark(), MARKS[0]
+        self._events, self._folding = list[Stored](), Folding()
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
-        """Return a new record that holds the event `created`; the file appears whole or not at all."""
+        """Return a new record that holds the event `created`; the file appears whole and checked, or not at all."""
         path = Path(path)
         refuse_existing(path)
-        draft = path.with_name(f".{path.name}.{os.getpid()}.new")
-        try:
-            with _record_errors(path), cls(path, _connect(f"file:{quote(str(draft))}?mode=rwc")) as record:
-                _migrate(record._connection)
-                record.append(created)
-            _publish(draft, path)
-        finally:
-            for leftover in (draft, *_sidecars(draft)):
-                leftover.unlink(missing_ok=True)
+        clear_drafts(path.parent, path.name)
+        draft = draft_of(path)
+        with _record_errors(path):
+            try:
+                written(draft, content_of([_stored(created, 1)])[0])
+                cls.open(draft, write=False).close()
+                _publish(draft, path)
+            finally:
+                with contextlib.suppress(OSError):
+                    draft.unlink(missing_ok=True)
         return cls.open(path)
 
     @classmethod
     def open(cls, path: str | Path, *, write: bool = True) -> Self:
-        """Return an existing record, checked: its kind, its version, its pages."""
+        """Return an existing record, checked: its kind, its form, every event. Only what writes may be kept waiting."""
         path = Path(path)
-        _refuse_foreign(path)
-        lasting = os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)
-        mode = "rw" if write or lasting else "ro"  # who may write also clears away the write-ahead log on closing
-        if mode == "ro" and not os.access(path.parent, os.W_OK) and not any(side.exists() for side in _sidecars(path)):
-            mode = "ro&immutable=1"  # a write-ahead log cannot be opened in a folder that is read-only
         with _record_errors(path):
-            record = cls(path, _connect(f"file:{quote(str(path.absolute()))}?mode={mode}", write))
+            if write:
+                clear_drafts(path.parent, path.name)
+            if _form(path) == SQLITE:
+                if not write:
+                    return cls._of_first_form(path)
+                _convert(path)
+            record = cls(path, os.open(path, _mode(write)), write=write)
             try:
-                record._check(write)
+                record._catch_up()
             except BaseException:
                 record.close()
                 raise
             return record
 
+    @classmethod
+    def _of_first_form(cls, path: Path) -> Self:
+        from axiscal.record.first_form import first_events
+
+        record = cls(path, None, write=False)
+        events = first_events(path)
+        record._mark = content_of(events)[1]
+        record._happened(events)
+        return record
+
+    @property
+    def name(self) -> str:
+        """The name of what the record holds: a hash chained over the contents of its events, 64 hex digits."""
+        return self._mark.chain
+
     def append(self, *events: Event, after: int | None = None) -> int:
         """Write `events` in one transaction and return the number of the last one.
 
         after : number of the last event the caller knows of; RecordError if another process has written since
+        Raises ValueError for an event that cannot be kept.
         """
-        at = datetime.now(UTC).isoformat(timespec="milliseconds")
-        rows = [(*encode(event), at) for event in events]
-        with _record_errors(self.path), _transaction(self._connection):
-            if after is not None and self.last() != after:
+        handle = self._handle
+        if handle is None or not self._write:
+            raise RecordError("The record was opened to be read", "Open it to write", self.path)
+        with _record_errors(self.path), _held(handle, self.path):
+            self._refuse_moved(handle)
+            self._catch_up()
+            if after is not None and self._mark.last != after:
                 raise RecordError(
                     "Another process has written to this record in the meantime",
                     "Look at it with `axiscal status`, then give the command again",
                     self.path,
                 )
-            for row in rows:
-                self._connection.execute("INSERT INTO events (kind, payload, at) VALUES (?, ?, ?)", row)
-        return self.last()
+            if events:
+                self._add(handle, events)
+        return self._mark.last
+
+    def _add(self, handle: int, events: Sequence[Event]) -> None:
+        at = _now()
+        rows = [EventText(at, *encode(event), n == len(events)) for n, event in enumerate(events, 1)]
+        content, mark = transaction(self._mark, rows)
+        stored = [Stored(self._mark.last + n, at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)]
+        folding = self._followed_by(stored)
+        os.ftruncate(handle, self._mark.end)
+        write_at(handle, self._mark.end, content)
+        sync(handle)
+        write_at(handle, self._older, mark_bytes(mark))
+        sync(handle)
+        self._older = MARKS[self._older == MARKS[0]]
+        self._mark, self._folding = mark, folding
+        self._events += stored
+
+    def _followed_by(self, events: Iterable[Stored]) -> Folding:
+        folding = self._folding.copied()
+        try:
+            for each in events:
+                folding.add(each)
+        except EventOrderError as error:
+            remedy = "Look at it with `axiscal status`; nothing was written"
+            raise RecordError(f"This cannot follow what the record holds: {error}", remedy, self.path) from error
+        return folding
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""
         with _record_errors(self.path):
-            row = self._connection.execute("SELECT coalesce(max(id), 0) FROM events").fetchone()
-        return int(row[0])
+            self._catch_up()
+        return self._mark.last
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
-        with _record_errors(self.path):
-            rows = self._connection.execute("SELECT id, at, kind, payload FROM events ORDER BY id").fetchall()
-            return tuple(Stored(number, at, decode(kind, payload)) for number, at, kind, payload in rows)
+        self.last()
+        return tuple(self._events)
 
     def state(self) -> State:
         """Return the state folded from all events."""
-        with _record_errors(self.path):
-            return fold(self.events())
+        self.last()
+        return replace(self._folding.state(), name=self._mark.chain)
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
         if path.exists() and path.samefile(self.path):
             return
         self.refuse_other(path)
-        draft = path.with_name(f".{path.name}.{os.getpid()}.new")
-        try:
-            with _record_errors(path):
-                self._connection.execute("VACUUM INTO ?", (str(draft),))
-                os.replace(draft, path)
-                _sync_folder(path.parent)
-        finally:
-            draft.unlink(missing_ok=True)
+        with _record_errors(path):
+            write_whole(path, content_of(self.events())[0])
 
     def refuse_other(self, path: Path) -> None:
         """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
@@ -136,7 +197,9 @@ class Record:
 
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
-        self._connection.close()
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None
 
     def __enter__(self) -> Self:
         return self
@@ -144,18 +207,59 @@ class Record:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         self.close()
 
-    def _check(self, write: bool) -> None:
-        version = _pragma(self._connection, "user_version")
-        if version > len(MIGRATIONS):
-            raise RecordError(
-                f"This record was written by a newer axiscal (form {version}; this one knows {len(MIGRATIONS)})",
-                "Install the newer version to go on with it; nothing was changed",
-                self.path,
-            )
-        if self._connection.execute("PRAGMA quick_check(1)").fetchone()[0] != "ok":
-            raise _damaged(self.path, "its pages do not agree")
-        if write:
-            _migrate(self._connection)
+    def _catch_up(self) -> None:
+        """Take over what has been written since the last look."""
+        if self._handle is None:
+            return
+        marks = {at: read_mark(read_at(self._handle, at, MARK)) for at in MARKS}
+        whole = {at: mark for at, mark in marks.items() if isinstance(mark, Mark)}
+        if not whole:
+            raise DamageError("neither of the two marks of its end can be read")
+        newest = max(whole, key=lambda at: whole[at].turn)
+        self._older = MARKS[newest == MARKS[0]]
+        torn = None in marks.values()
+        if whole[newest].turn < self._mark.turn and not torn:
+            raise DamageError("an older copy has been written over it")
+        self._take_to(self._handle, whole[newest])
+        if torn:
+            self._take(whole_after(self._mark, read_at(self._handle, self._mark.end, _rest(self._handle))))
+
+    def _take_to(self, handle: int, mark: Mark) -> None:
+        if mark.turn <= self._mark.turn:
+            if mark.turn == self._mark.turn and mark != self._mark:
+                raise DamageError("another record has been written over it")
+            return
+        content = read_at(handle, self._mark.end, mark.end - self._mark.end)
+        rows = list(rows_after(self._mark, content))
+        if not rows or rows[-1][1] != mark:
+            raise DamageError(f"it ends at event {self._mark.last + len(rows)} and should end at event {mark.last}")
+        self._take(rows)
+
+    def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:
+        for row, mark in rows:
+            try:
+                self._happened([Stored(mark.last, row.at, decode(row.kind, row.payload))])
+            except PayloadError as error:
+                raise DamageError(f"event {mark.last}: {error}") from error
+            self._mark = mark
+
+    def _happened(self, events: Iterable[Stored]) -> None:
+        for stored in events:
+            try:
+                self._folding.add(stored)
+            except EventOrderError as error:
+                raise DamageError(f"event {stored.number}: {error}") from error
+            self._events.append(stored)
+
+    def _refuse_moved(self, handle: int) -> None:
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(handle), os.stat(self.path)):
+                return
+        raise RecordError(
+            "The record is no longer here: it was moved, or another file was put in its place",
+            "Put it back, then give the command again; what was acknowledged is in it",
+            self.path,
+        )
 
 
 def refuse_existing(path: Path) -> None:
@@ -166,6 +270,30 @@ def refuse_existing(path: Path) -> None:
         )
 
 
+def content_of(events: Sequence[Stored]) -> tuple[bytes, Mark]:
+    """Return the file of a record that holds these events, and its mark."""
+    rows = [EventText(each.at, *encode(each.event), n == len(events)) for n, each in enumerate(events, 1)]
+    lines, mark = transaction(Mark(), rows)
+    blocks = mark_bytes(mark).ljust(BLOCK - 1) + b"\n" + (BLOCK - 1) * b" " + b"\n"
+    return head() + blocks + lines, mark
+
+
+def _stored(event: Event, number: int) -> Stored:
+    return Stored(number, _now(), event)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _mode(write: bool) -> int:
+    return (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0)
+
+
+def _rest(handle: int) -> int:
+    return os.fstat(handle).st_size
+
+
 def _publish(draft: Path, path: Path) -> None:
     try:
         os.link(draft, path)
@@ -174,27 +302,42 @@ def _publish(draft: Path, path: Path) -> None:
     except OSError:  # a file system without hard links
         refuse_existing(path)
         draft.rename(path)
-    _sync_folder(path.parent)
+    sync_folder(path.parent)
 
 
-def _sync_folder(folder: Path) -> None:
-    if os.name != "posix":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+def _convert(path: Path) -> None:
+    """Put a record of today's form in the place of one of the first, which stands until the other is whole."""
+    from axiscal.record.first_form import first_events, logs_beside
+
+    events = first_events(path)
+    write_whole(path, content_of(events)[0])
+    for log in logs_beside(path):
+        log.unlink(missing_ok=True)
 
 
-def _sidecars(path: Path) -> tuple[Path, ...]:
-    return tuple(path.with_name(path.name + suffix) for suffix in ("-wal", "-shm", "-journal"))
+def _form(path: Path) -> int:
+    """Return the form of a record; raises RecordError for a file that is none, or of a form to come."""
+    start = _start_of(path)
+    form = form_of(start)
+    if form is not None and form > FORM:
+        raise RecordError(
+            f"This record was written by a newer axiscal (form {form}; this one knows {FORM})",
+            "Install the newer version to go on with it; nothing was changed",
+            path,
+        )
+    if form == SQLITE or start[:BLOCK] == head():
+        return form or FORM
+    if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
+        raise DamageError("its first lines are not as they were written")
+    raise RecordError(
+        "This file is not a campaign record", "Name a record that `axiscal start` or `axiscal run` has made", path
+    )
 
 
-def _refuse_foreign(path: Path) -> None:
+def _start_of(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            head = file.read(100)
+            return file.read(START)
     except FileNotFoundError:
         raise RecordError("There is no such record", "Start one with `axiscal start CAMPAIGN`", path) from None
     except IsADirectoryError:
@@ -202,89 +345,38 @@ def _refuse_foreign(path: Path) -> None:
         raise RecordError("This is a folder", f"Name the record in it: {inside}", path) from None
     except OSError as error:
         raise RecordError(f"The record cannot be opened: {error.strerror}", "Name a file you may read", path) from error
-    if head[:16] != b"SQLite format 3\0" or head[68:72] != APPLICATION_ID.to_bytes(4, "big"):
-        raise _foreign(path)
-
-
-def _foreign(path: Path) -> RecordError:
-    return RecordError(
-        "This file is not a campaign record", "Name a record that `axiscal start` or `axiscal run` has made", path
-    )
-
-
-def _damaged(path: Path, detail: str) -> RecordError:
-    return RecordError(
-        f"The record is damaged: {detail}", "Restore it from a copy; the file has been left as it was", path
-    )
-
-
-def _connect(address: str, write: bool = True) -> sqlite3.Connection:
-    connection = sqlite3.connect(address, uri=True, timeout=PATIENCE, isolation_level=None)
-    try:
-        if write:
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = FULL")
-        else:
-            connection.execute("PRAGMA query_only = ON")
-    except BaseException:
-        connection.close()
-        raise
-    return connection
-
-
-def _pragma(connection: sqlite3.Connection, name: str) -> int:
-    return int(connection.execute(f"PRAGMA {name}").fetchone()[0])
 
 
 @contextlib.contextmanager
-def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    connection.execute("BEGIN IMMEDIATE")
+def _held(handle: int, path: Path) -> Iterator[None]:
     try:
-        yield
-        connection.execute("COMMIT")
-    except BaseException:
-        if connection.in_transaction:
-            connection.execute("ROLLBACK")
-        raise
-
-
-def _migrate(connection: sqlite3.Connection) -> None:
-    if _pragma(connection, "user_version") == len(MIGRATIONS):
-        return
-    with _transaction(connection):
-        for migration in MIGRATIONS[_pragma(connection, "user_version") :]:
-            for statement in migration.statements:
-                connection.execute(statement)
-        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        connection.execute(f"PRAGMA user_version = {len(MIGRATIONS)}")
+        with alone(handle, PATIENCE):
+            yield
+    except HeldError:
+        raise RecordError(
+            "Another program holds this record and is writing",
+            "Close it or wait, then give the command again",
+            path,
+        ) from None
 
 
 @contextlib.contextmanager
 def _record_errors(path: Path) -> Iterator[None]:
-    """Turn what SQLite, the file system or a foreign writer did into a RecordError."""
+    """Turn what the file system or a foreign writer did into a RecordError."""
     try:
         yield
-    except (PayloadError, EventOrderError) as error:
-        raise _damaged(path, str(error)) from error
-    except sqlite3.Error as error:
-        raise _sqlite_failure(path, error) from error
-    except OSError as error:
+    except DamageError as error:
         raise RecordError(
-            f"The record cannot be written: {error.strerror}", "Name a folder you may write", path
+            f"The record is damaged: {error}", "Restore it from a copy; the file has been left as it was", path
         ) from error
+    except OSError as error:
+        raise _not_taken(path, error) from error
 
 
-def _sqlite_failure(path: Path, error: sqlite3.Error) -> RecordError:
-    name = getattr(error, "sqlite_errorname", "")
-    if name.startswith(("SQLITE_BUSY", "SQLITE_LOCKED")):
-        what, remedy = (
-            "Another program holds this record and is writing",
-            "Close it or wait, then give the command again",
-        )
-    elif name.startswith(("SQLITE_READONLY", "SQLITE_CANTOPEN", "SQLITE_PERM")):
+def _not_taken(path: Path, error: OSError) -> RecordError:
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
         what, remedy = "The record cannot be written here", "Put it in a folder that exists and that you may write to"
-    elif name.startswith(("SQLITE_FULL", "SQLITE_IOERR")):
-        what, remedy = f"The disk did not take the entry ({error})", "Make room; everything acknowledged before is kept"
     else:
-        return _damaged(path, str(error))
+        what = f"The disk did not take the entry ({error.strerror or error})"
+        remedy = "Make room; everything acknowledged before is kept"
     return RecordError(what, remedy, path)

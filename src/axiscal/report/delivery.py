@@ -27,7 +27,7 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 from axiscal.report.headline import effect_words
 from axiscal.report.summarising import Extras, summarise
-from axiscal.report.summary import Summary, TableEffect, TableOffer, result_json
+from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer, result_json
 from axiscal.units import to_unit
 
 CONTROLLERS = ("linuxcnc", "csv")
@@ -67,7 +67,7 @@ def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summ
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
-    write_files(introduced(offered, factor, warnings), folder / controller)
+    write_files(introduced(offered, factor, warnings, summary.record), folder / controller)
     left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
@@ -78,13 +78,16 @@ def effect_of(offered: Export) -> TableEffect:
     return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
 
 
-def introduced(offered: Export, factor: float, warnings: Sequence[str]) -> Export:
-    """Return an export whose README.txt says what to expect of its files, and last what is doubtful in the estimate.
+def introduced(offered: Export, factor: float, warnings: Sequence[str], record: RecordState | None) -> Export:
+    """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
 
     factor : k of the expanded uncertainty
     """
     expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
     text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
+    if record is not None:
+        origin = f"From the record {record.file} at event {record.event}: {record.hash}"
+        text = text.replace("\n", f"\n{origin}\n", 1)
     if warnings:
         text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
     return replace(offered, readme=text)

@@ -26,6 +26,7 @@ from axiscal.report.summary import (
     Finding,
     HistoryRow,
     Iso230,
+    RecordState,
     Rejection,
     SetupUse,
     Summary,
@@ -99,6 +100,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
+        record=record_state(campaign),
     )
 
 
@@ -109,6 +111,11 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated))
+
+
+def record_state(campaign: Campaign) -> RecordState:
+    """Return from which state of which record figures and tables are made."""
+    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name)
 
 
 def _reversal(curve: CurveSummary) -> bool:

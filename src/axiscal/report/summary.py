@@ -210,6 +210,15 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, slots=True)
+class RecordState:
+    """What all figures come from: a record's file, the number of its last event, the hash up to there."""
+
+    file: str
+    event: int
+    hash: str
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows."""
 
@@ -242,6 +251,7 @@ class Summary:
     reading_residual: ResidualCheck | None = None
     versions: Mapping[str, str] = field(default_factory=dict)
     files: Sequence[str] = ()
+    record: RecordState | None = None
 
 
 def result_json(summary: Summary) -> dict[str, Any]:
@@ -265,6 +275,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "warnings": [{"code": w.code, "error": w.error, "text": w.text} for w in summary.warnings],
         "tables": [_table(offer, summary.expanded.factor) for offer in summary.tables],
         "versions": dict(sorted(summary.versions.items())),
+        **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
     }
 
 

@@ -1,0 +1,87 @@
+"""Whether what a record says can have happened on its machine: places inside the travel, values that can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.exceptions import ReadingError, RecordError
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
+from axiscal.record.store import Record
+from axiscal.units import format_quantity
+
+LARGEST = 1e3
+"""m or rad: no machine deviates by a kilometre; any bound between a machine's size and this would do."""
+_SLACK = 1e-6
+"""Of the travel: rounding of places that were computed, far above that of a float and far below what is measured."""
+
+
+def described(record: Record) -> CampaignDescription:
+    """Return the description that a record carries; raises RecordError where what happened cannot be on its machine."""
+    created = record.state().created
+    if created is None:
+        raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    description = campaign_from_texts(*texts, prior_text=created.prior_text)
+    _refuse_impossible(record.events(), description, record.path)
+    return description
+
+
+def refuse_absurd(*values: float) -> None:
+    """Raise ReadingError for a number that no instrument reads; values : m or rad."""
+    for value in values:
+        if not abs(value) < LARGEST:
+            raise ReadingError(
+                f"{value:g} m or rad is no deviation of a machine", "Give the reading with its unit, such as 1.7 um"
+            )
+
+
+def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
+    checked = _Checked(description)
+    for stored in events:
+        if fault := checked.fault(stored.event):
+            what = f"The record is damaged: event {stored.number} cannot be: {fault}"
+            raise RecordError(what, "Restore it from a copy; the file has been left as it was", path)
+
+
+class _Checked:
+    """What a place must be on a machine with these set-ups."""
+
+    def __init__(self, description: CampaignDescription) -> None:
+        self._axes = description.machine.axes
+        self._setups = {setup.name for setup in description.setups}
+        self._bounds = [
+            (low - _SLACK * axis.length, high + _SLACK * axis.length)
+            for axis, (low, high) in ((axis, axis.travel) for axis in self._axes)
+        ]
+
+    def fault(self, event: Event) -> str:
+        """Return what is wrong with an event, "" if nothing is."""
+        if isinstance(event, Recorded):
+            return self._of_place(event.reading) or _of_values(event.reading)
+        if isinstance(event, Asked):
+            return self._of_place(event.place)
+        if isinstance(event, Planned):
+            return next(filter(None, map(self._of_place, event.places)), "")
+        return ""
+
+    def _of_place(self, at: Place | Reading) -> str:
+        if at.setup not in self._setups:
+            return f'there is no set-up "{at.setup[:60]}"'
+        if len(at.pose) != len(self._bounds):
+            return f"the place has {len(at.pose)} coordinates, and the machine {len(self._bounds)} axes"
+        for value, (low, high), axis in zip(at.pose, self._bounds, self._axes, strict=True):
+            if not low <= value <= high:
+                return f"{axis.name} = {format_quantity(value, axis.unit, 9)} is outside the travel"
+        return ""
+
+
+def _of_values(reading: Reading) -> str:
+    try:
+        refuse_absurd(*reading.values, reading.std or 0.0)
+    except ReadingError as absurd:
+        return absurd.what
+    return ""

@@ -1,0 +1,64 @@
+"""Writing alone: of several processes that want to write to one file, one does, and the others wait for a while."""
+
+from __future__ import annotations
+
+import os
+import random
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_NAP = 0.002
+"""Seconds between two looks, at most; by chance, so that nobody is always too late."""
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR = 2**30
+
+    def _taken(handle: int) -> bool:
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+    def _left(handle: int) -> None:
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
+
+else:
+    import fcntl
+
+    def _taken(handle: int) -> bool:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+    def _left(handle: int) -> None:
+        fcntl.flock(handle, fcntl.LOCK_UN)
+
+
+class HeldError(Exception):
+    """Another process holds the file."""
+
+
+@contextmanager
+def alone(handle: int, patience: float) -> Iterator[None]:
+    """Hold an open file, so that no other process is in such a block of the same file; the system lets go at a kill.
+
+    Raises HeldError if another one holds it for longer than `patience` seconds, OSError where files cannot be held.
+    """
+    until = time.monotonic() + patience
+    while not _taken(handle):
+        if time.monotonic() > until:
+            raise HeldError
+        time.sleep(_NAP * random.random())
+    try:
+        yield
+    finally:
+        _left(handle)

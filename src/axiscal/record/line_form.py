@@ -1,0 +1,160 @@
+"""The file of a record: a head that says what it is, two marks of how far it is valid, and one line for each event.
+
+    line = chain at kind payload end crc      chain_n = SHA-256(chain_{n-1} kind payload); end "." closes a transaction
+    mark = turn last end chain crc            of the transaction `turn`: its last event, where it ends, its chain
+
+A transaction is written in two steps, each on the disk before the next: its lines behind the end, then the older of
+the two marks anew. So what stands before the newest mark was acknowledged and must be whole; what stands behind it was
+not. Where one mark cannot be read, lines that follow whole are taken: a mark is only written behind whole lines.
+The chain is of contents only, not of times of writing: the same events have the same name. The sum `crc` guards all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+BLOCK = 4096
+"""Bytes; a disk that tears a write tears it inside of one block, so head and marks have one each."""
+MARKS = (BLOCK, 2 * BLOCK)
+"""Where they stand: a block for each behind that of the head."""
+START = 3 * BLOCK
+"""Where the lines begin."""
+FORM, SQLITE = 2, 1
+"""Forms: this one, and the one before."""
+MARK = 160
+"""Bytes of a mark: some 130 with the largest numbers there will be."""
+_SUM = 8
+"""Hex digits of a CRC-32."""
+_HEAD = re.compile(rb"axiscal record (\d{1,9}) ([0-9a-f]{8})\n")
+_WORDS = """
+The record of one calibration: what happened, event by event, oldest first; only ever added to.
+One line for each event from byte 12288 on: chain, time (UTC), kind, what happened (JSON), "." and a sum (CRC-32).
+chain: SHA-256 of the chain of the line before, kind and JSON, with a space between; the first follows sixty-four zeros.
+Bytes 4096 and 8192 hold marks: turn, number of the last event, length of the valid file in bytes, its chain, a sum.
+The newer mark holds. Lengths are in metres, angles in radians, times in seconds.
+"""
+
+
+class DamageError(ValueError):
+    """Bytes that nobody has written as they are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """How far a record is valid.
+
+    turn : number of transactions; last : number of the last event; end : bytes; chain : its name, 64 hex digits
+    """
+
+    turn: int = 0
+    last: int = 0
+    end: int = START
+    chain: str = 64 * "0"
+
+
+@dataclass(frozen=True, slots=True)
+class EventText:
+    """One event as text: when it was written, its kind and JSON text; closes : it ends a transaction."""
+
+    at: str
+    kind: str
+    payload: str
+    closes: bool = True
+
+
+def _sum(text: bytes) -> bytes:
+    return b"%08x" % zlib.crc32(text)
+
+
+def head() -> bytes:
+    """Return the first block of a record."""
+    title = b"axiscal record %d" % FORM
+    return (title + b" " + _sum(title) + b"\n" + _WORDS.encode()).ljust(BLOCK - 1) + b"\n"
+
+
+def form_of(start: bytes) -> int | None:
+    """Return the form that the first bytes of a file name, None if they name none."""
+    if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
+        return SQLITE
+    found = _HEAD.match(start)
+    return int(found[1]) if found and _sum(found[0][: -_SUM - 2]) == found[2] else None
+
+
+def mark_bytes(mark: Mark) -> bytes:
+    """Return a mark as it stands in the file."""
+    text = b"mark %d %d %d %s " % (mark.turn, mark.last, mark.end, mark.chain.encode())
+    return (text + _sum(text)).ljust(MARK - 1) + b"\n"
+
+
+def read_mark(block: bytes) -> Mark | Literal["none yet"] | None:
+    """Return the mark at the beginning of a block; None if it cannot be read."""
+    text = block[:MARK]
+    if not text.strip():
+        return "none yet"
+    try:
+        word, turn, last, end, chain, _ = text.split()
+        mark = Mark(int(turn), int(last), int(end), chain.decode())
+    except ValueError:
+        return None
+    return mark if word == b"mark" and mark_bytes(mark) == text else None
+
+
+def chained(chain: str, row: EventText) -> str:
+    """Return the name of what a record holds after one more event."""
+    return hashlib.sha256(f"{chain} {row.kind} {row.payload}".encode()).hexdigest()
+
+
+def transaction(mark: Mark, rows: Iterable[EventText]) -> tuple[bytes, Mark]:
+    """Return the lines of events that follow a mark, and the mark behind them."""
+    lines, chain = list[bytes](), mark.chain
+    for row in rows:
+        chain = chained(chain, row)
+        text = f"{chain} {row.at} {row.kind} {row.payload} {'.' if row.closes else ','}".encode()
+        lines.append(text + _sum(text) + b"\n")
+    content = b"".join(lines)
+    return content, Mark(mark.turn + 1, mark.last + len(lines), mark.end + len(content), chain)
+
+
+def rows_after(mark: Mark, content: bytes) -> Iterator[tuple[EventText, Mark]]:
+    """Yield the events of lines that follow a mark, each with the mark behind it; raises DamageError at the first."""
+    turn, last, end, chain = mark.turn, mark.last, mark.end, mark.chain
+    for line in _lines(content):
+        last, end = last + 1, end + len(line)
+        row, written = _row(line, last)
+        turn, chain = turn + row.closes, chained(chain, row)
+        if chain != written:
+            raise DamageError(f"event {last} does not follow from the events before it")
+        yield row, Mark(turn, last, end, chain)
+
+
+def whole_after(mark: Mark, content: bytes) -> list[tuple[EventText, Mark]]:
+    """Return the events of as many transactions as follow a mark whole; what breaks off behind them is left out."""
+    found, whole = list[tuple[EventText, Mark]](), 0
+    try:
+        for row, behind in rows_after(mark, content):
+            found.append((row, behind))
+            whole = len(found) if row.closes else whole
+    except DamageError:
+        pass
+    return found[:whole]
+
+
+def _lines(content: bytes) -> list[bytes]:
+    *lines, rest = content.split(b"\n")
+    return [line + b"\n" for line in lines] + ([rest] if rest else [])
+
+
+def _row(line: bytes, number: int) -> tuple[EventText, str]:
+    text, check = line[: -_SUM - 1], line[-_SUM - 1 :]
+    if check != _sum(text) + b"\n" or text[-2:] not in (b" .", b" ,"):
+        raise DamageError(f"event {number} is not as it was written")
+    try:
+        chain, at, kind, payload = text[:-2].decode().split(" ", 3)
+    except ValueError:
+        raise DamageError(f"event {number} is not as it was written") from None
+    return EventText(at, kind, payload, text[-1:] == b"."), chain

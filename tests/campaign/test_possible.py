@@ -1,0 +1,88 @@
+"""What a record says must be possible on its machine, or it is damaged and the event is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import ReadingError, RecordError
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Asked, Event, Planned, Recorded
+from axiscal.record.store import Record
+from tests.generators.texts import machine_text
+
+MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um"})
+CAMPAIGN = """machine = "machine.toml"
+[target]
+readings = 5
+[[setups]]
+name = "along x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
+
+
+def begun(path: Path) -> Campaign:
+    description = campaign_from_texts(CAMPAIGN, "campaign.toml", MACHINE, "machine.toml")
+    return Campaign.create(path, description)
+
+
+def reading(setup: str = "along x", pose: tuple[float, ...] = (0.1, 0.1), value: float = 1e-6) -> Reading:
+    return Reading(setup, pose, (0,) * len(pose), value)
+
+
+@pytest.mark.parametrize(
+    ("event", "says"),
+    [
+        (Recorded(reading(pose=(0.31, 0.1))), "X = 310 mm is outside the travel"),
+        (Recorded(reading(pose=(0.1, -0.01))), "Y = -10 mm is outside the travel"),
+        (Recorded(reading(pose=(0.1,))), "1 coordinates, and the machine 2 axes"),
+        (Recorded(reading(pose=(0.1, 0.1, 0.1))), "3 coordinates, and the machine 2 axes"),
+        (Recorded(reading(setup="along w")), 'no set-up "along w"'),
+        (Recorded(reading(value=2e3)), "no deviation of a machine"),
+        (Asked(1, Place("along x", (0.4, 0.1), (0, 0))), "X = 400 mm is outside"),
+        (Planned((Place("along x", (0.1, 0.1), (0, 0)), Place("x", (0.1, 0.1), (0, 0)))), 'no set-up "x"'),
+    ],
+)
+def test_an_event_that_cannot_be_is_damage(event: Event, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "r.axiscal"
+    begun(path).close()
+    with Record.open(path) as record:
+        record.append(event)
+    with pytest.raises(RecordError, match=rf"damaged: event 2 cannot be: .*{says}"):
+        Campaign.open(path)
+
+
+def test_the_ends_of_the_travel_are_possible(tmp_path: Path) -> None:
+    path = tmp_path / "r.axiscal"
+    begun(path).close()
+    with Record.open(path) as record:
+        record.append(Recorded(reading(pose=(0.3, 0.0))), Recorded(reading(pose=(0.0, 0.2))))
+    with Campaign.open(path) as campaign:
+        assert len(campaign.state.readings) == 2
+
+
+@pytest.mark.parametrize("value", [1e3, -1e30])
+def test_an_absurd_value_is_not_recorded(value: float, tmp_path: Path) -> None:
+    with begun(tmp_path / "r.axiscal") as campaign:
+        campaign.next()
+        with pytest.raises(ReadingError, match="no deviation of a machine"):
+            campaign.record(value)
+        assert campaign.state.readings == ()
+
+
+def test_readings_from_before_the_record_was_begun_have_a_time_that_can_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The clock is set back by a day between `start` and the first reading."""
+    with begun(tmp_path / "r.axiscal") as campaign:
+        campaign.next()
+        monkeypatch.setattr(Campaign, "begun", "2999-01-01T00:00:00.000+00:00")
+        assert campaign.record(1e-6).time == 0.0
+        campaign.next()
+        assert campaign.record(1e-6).time == 0.0

@@ -1,0 +1,93 @@
+"""`axiscal copy`, and that a record copied by any means holds what was acknowledged."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from tests.generators.texts import machine_text
+
+CAMPAIGN = """machine = "machine.toml"
+compensation_active = false
+[target]
+readings = 5
+[[setups]]
+name = "along x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
+
+
+@pytest.fixture
+def record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    (tmp_path / "machine.toml").write_text(machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    path = tmp_path / "mill.axiscal"
+    for words in (["start", str(tmp_path / "campaign.toml"), str(path)], ["next", str(path)]):
+        assert run(words) == 0
+    assert run(["record", str(path), "1.5 um"]) == 0
+    capsys.readouterr()
+    return path
+
+
+def status(path: Path, capsys: pytest.CaptureFixture[str]) -> object:
+    assert run(["status", str(path), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["readings"]
+
+
+def test_a_copy_holds_all_and_is_replaced_by_a_later_one(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for count in (1, 2):
+        assert run(["copy", str(record), "--json"]) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert document["schema"] == "axiscal-copy/1"
+        assert (document["readings"], document["copy"]) == (count, str(tmp_path / "mill-copy.axiscal"))
+        assert status(tmp_path / "mill-copy.axiscal", capsys) == count
+        assert run(["next", str(record)]) == run(["record", str(record), "1 um"]) == 0
+        capsys.readouterr()
+
+
+def test_a_folder_receives_a_copy_of_the_same_name(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "stick").mkdir()
+    assert run(["copy", str(record), str(tmp_path / "stick")]) == 0
+    assert "holds 1 reading" in capsys.readouterr().out
+    assert status(tmp_path / "stick" / "mill.axiscal", capsys) == 1
+
+
+def test_a_copy_does_not_take_the_place_of_anything_else(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["copy", str(record), str(tmp_path / "campaign.toml")]) == 1
+    assert "is here already" in " ".join(capsys.readouterr().err.split())
+    assert (tmp_path / "campaign.toml").read_text() == CAMPAIGN
+
+
+def test_the_file_alone_is_a_copy(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "by-hand").mkdir()
+    shutil.copyfile(record, tmp_path / "by-hand" / "mill.axiscal")
+    assert status(tmp_path / "by-hand" / "mill.axiscal", capsys) == 1
+
+
+def test_report_tables_and_result_name_the_state_of_the_record(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
+    capsys.readouterr()
+    assert run(["copy", str(record), "--json"]) == 0
+    copied = json.loads(capsys.readouterr().out)
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["record"]
+    assert found == {"event": copied["event"], "hash": copied["hash"]}
+    assert f"<code>{found['hash']}</code>" in (tmp_path / "out" / "report.html").read_text()
+    readmes = list((tmp_path / "out" / "tables").rglob("README.txt"))
+    assert readmes
+    for readme in readmes:
+        second = readme.read_text().splitlines()[1]
+        assert second == f"From the record mill.axiscal at event {found['event']}: {found['hash']}"

@@ -1,0 +1,173 @@
+"""The file of a record by itself: whole at every moment, and no bit of it changes unseen."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Created, Event, Recorded, Stored
+from axiscal.record.line_form import BLOCK, MARK, MARKS, START
+from axiscal.record.store import Record
+
+CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
+
+
+FLIPS = int(os.environ.get("AXISCAL_FLIPS", "13"))
+"""Every so manieth bit is flipped; `make reliability` flips them all."""
+
+
+def recorded(value: float) -> Recorded:
+    return Recorded(Reading("laser", (0.1, 0.2), (1, 0), value))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "trial.axiscal"
+    with Record.create(path, CREATED) as record:
+        for number in range(3):
+            record.append(recorded(1e-6 * number))
+    return path
+
+
+def events(path: Path) -> tuple[Stored, ...]:
+    with Record.open(path, write=False) as record:
+        return record.events()
+
+
+def complaint(path: Path) -> str:
+    """Return why a record does not open, "" if it does."""
+    try:
+        Record.open(path, write=False).close()
+    except RecordError as failure:
+        return str(failure)
+    return ""
+
+
+def flipped(content: bytes, bit: int) -> bytes:
+    changed = bytearray(content)
+    changed[bit // 8] ^= 1 << bit % 8
+    return bytes(changed)
+
+
+def bits_that_matter(size: int) -> Iterator[int]:
+    """Yield every bit of title, marks and lines, and of the rest each thousandth."""
+    for begin, end in ((0, 30), *((at, at + MARK) for at in MARKS), (START, size)):
+        yield from range(8 * begin, 8 * end)
+    yield from range(0, 8 * START, 1009)
+
+
+def test_a_flipped_bit_is_harmless_or_damage(path: Path, tmp_path: Path) -> None:
+    content, whole = path.read_bytes(), events(path)
+    changed, harmless, damaged = tmp_path / "changed.axiscal", 0, 0
+    bits = list(bits_that_matter(len(content)))[::FLIPS]
+    for bit in bits:
+        changed.write_bytes(flipped(content, bit))
+        said = complaint(changed)
+        if said:
+            damaged += "The record is damaged: " in said
+        else:
+            assert events(changed) == whole, f"bit {bit % 8} of byte {bit // 8}"
+            harmless += 1
+    assert damaged + harmless == len(bits)
+    assert damaged >= 8 * (len(content) - START) // FLIPS
+    assert harmless >= 2 * 8 * MARK // FLIPS  # either mark may go
+
+
+def test_a_record_that_lacks_its_end_is_damage(path: Path, tmp_path: Path) -> None:
+    content, cut = path.read_bytes(), tmp_path / "cut.axiscal"
+    for size in range(START, len(content)):
+        cut.write_bytes(content[:size])
+        with pytest.raises(RecordError, match=r"damaged: "):
+            events(cut)
+
+
+def test_what_was_not_acknowledged_is_left_out_and_written_over(path: Path) -> None:
+    whole = events(path)
+    with path.open("ab") as file:
+        file.write(b"half a line of a reading that nobody has heard of" * 30)
+    assert events(path) == whole
+    with Record.open(path) as record:
+        record.append(recorded(7e-6))
+    assert events(path)[:-1] == whole
+    assert path.read_bytes().count(b"nobody") == 0
+
+
+def test_the_name_is_the_chain_of_kinds_and_contents(path: Path) -> None:
+    name = 64 * "0"
+    for line in path.read_bytes()[START:].splitlines():
+        _, _, kind, rest = line.decode().split(" ", 3)
+        payload = rest.rpartition(" ")[0]
+        json.loads(payload)
+        name = hashlib.sha256(f"{name} {kind} {payload}".encode()).hexdigest()
+    with Record.open(path, write=False) as record:
+        assert record.name == name
+
+
+def test_the_file_alone_holds_every_acknowledged_event_at_once(path: Path, tmp_path: Path) -> None:
+    alone = tmp_path / "alone" / "alone.axiscal"
+    alone.parent.mkdir()
+    with Record.open(path) as record:
+        for number in range(20):
+            record.append(recorded(1e-6 * number))
+            assert [file.name for file in tmp_path.glob("*.axiscal*")] == ["trial.axiscal"]
+            shutil.copyfile(path, alone)
+            assert events(alone) == record.events()
+
+
+@pytest.mark.parametrize("suffix", ["-wal", "-shm", "-journal"])
+def test_a_log_beside_the_file_adds_nothing(path: Path, suffix: str) -> None:
+    whole = events(path)
+    path.with_name(path.name + suffix).write_bytes(path.read_bytes())
+    assert events(path) == whole
+    with Record.open(path) as record:
+        record.append(recorded(9e-6))
+    assert len(events(path)) == len(whole) + 1
+
+
+def test_several_events_are_there_together_or_not_at_all(path: Path) -> None:
+    """One mark is gone and a transaction broke off: its whole lines are not taken without the others."""
+    whole = events(path)
+    batch: list[Event] = [recorded(1e-6 * number) for number in range(5)]
+    with Record.open(path) as record:
+        record.append(*batch)
+    content = path.read_bytes()
+    turns = [int(content[at:].split()[1]) for at in MARKS]
+    newest = MARKS[turns.index(max(turns))]
+    broken = content[:newest] + b"torn" + content[newest + 4 :]
+    path.write_bytes(broken)
+    assert len(events(path)) == len(whole) + 5
+    path.write_bytes(broken[:-30])
+    assert events(path) == whole
+
+
+def test_a_record_that_was_moved_away_takes_nothing(path: Path, tmp_path: Path) -> None:
+    with Record.open(path) as record:
+        path.rename(tmp_path / "elsewhere.axiscal")
+        with pytest.raises(RecordError, match="no longer here"):
+            record.append(recorded(1e-6))
+
+
+def test_an_older_copy_written_over_it_is_noticed(path: Path, tmp_path: Path) -> None:
+    older = path.read_bytes()
+    with Record.open(path) as record:
+        record.append(recorded(1e-6))
+        path.write_bytes(older)
+        with pytest.raises(RecordError, match="older copy"):
+            record.append(recorded(2e-6))
+    assert path.read_bytes() == older
+
+
+def test_head_and_marks_have_a_block_each(path: Path) -> None:
+    """A disk that tears a write leaves the other blocks alone."""
+    assert sorted({0, *(at // BLOCK for at in MARKS), START // BLOCK}) == [0, 1, 2, 3]
+    with contextlib.closing(path.open("rb")) as file:
+        assert file.read(17) == b"axiscal record 2 "
