@@ -1,4 +1,4 @@
-"""What keeping a reading costs: the record's own file against SQLite in several journal modes, and opening 100,000 events.
+"""What keeping a reading costs: the record beside SQLite in several journal modes; and opening 100,000 events.
 
 `python benchmarks/bench_record.py`; figures for docs/decisions/one-file-of-lines.md.
 """
