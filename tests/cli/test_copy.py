@@ -47,8 +47,8 @@ def test_a_copy_holds_all_and_is_replaced_by_a_later_one(
         assert run(["copy", str(record), "--json"]) == 0
         document = json.loads(capsys.readouterr().out)
         assert document["schema"] == "axiscal-copy/1"
-        assert (document["readings"], document["copy"]) == (count, str(tmp_path / "mill-copy.axiscal"))
-        assert status(tmp_path / "mill-copy.axiscal", capsys) == count
+        assert (document["readings"], document["copy"]) == (count, str(tmp_path / "mill.axiscal.copy"))
+        assert status(tmp_path / "mill.axiscal.copy", capsys) == count
         assert run(["next", str(record)]) == run(["record", str(record), "1 um"]) == 0
         capsys.readouterr()
 

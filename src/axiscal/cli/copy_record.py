@@ -17,7 +17,7 @@ def copy_record(
     record: RecordFile,
     to: Annotated[
         Path | None,
-        typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD with -copy in its name."),
+        typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD.copy."),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -30,7 +30,7 @@ def copy_record(
       axiscal copy mill.axiscal /media/stick
     """
 
-    beside = record.with_name(f"{record.stem}-copy{record.suffix}")
+    beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
     with Campaign.open(record, write=False) as campaign:
         campaign.copy(target)
