@@ -38,14 +38,17 @@ class LinuxCNC(Dialect):
             raise ProgramError(what, "xyzac- and xyzbc-trt-kins are for w-C'-A'- and w-C'-B'-; choose another control")
 
     def tip_on(self, tool: str, tip: Words) -> list[str]:
-        """Return the check that no offset is in force, M428, and the length of the tool."""
+        """Return the check that no offset is in force, the length of the tool, and M428.
+
+        The length comes first: with M428 in force a new one would move the axes by tens of millimetres.
+        """
         offsets = "+".join(f"ABS[#{number}]" for number in (5210, *range(5221, 5227)))
         stop = [f"O100 IF [{offsets} GT 0.00005]", "(MSG, G54 OR G92 IS NOT ZERO)", "M2", "O100 ENDIF"]
-        return ["G54", *stop, "M428", f"G43.1 Z{tool}"]
+        return ["G54", *stop, f"G43.1 Z{tool}", "M428"]
 
     def tip_off(self, axes: Words) -> list[str]:
-        """Return no tool, and M429."""
-        return ["G49", "M429"]
+        """Return M429, and then no tool."""
+        return ["M429", "G49"]
 
     def tip_move(self, words: Words, feed: int) -> str:
         """Return G1: a feed is that of X Y Z, and of the rotary axes where these stay."""
