@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from axiscal.gcode import Program, ProgramOptions, dialect, programs
+from axiscal.gcode import Program, dialect, programs
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.driving import Driving
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from tests.certify.gcode_traces import (
@@ -52,11 +53,10 @@ class Plan:
     machine: Machine
     setups: tuple[Setup, ...]
     places: tuple[Place, ...]
-    options: ProgramOptions
 
     def programs(self, controller: str) -> tuple[Program, ...]:
         """Return the plan as programs."""
-        return programs(self.machine, self.setups, self.places, dialect(controller), self.options)
+        return programs(self.machine, self.setups, self.places, dialect(controller))
 
 
 def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
@@ -64,10 +64,10 @@ def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
     count = int(rng.integers(1, min(len(letters), 6) + 1))
     axes = tuple(_axis(rng, str(name)) for name in rng.permutation(list(letters))[:count])
     machine = Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
-    options = _options(rng, axes)
-    setups = [_setup(rng, axes, number) for number in range(int(rng.integers(1, 3)))]
+    driving = _driving(rng, axes)
+    setups = [replace(_setup(rng, axes, number), driving=driving) for number in range(int(rng.integers(1, 3)))]
     places = [_place(rng, axes, setups[int(rng.integers(len(setups)))]) for _ in range(rng.integers(1, 13))]
-    return Plan(machine, tuple(setups), tuple(places), options)
+    return Plan(machine, tuple(setups), tuple(places))
 
 
 def _axis(rng: np.random.Generator, name: str) -> Axis:
@@ -85,14 +85,16 @@ def _overrun(rng: np.random.Generator, length: float) -> float | None:
     return None if rng.random() < 0.5 else float(length * rng.uniform(0.001, 0.2))
 
 
-def _options(rng: np.random.Generator, axes: tuple[Axis, ...]) -> ProgramOptions:
+def _driving(rng: np.random.Generator, axes: tuple[Axis, ...]) -> Driving:
     families = [[a.name for a in axes if a.letter in letters] for letters in ("XYZ", "UVW", "ABC")]
     order = [tuple(group) for group in families if group]
     rng.shuffle(order)
-    return ProgramOptions(
-        wait="stop" if rng.random() < 0.5 else "dwell",
-        feed=float(rng.uniform(0.2, 1)),
+    clear = axes[int(rng.integers(len(axes)))]
+    return Driving(
+        clearance=None if rng.random() < 0.5 else (clear.name, float(rng.uniform(*clear.travel))),
         order=None if rng.random() < 0.5 else tuple(order),
+        feed=None if rng.random() < 0.5 else float(rng.uniform(20, 3000)) / 60000,
+        dwell=bool(rng.random() < 0.5),
     )
 
 
@@ -129,6 +131,8 @@ class Judge:
     at: dict[str, float] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)
     """How far each axis came without turning back, with its sign."""
+    trail: list[tuple[dict[str, float], dict[str, float], float]] = field(default_factory=list)
+    """Moves since the last reading: from where, to where, at which feed."""
 
     def follow(self, events: list[Event]) -> list[str]:
         """Return what is wrong with what a program does."""
@@ -139,9 +143,31 @@ class Judge:
         self._start(first[1])
         for (_, place), (_, piece) in zip(wanted, rest, strict=True):
             self._reading(place)
+            self._arrival()
             self._pause(piece)
             self._moves(piece)
         return self.faults
+
+    def _arrival(self) -> None:
+        """Look back along the moves that led here: slow for as long as all axes were within 2 mm, or 2 deg, of here."""
+        feed, trail, self.trail = self.setup.driving.feed or math.inf, self.trail, []
+        for begin, end, fed in reversed(trail):
+            if begin.keys() != end.keys():
+                return
+            for share in np.linspace(0, 1, 41):
+                if not all(
+                    self._near(axis, end[axis.name] + (begin[axis.name] - end[axis.name]) * share)
+                    for axis in self.plan.machine.axes
+                ):
+                    return
+                if begin != end and share and fed > feed * 60000 * (1 + 1e-9):
+                    self.faults.append(f"comes to {self.at} at {fed}")
+                    return
+
+    def _near(self, axis: Axis, value: float) -> bool:
+        return (
+            abs(value - self.at[axis.name]) <= max(2.0, _written(axis, self._overrun(axis))) - 3 * 10.0**-self.decimals
+        )
 
     def _start(self, events: list[Event]) -> None:
         names = {axis.name for axis in self.plan.machine.axes}
@@ -174,7 +200,7 @@ class Judge:
 
     def _pause(self, events: list[Event]) -> None:
         waits = [event.seconds for event in events if isinstance(event, Wait)]
-        stop = self.plan.options.wait == "stop"
+        stop = not self.setup.driving.dwell
         wanted = self.setup.settle + (0 if stop else self.setup.reading_time)
         if abs(sum(waits) - wanted) > 1e-3 * len(waits) or any(not 0 <= w <= 60 for w in waits):
             self.faults.append(f"waits {waits} instead of {wanted}")
@@ -204,13 +230,15 @@ class Judge:
             self.faults.append(f"{[axis.name for axis in moving]} move together")
         for axis in moving:
             speed = move.feed * abs(ways[axis.name]) / length / 60
-            if not 0 < speed <= _written(axis, axis.speed) * self.plan.options.feed * (1 + 1e-9):
+            if not 0 < speed <= _written(axis, axis.speed) * (1 + 1e-9):
                 self.faults.append(f"{axis.name} moves at {speed}")
             if axis.rotary and abs(ways[axis.name]) > 150:
                 self.faults.append(f"{axis.name} turns by {ways[axis.name]} at once")
         for name, way in ways.items():
             self.run[name] = way + (self.run.get(name, 0.0) if self.run.get(name, 0.0) * way > 0 else 0.0)
+        begin = dict(self.at)
         self.at.update(move.to)
+        self.trail.append((begin, dict(self.at), move.feed))
 
 
 def _pieces(events: list[Event]) -> list[tuple[Mark | None, list[Event]]]:

@@ -75,9 +75,43 @@ def test_a_plan_becomes_programs(campaign: Path, tmp_path: Path, capsys: pytest.
     assert "Written: " in capsys.readouterr().out
 
 
+def moves(folder: Path) -> list[str]:
+    """Return the moves of the one program in a folder."""
+    (program,) = folder.glob("*.ngc")
+    return [line for line in program.read_text().splitlines() if line.startswith("G53")]
+
+
+def test_the_campaign_says_how_programs_go_to_readings_and_the_command_line_goes_first(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = ["plan", str(campaign), "--readings", "3", "--gcode", "linuxcnc", "--out"]
+    assert run([*plan, str(tmp_path / "bare")]) == 0
+    campaign.write_text(CAMPAIGN + '[programs]\nfeed = "60 mm/min"\ndwell = true\n')
+    assert run([*plan, str(tmp_path / "file")]) == 0
+    assert run([*plan, str(tmp_path / "line"), "--feed", "90 mm/min", "--stop"]) == 0
+    said = [{line.split("F")[1] for line in moves(tmp_path / name)} for name in ("bare", "file", "line")]
+    assert not {"60", "90"} & said[0]
+    assert "60" in said[1]
+    assert "90" in said[2]
+    assert "60" not in said[2]
+    stops = [next((tmp_path / name).glob("*.ngc")).read_text().count("M0\n") for name in ("file", "line")]
+    assert stops == [2, 5]
+    assert capsys.readouterr().out.count("Written: ") >= 6
+
+
+def test_minutes_count_how_programs_go_to_readings(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    minutes = []
+    for options in ([], ["--feed", "10 mm/min"]):
+        assert run(["plan", str(campaign), "--readings", "3", "--json", *options]) == 0
+        minutes.append(json.loads(capsys.readouterr().out)["minutes"])
+    assert minutes[1] - minutes[0] == pytest.approx(2 * 2 / 10, rel=0.1)  # two ways of 2 mm at 10 mm/min
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (["--gcode", "linuxcnc", "--feed", "0.5"], "has no unit"),
+        (["--gcode", "linuxcnc", "--clearance", "Q=3 mm"], "no axis"),
         (["--budget", "1 s"], "less than"),
         (["--budget", "-2 h"], "not above zero"),
         (["--target", "2"], "unit"),

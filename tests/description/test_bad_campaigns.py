@@ -30,6 +30,11 @@ EXX = { std = "10 um" }
 
 GOOD = """\
 machine = "machine.toml"
+[programs]
+clearance = "Z=400 mm"
+order = "Z,X,C"
+feed = "500 mm/min"
+dwell = true
 [target]
 rms = "2 um"
 worst = "4 um"
@@ -60,6 +65,22 @@ moves = ["Z"]
 # What is replaced, by what, and what the failure says; it stands in the line where the replacement is.
 WRONG = [
     ('machine = "machine.toml"', "", '"machine" is missing'),
+    ('clearance = "Z=400 mm"', 'clearence = "Z=400 mm"', 'unknown key "clearence".*Perhaps "clearance"'),
+    ('clearance = "Z=400 mm"', 'clearance = "400 mm"', '"400 mm" is not AXIS=PLACE.*"Z=-5 mm"'),
+    ('clearance = "Z=400 mm"', 'clearance = "Z=401 mm"', '"401 mm" is outside the travel of Z.*50 mm to 400 mm'),
+    ('clearance = "Z=400 mm"', 'clearance = "Y=40 mm"', 'no axis "Y"'),
+    ('clearance = "Z=400 mm"', 'clearance = "Z=40 deg"', "is an angle, not a length"),
+    ('clearance = "Z=400 mm"', "clearance = 400", "Write a text in quotes"),
+    ('order = "Z,X,C"', 'order = "Z,X"', "the order of moves names Z X.*Name each of C X Z once"),
+    ('order = "Z,X,C"', 'order = "Z C,X"', "Z C are to move together.*groups of their own"),
+    ('order = "Z,X,C"', 'order = ""', "names no axis"),
+    ('feed = "500 mm/min"', "feed = 0.5", "Write a text in quotes, such as feed = "),
+    ('feed = "500 mm/min"', 'feed = "500"', '"500" has no unit'),
+    ('feed = "500 mm/min"', 'feed = "0 mm/min"', "slower than 1 mm/min"),
+    ('feed = "500 mm/min"', 'feed = "-3 m/min"', "slower than 1 mm/min"),
+    ('feed = "500 mm/min"', 'feed = "500 mm"', "is a length, not a speed"),
+    ("dwell = true", 'dwell = "yes"', "Write true or false"),
+    ("dwell = true", "dwell = true\nspindle = true", 'unknown key "spindle".*clearance, order, feed, dwell'),
     ('"machine.toml"', "7", "machine: 7 is not the name"),
     ('"machine.toml"', '""', 'machine: "" is not the name'),
     ('"machine.toml"', r'"a\u0000b"', "is not the name of a machine"),
@@ -208,8 +229,8 @@ def test_a_wrong_entry_is_refused_at_its_line(folder: Path, right: str, wrong: s
         ('machine = "machine.toml"\nsetups = [1]', "setups"),
         ('machine = "machine.toml"\nsetups = "laser"', "setups"),
         ('machine = "machine.toml"\ntarget = 3\nsetups = []', "target"),
-        (GOOD.replace("[[setups]]", "[setups]", 1), "line 22: not valid TOML"),
-        (GOOD.replace('"level"', '"laser along X"', 1), 'line 23: .*two set-ups are called "laser along X"'),
+        (GOOD.replace("[[setups]]", "[setups]", 1), "line 27: not valid TOML"),
+        (GOOD.replace('"level"', '"laser along X"', 1), 'line 28: .*two set-ups are called "laser along X"'),
         (GOOD.replace("[target]", "[goal]"), 'unknown key "goal"'),
         (GOOD + "[[setups]]\n", '"name" is missing'),
         (GOOD + "colour = 3\n", 'unknown key "colour"'),

@@ -12,17 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ProgramError
-from axiscal.gcode import Program, ProgramOptions, controllers, dialect, programs, write_programs
+from axiscal.exceptions import InputError, ProgramError
+from axiscal.gcode import Program, controllers, dialect, programs, write_programs
 from axiscal.gcode.scale import AxisScale
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
+from axiscal.machine.driving import USUAL, Driving
 from axiscal.machine.motion import inward
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.setup import Setup
 from tests.certify.gcode import HOSTILE, Judge, Plan, judged
-from tests.certify.gcode_traces import READERS, Move
+from tests.certify.gcode_traces import READERS, Halt, Mark, Move
 
 TABLE = Axis.named("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = Axis.named("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
@@ -34,21 +35,19 @@ UP, DOWN = Place(SETUP.name, (0.0, 0.1), (0, 1)), Place(SETUP.name, (0.0, 0.3), 
 def text_of(
     controller: str,
     *places: Place,
-    options: ProgramOptions | None = None,
+    driving: Driving = USUAL,
     machine: Machine = MACHINE,
     setup: Setup = SETUP,
 ) -> str:
     """Return the program of visits in one set-up."""
-    (program,) = programs(machine, [setup], places, dialect(controller), options)
+    (program,) = programs(machine, [replace(setup, driving=driving)], places, dialect(controller))
     return program.text
 
 
-def refusal(
-    *places: Place, options: ProgramOptions | None = None, machine: Machine = MACHINE, setup: Setup = SETUP
-) -> str:
+def refusal(*places: Place, driving: Driving = USUAL, machine: Machine = MACHINE, setup: Setup = SETUP) -> str:
     """Return why a program cannot be written."""
-    with pytest.raises(ProgramError) as refused:
-        programs(machine, [setup], places, dialect("linuxcnc"), options)
+    with pytest.raises(InputError) as refused:
+        programs(machine, [replace(setup, driving=driving)], places, dialect("linuxcnc"))
     return str(refused.value)
 
 
@@ -243,7 +242,7 @@ def test_waits_longer_than_a_minute_come_in_parts_and_over_an_hour_not_at_all() 
 
 
 def test_a_dwell_gives_the_instrument_its_time() -> None:
-    lines = text_of("linuxcnc", UP, options=ProgramOptions(wait="dwell")).splitlines()
+    lines = text_of("linuxcnc", UP, driving=Driving(dwell=True)).splitlines()
     assert lines[-4:] == ["(READING 1)", "G4 P1.500", "G4 P3.000", "M2"]
 
 
@@ -252,7 +251,6 @@ def test_a_straight_move_is_as_fast_as_its_slowest_axis_allows() -> None:
     machine = Machine("m", (SLIDE, slow), 0.0, (), "", "")
     visits = [Place(SETUP.name, (0.1, 0.1), (0, 0)), Place(SETUP.name, (0.4, 0.5), (0, 0))]
     assert "X400.0000 Y500.0000 F2250" in text_of("linuxcnc", *visits, machine=machine)  # Y: 2250 * 4/5 = 1800
-    assert "F1125" in text_of("linuxcnc", *visits, machine=machine, options=ProgramOptions(feed=0.5))
 
 
 @pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (11 / 60, 11000), (50.0, 99999)])
@@ -277,20 +275,15 @@ def test_the_time_of_a_reading_counts_ways_and_waits() -> None:
     ],
 )
 def test_an_order_that_cannot_be_is_refused(order: tuple[tuple[str, ...], ...], said: str) -> None:
-    assert said in refusal(UP, options=ProgramOptions(order=order))
+    assert said in refusal(UP, driving=Driving(order=order))
 
 
 def test_the_order_of_moves_is_a_choice_and_is_said() -> None:
-    (program,) = programs(MACHINE, [SETUP], [UP], dialect("linuxcnc"), ProgramOptions(order=(("C",), ("X",))))
+    setup = replace(SETUP, driving=Driving(order=(("C",), ("X",))))
+    (program,) = programs(MACHINE, [setup], [UP], dialect("linuxcnc"))
     assert "(ORDER OF MOVES C THEN X)" in program.text
     assert program.text.index("C0.0000") < program.text.index("X99.0000")
     assert any("C then X" in note for note in program.notes)
-
-
-@pytest.mark.parametrize("wrong", [{"feed": 0.0}, {"feed": math.nan}, {"feed": 1.5}, {"wait": "pray"}])
-def test_choices_that_make_no_sense_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ProgramError):
-        ProgramOptions(**wrong)  # type: ignore[arg-type]
 
 
 def test_other_things_that_cannot_be() -> None:
@@ -361,12 +354,46 @@ def test_built_in_machines_have_programs(name: str, controller: str) -> None:
     middle = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     every = tuple(range(len(middle)))
     setup = replace(SETUP, moves=every, park=middle)
-    plan = Plan(
-        machine, (setup,), tuple(Place(setup.name, middle, (side,) * len(middle)) for side in (1, -1)), ProgramOptions()
-    )
+    plan = Plan(machine, (setup,), tuple(Place(setup.name, middle, (side,) * len(middle)) for side in (1, -1)))
     (program,) = plan.programs(controller)
     judge = Judge(plan, setup, dialect(controller).decimals)
     assert judged(program.text, READERS[controller], judge)[1] == []
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_the_last_millimetres_are_slow_in_every_dialect(controller: str) -> None:
+    """From 100 mm up to 300 mm and back over the overrun: quick until 298 mm, then at 600 mm/min, C at 600 deg/min."""
+    turned = replace(DOWN, pose=(math.radians(90), 0.3))
+    text = text_of(controller, UP, turned, driving=Driving(feed=0.01))
+    events = READERS[controller](text)
+    first, second = (k for k, event in enumerate(events) if isinstance(event, Mark))
+    moves = [(event.to, event.feed) for event in events[first:second] if isinstance(event, Move)]
+    assert moves == [
+        ({"X": 298.0}, 6000),
+        ({"X": 301.0}, 600),
+        ({"C": 88.0}, 5400),
+        ({"C": 90.0}, 600),
+        ({"X": 300.0}, 600),
+    ]
+
+
+def test_the_way_back_after_jogging_at_the_mounting_is_slow_too() -> None:
+    events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01)))
+    quick, slow = (k for k, event in enumerate(events[:-1]) if event == Halt() and isinstance(events[k + 1], Move))
+    assert [event.feed for event in events[quick:slow] if isinstance(event, Move)] == [6000, 5400]
+    assert {event.feed for event in events[slow:] if isinstance(event, Move)} == {600}
+
+
+def test_a_slow_axis_is_no_faster_near_the_place() -> None:
+    """What an axis can do goes before what is asked for."""
+    slow = Machine("m", (replace(SLIDE, speed=0.004),), 0.0, (), "", "")
+    assert {
+        event.feed
+        for event in READERS["linuxcnc"](
+            text_of("linuxcnc", Place(SETUP.name, (0.1,), (1,)), machine=slow, driving=Driving(feed=0.01))
+        )
+        if isinstance(event, Move)
+    } == {240}
 
 
 SPOILT = {
@@ -391,7 +418,7 @@ SPOILT = {
 
 @pytest.mark.parametrize("what", SPOILT)
 def test_the_judge_of_the_random_plans_sees_what_is_spoilt(what: str) -> None:
-    plan = Plan(MACHINE, (SETUP,), (UP, DOWN), ProgramOptions())
+    plan = Plan(MACHINE, (SETUP,), (UP, DOWN))
     text = text_of("linuxcnc", UP, DOWN)
     judge = Judge(plan, SETUP, 4)
     assert judged(text, READERS["linuxcnc"], judge)[1] == []
@@ -430,7 +457,8 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     poses = [tuple(map(float, rng.uniform(0.01, 0.4, 3))) for _ in range(12)]
     poses.append((*poses[-1][:2], 0.05))  # only Z moves: no need to go clear
     places = [Place("p", pose, (1, -1, 1)) for pose in poses]
-    (program,) = programs(mill, [probe], places, dialect("linuxcnc"), ProgramOptions(clearance=("Z", 0.45)))
+    probe = replace(probe, driving=Driving(clearance=("Z", 0.45)))
+    (program,) = programs(mill, [probe], places, dialect("linuxcnc"))
     at: dict[str, float] = {}
     seen = 0
     for event in READERS["linuxcnc"](program.text):
@@ -443,5 +471,6 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     assert seen >= 12
     assert at["Z"] == 450.0
     assert "Z goes to 450.0000 mm before others move, and at the end" in " ".join(program.notes)
+    beyond = replace(probe, driving=Driving(clearance=("Z", 0.6)))
     with pytest.raises(ProgramError, match="outside its travel"):
-        programs(mill, [probe], places, dialect("linuxcnc"), ProgramOptions(clearance=("Z", 0.6)))
+        programs(mill, [beyond], places, dialect("linuxcnc"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 
@@ -14,8 +14,9 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ProgramError
-from axiscal.gcode import Program, ProgramOptions, controllers, dialect, programs
+from axiscal.gcode import Program, controllers, dialect, programs
 from axiscal.machine import Machine, load_machine
+from axiscal.machine.driving import Driving
 from axiscal.measurement.chart_places import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
@@ -312,6 +313,7 @@ def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
 
 def test_slides_that_are_ordered_apart_cannot_stay_in_touch() -> None:
     campaign = described(BAR.format(machine="three-axis-mill", station=ON_MILL, keys=""), "three-axis-mill")
-    options = ProgramOptions(order=(("X",), ("Y",), ("Z",)))
+    (setup,) = campaign.setups
+    apart = replace(setup, driving=Driving(order=(("X",), ("Y",), ("Z",))))
     with pytest.raises(ProgramError, match="move together while the instrument is in touch"):
-        programs(campaign.machine, campaign.setups, places_of(campaign, 4), dialect("fanuc"), options)
+        programs(campaign.machine, [apart], places_of(campaign, 4), dialect("fanuc"))

@@ -40,7 +40,7 @@ def named(plan: Plan, name: str) -> Plan:
     """Return the plan with its machine and its one set-up under another name."""
     first = next(setup for setup in plan.setups if setup.name == plan.places[0].setup)
     places = tuple(replace(place, setup=name) for place in plan.places)
-    return Plan(replace(plan.machine, name=name), (replace(first, name=name),), places, plan.options)
+    return Plan(replace(plan.machine, name=name), (replace(first, name=name),), places)
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from axiscal.exceptions import InputError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.axis import Axis
-from axiscal.machine.motion import approach_seconds, family_groups, inward, travel_seconds, turning
+from axiscal.machine.driving import Driving, move_groups
+from axiscal.machine.motion import approach_seconds, inward, travel_seconds, turning
 
 X = Axis.named("X", False, (0.0, 0.6), speed=0.2, acceleration=1.0)
 Y = Axis.named("Y", True, (0.0, 0.4), speed=0.1, acceleration=3.0)
@@ -55,7 +56,7 @@ def test_a_straight_move_takes_as_long_as_in_small_steps(ways: tuple[float, floa
 
 
 def test_families_move_one_after_another() -> None:
-    assert family_groups(MACHINE) == ((1, 2), (0,))
+    assert move_groups(MACHINE) == ((1, 2), (0,))
     start, slid, there = (np.array(p) for p in ([0.0, 0.1, 0.1], [0.0, 0.2, 0.3], [1.5, 0.2, 0.3]))
     whole = travel_seconds(MACHINE, start, there)
     assert whole == pytest.approx(travel_seconds(MACHINE, start, slid) + travel_seconds(MACHINE, slid, there))
@@ -136,3 +137,41 @@ def test_an_overrun_that_cannot_be_is_refused_at_its_line(text: str, said: str) 
     with pytest.raises(InputError, match=said) as refused:
         machine_from_text(TOML.format(x=f"overrun = {text}", c=""))
     assert refused.value.line == 8
+
+
+DRIVINGS = [
+    Driving(),
+    Driving(clearance=("X", 0.55)),
+    Driving(order=(("C",), ("X",), ("Y",))),
+    Driving(feed=0.005),
+    Driving(clearance=("X", 0.55), order=(("X",), ("Y",), ("C",)), feed=0.005),
+    Driving(clearance=("C", 3.0), feed=1e-3),
+]
+
+
+@pytest.mark.parametrize("driving", DRIVINGS)
+def test_many_moves_at_once_take_as_long_as_each_however_they_are_driven(driving: Driving) -> None:
+    rng = np.random.default_rng(1)
+    poses = rng.uniform(0.01, 0.4, (6, 3))
+    poses[3, 1:] = poses[2, 1:]  # only C moves
+    sides = rng.integers(-1, 2, (6, 3)).astype(float)
+    table = approach_seconds(MACHINE, poses[:, None], poses[None], sides[None], driving)
+    for i in range(6):
+        for j in range(6):
+            alone = approach_seconds(MACHINE, poses[i], poses[j], sides[j], driving)
+            assert table[i, j] == pytest.approx(float(alone))
+
+
+def test_what_goes_clear_takes_its_time_there_and_back() -> None:
+    """X at 0.1 m goes to 0.55 m, Y over, X down: three moves, in small steps."""
+    start, stop, sides = np.array([1.0, 0.1, 0.1]), np.array([1.0, 0.3, 0.2]), np.zeros(3)
+    taken = float(approach_seconds(MACHINE, start, stop, sides, Driving(clearance=("X", 0.55))))
+    assert taken == pytest.approx(stepped((X,), [0.45]) + stepped((Y,), [0.2]) + stepped((X,), [0.35]), abs=3e-3)
+    alone = float(approach_seconds(MACHINE, start, np.array([1.0, 0.1, 0.2]), sides, Driving(clearance=("X", 0.55))))
+    assert alone == pytest.approx(stepped((X,), [0.1]), abs=3e-3)  # nothing else moves: no need to go clear
+
+
+def test_the_last_two_millimetres_are_slow() -> None:
+    start, stop, sides = np.array([1.0, 0.1, 0.1]), np.array([1.0, 0.1, 0.2]), np.zeros(3)
+    taken = float(approach_seconds(MACHINE, start, stop, sides, Driving(feed=0.5e-3)))
+    assert taken == pytest.approx(stepped((X,), [0.098]) + 2e-3 / 0.5e-3, abs=3e-3)

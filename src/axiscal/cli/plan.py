@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -10,17 +11,16 @@ import typer
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.programs import stated
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.document import shown
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.uncertain import as_standard
-from axiscal.exceptions import PlanError, ProgramError, TargetError
-from axiscal.gcode import ProgramOptions, write_programs
+from axiscal.exceptions import PlanError, TargetError
+from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
-from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
@@ -46,11 +46,12 @@ def plan(
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
     dwell: Annotated[
-        bool, typer.Option("--dwell", help="Programs wait the reading time at a reading, instead of stopping.")
-    ] = False,
+        bool | None,
+        typer.Option("--dwell/--stop", help="Programs wait the reading time at a reading, or stop (unless said)."),
+    ] = None,
     feed: Annotated[
-        float, typer.Option(metavar="SHARE", help="Feed of programs, as a share of each axis' speed.")
-    ] = 1.0,
+        str | None, typer.Option(metavar="FEED", help='Feed of the last millimetres to a reading: "500 mm/min".')
+    ] = None,
     order: Annotated[
         str | None, typer.Option(metavar="GROUPS", help='Axes that move together, one group after another: "Z,X Y".')
     ] = None,
@@ -86,24 +87,24 @@ def plan(
     """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
 
     Without options the campaign's own target holds. --readings and --budget plan for the best that so many readings, or
-    so much time, can bring; --target alone plans within the campaign's own readings and budget. Nothing is recorded.
+    so much time, can bring; --target alone plans within the campaign's own readings and budget. --clearance, --order,
+    --feed and --dwell go before what [programs] of the campaign says. Nothing is recorded.
 
     \b
     Examples:
       axiscal plan campaign.toml --readings 40
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
-      axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --order "Z,X Y" --dwell
+      axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
       axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 12 --prove
     """
 
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
-    how_driven = _driven(dwell, feed, order, clearance)
     if gcode is not None:
         dialect(gcode)
-    case = case_of(read_campaign(campaign, target_needed=False))
+    case = case_of(_driven(read_campaign(campaign, target_needed=False), clearance, order, feed, dwell))
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     if prove:
         refuse_unless_provable(case)
@@ -115,7 +116,7 @@ def plan(
     proposal = proposed(case, limits, how, lambda step: tell(f"{step} ..."))
     if prove:
         proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell(f"{step} ..."))
-    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out, how_driven)
+    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
     if json:
         say_document(plan_document(case, proposal))
         return
@@ -162,23 +163,20 @@ def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json
     say(f"The picture is in {page}.")
 
 
-def _driven(dwell: bool, feed: float, order: str | None, clearance: str | None) -> ProgramOptions:
-    """Return how programs go to their readings; raises ProgramError, UnitError."""
-    groups = None if order is None else tuple(tuple(group.split()) for group in order.split(","))
-    clear = None
-    if clearance is not None:
-        axis, equals, place = clearance.partition("=")
-        if not equals:
-            raise ProgramError(f"{shown(clearance)} is not AXIS=PLACE", 'Write --clearance "Z=-5 mm"')
-        clear = axis.strip(), parse_quantity(place.strip(), "angle" if axis.strip()[:1] in ROTARY_LETTERS else "length")
-    return ProgramOptions("dwell" if dwell else "stop", feed, groups, clear)
+def _driven(
+    description: CampaignDescription, clearance: str | None, order: str | None, feed: str | None, dwell: bool | None
+) -> CampaignDescription:
+    """Return the campaign with what the command line says of its programs; raises InputError."""
+    machine, setups = description.machine, description.setups
+    driving = stated(setups[0].driving, machine, clearance, order, feed, dwell)
+    return replace(description, setups=tuple(replace(setup, driving=driving) for setup in setups))
 
 
-def _programs(case: Case, made: Plan, controller: str, out: Path, options: ProgramOptions) -> list[Path]:
+def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
 
     out.mkdir(parents=True, exist_ok=True)
     machine, setups = case.description.machine, case.description.setups
-    return write_programs(machine, setups, placed(case, made), controller, out, options)
+    return write_programs(machine, setups, placed(case, made), controller, out)
 
 
 def _table(case: Case, limits: Limits, proposal: Proposal) -> str:

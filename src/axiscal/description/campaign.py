@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.description.target import Target
@@ -105,6 +105,7 @@ def _described(
 ) -> CampaignDescription:
     from axiscal.description.artefacts import read_artefacts
     from axiscal.description.campaign_schema import CampaignTable
+    from axiscal.description.programs import read_driving
     from axiscal.description.setups import Surroundings, read_setups
     from axiscal.description.target import read_target
     from axiscal.document import read_model
@@ -114,6 +115,8 @@ def _described(
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool_length(table.tool_length, document)
     setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking))
+    driving = read_driving(table.programs, machine, document)
+    setups = tuple(replace(setup, driving=driving) for setup in setups)
     if target_needed and target.empty:
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))

@@ -75,6 +75,15 @@ class SetupTable(Table):
     faces: str | list[float | int] | None = Field(None, examples=['"z"'])
 
 
+class ProgramsTable(Table):
+    """[programs]: how programs for the control go to their readings."""
+
+    clearance: str | None = Field(None, examples=['"Z=-5 mm"'])
+    order: str | None = Field(None, examples=['"Z,X Y"'])
+    feed: str | None = Field(None, examples=['"500 mm/min"'])
+    dwell: bool = Field(False, examples=["true"])
+
+
 class CampaignTable(Table):
     """The whole of campaign.toml."""
 
@@ -86,4 +95,5 @@ class CampaignTable(Table):
     tool_length: Length = Field(5e-6, examples=['"5 um"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
+    programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -5,6 +5,5 @@ from __future__ import annotations
 from axiscal.gcode.controls import controllers, dialect
 from axiscal.gcode.plan_files import write_programs
 from axiscal.gcode.program import Program, programs
-from axiscal.gcode.program_options import ProgramOptions
 
-__all__ = ["Program", "ProgramOptions", "controllers", "dialect", "programs", "write_programs"]
+__all__ = ["Program", "controllers", "dialect", "programs", "write_programs"]

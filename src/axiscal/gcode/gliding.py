@@ -24,7 +24,7 @@ from axiscal.numerics import Array
 from axiscal.units import to_unit
 
 GENTLE = 500
-"""mm/min, into touch and out of it."""
+"""mm/min, into touch and out of it, where no feed near the place is asked for."""
 _SAMPLES = 33
 """Places along a move, for how fast the axes may go and whether they stay within their travels."""
 
@@ -80,7 +80,7 @@ class SlideDriver:
         """Yield the way to the start; what goes clear does so before the others move."""
         there = self.written(pose)
         if self._standing is None:
-            yield from to_the_start(there, self._groups, self._clearance)
+            yield from to_the_start(there, self._scales, self._groups, self._clearance, slow=False)
             self._standing = there
             return
         for stop in (cleared(self._standing, self._clearance), cleared(there, self._clearance), there):
@@ -117,13 +117,13 @@ class SlideDriver:
 class TipDriver:
     """The control holds the tool point on the workpiece while rotary axes turn.
 
-    step : the last decimal of a place of the tool point, mm; share : of the speed of the axes
+    step : the last decimal of a place of the tool point, mm; gentle : feed into touch and out of it, mm/min
     """
 
     def __init__(
-        self, machine: Machine, slides: SlideDriver, scales: Sequence[AxisScale], step: Decimal, share: float
+        self, machine: Machine, slides: SlideDriver, scales: Sequence[AxisScale], step: Decimal, gentle: int
     ) -> None:
-        self._machine, self._slides, self._scales, self._step, self._share = machine, slides, scales, step, share
+        self._machine, self._slides, self._scales, self._step, self._gentle = machine, slides, scales, step, gentle
         self._room, self._rotary = Room.empty(machine), [k for k, axis in enumerate(machine.axes) if axis.rotary]
         self._last: dict[str, str] = {}
         self._at: Array | None = None
@@ -183,9 +183,9 @@ class TipDriver:
         path = tip_at(self._machine, start + share * (stop - start), ends[0] + share * (ends[1] - ends[0]))
         if not np.all(self._room.in_travel(path)):
             raise ProgramError("a way in touch leaves the travels", "Read nearer to the middle of the travels")
-        seconds = float(path_seconds(self._machine, path[:, None])[0]) / self._share
+        seconds = float(path_seconds(self._machine, path[:, None])[0])
         far = to_unit(float(np.linalg.norm(ends[1] - ends[0])), "mm")
         turned = to_unit(float(np.linalg.norm((stop - start)[self._rotary])), "deg")
         length = far if far > float(self._step) else turned
-        feed = max(1, min(math.floor(length / max(seconds, 1e-9) * 60), GENTLE if gently else FASTEST))
+        feed = max(1, min(math.floor(length / max(seconds, 1e-9) * 60), self._gentle if gently else FASTEST))
         return feed, max(seconds, length / feed * 60)

@@ -8,7 +8,6 @@ from pathlib import Path
 from axiscal.gcode.controls import dialect
 from axiscal.gcode.listing import form
 from axiscal.gcode.program import Program, programs
-from axiscal.gcode.program_options import ProgramOptions
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
@@ -20,12 +19,11 @@ def write_programs(
     places: Sequence[Place],
     controller: str,
     folder: str | Path,
-    options: ProgramOptions | None = None,
 ) -> list[Path]:
     """Write the programs of a plan to a folder and return the files: per set-up a program and its list, then
     readings.csv and README.txt.  Raises ProgramError before the first file is touched, OSError.
     """
-    made = programs(machine, setups, places, dialect(controller), options)
+    made = programs(machine, setups, places, dialect(controller))
     files = {name: text for program in made for name, text in _files(program).items()}
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
     files["README.txt"] = _readme(made, controller)

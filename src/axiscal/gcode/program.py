@@ -11,12 +11,11 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
 from axiscal.gcode.dialect import Dialect
-from axiscal.gcode.gliding import Driver, SlideDriver, TipDriver
+from axiscal.gcode.gliding import GENTLE, Driver, SlideDriver, TipDriver
 from axiscal.gcode.groups import Group, groups
 from axiscal.gcode.in_touch import InTouch
 from axiscal.gcode.listing import Listed, listing
 from axiscal.gcode.plain_words import plain, program_name
-from axiscal.gcode.program_options import ProgramOptions
 from axiscal.gcode.scale import AxisScale
 from axiscal.gcode.steps import (
     Arrival,
@@ -35,6 +34,7 @@ from axiscal.gcode.targets import Decimals, ReadingTarget, target
 from axiscal.gcode.touching_ways import Ways
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+from axiscal.machine.driving import Driving
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Place
@@ -67,20 +67,21 @@ def programs(
     setups: Sequence[Setup],
     places: Sequence[Place],
     dialect: Dialect,
-    options: ProgramOptions | None = None,
 ) -> tuple[Program, ...]:
     """Return a program for each set-up, in the order in which the plan first uses them.
 
-    Readings keep their number in the plan, from 1.  Raises ProgramError before anything is written.
+    Readings keep their number in the plan, from 1; set-ups say how they are driven to.  Raises ProgramError before
+    anything is written.
     """
     if not places:
         raise ProgramError("the plan has no readings", "Plan at least one")
-    writer = _Writer(machine, dialect, options or ProgramOptions())
     known = {setup.name: setup for setup in setups}
     used = dict.fromkeys(place.setup for place in places)
     numbered = list(enumerate(places, start=1))
     return tuple(
-        writer.program(number, _named(known, name), [(k, place) for k, place in numbered if place.setup == name])
+        _Writer(machine, dialect, _named(known, name)).program(
+            number, [each for each in numbered if each[1].setup == name]
+        )
         for number, name in enumerate(used, start=1)
     )
 
@@ -92,45 +93,47 @@ def _named(known: Mapping[str, Setup], name: str) -> Setup:
 
 
 class _Writer:
-    """Writes the programs of one machine in one dialect."""
+    """Writes the program of one set-up in one dialect."""
 
-    def __init__(self, machine: Machine, dialect: Dialect, options: ProgramOptions) -> None:
+    def __init__(self, machine: Machine, dialect: Dialect, setup: Setup) -> None:
         dialect.check(machine.axes)
-        self._machine, self._dialect, self._options = machine, dialect, options
+        self._machine, self._dialect, self._setup = machine, dialect, setup
         self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
-        self._groups = groups(machine, options)
-        self._clearance = _clearance(machine, self._scales, options)
+        self._groups = groups(machine, setup.driving)
+        self._clearance = _clearance(machine, self._scales, setup)
 
-    def program(self, number: int, setup: Setup, places: Sequence[tuple[int, Place]]) -> Program:
-        dialect = self._dialect
+    def program(self, number: int, places: Sequence[tuple[int, Place]]) -> Program:
+        setup, dialect = self._setup, self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
-        run = list(self._steps(setup, places))
-        lines = [self._comment(text) for text in self._head(setup, places)]
+        run = list(self._steps(places))
+        lines = [self._comment(text) for text in self._head(places)]
         lines += [line for step in run for line in self._lines(step)]
         text = dialect.framed(name, number, self._machine.axes, lines)
-        readings = tuple(self._listed(setup, run, places))
-        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes(setup))
+        readings = tuple(self._listed(run, places))
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
 
-    def _steps(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
-        reading = setup.reading_time if self._options.wait == "dwell" else None
+    def _steps(self, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
+        setup = self._setup
+        reading = setup.reading_time if setup.driving.dwell else None
         if setup.chart is not None and setup.contact == "held":
-            yield from self._in_touch(setup, setup.chart).run_through(places, reading)
+            yield from self._in_touch(setup.chart).run_through(places, reading)
             return
-        poses = [self._stood_at(setup, place) for _, place in places]
+        poses = [self._stood_at(place) for _, place in places]
         numbered = zip(places, poses, strict=True)
         targets = [target(self._scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
-        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clear_of(setup))
+        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance)
 
-    def _in_touch(self, setup: Setup, chart: Chart) -> InTouch:
+    def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
-        slides = SlideDriver(self._scales, self._groups, self._clear_of(setup))
+        setup, slides = self._setup, SlideDriver(self._scales, self._groups, self._clearance)
         held = _turns(setup, self._machine)
         driver: Driver = slides
         if held:
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            driver = TipDriver(self._machine, slides, self._scales, step, self._options.feed)
-        ways = Ways(self._machine, setup, chart, held and self._dialect.from_zero, self._inside(self._clear_of(setup)))
+            gentle = next((group.near for group in self._groups if group.near is not None), GENTLE)
+            driver = TipDriver(self._machine, slides, self._scales, step, gentle)
+        ways = Ways(self._machine, setup, chart, held and self._dialect.from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
 
     def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
@@ -142,37 +145,30 @@ class _Writer:
         place = float(clearance[1]) / to_unit(1.0, axis.unit)
         return clearance[0], min(max(place, low + axis.overrun), high - axis.overrun)
 
-    def _stood_at(self, setup: Setup, place: Place) -> Sequence[float]:
+    def _stood_at(self, place: Place) -> Sequence[float]:
         """Return where the axes stand at a reading: off its ball, where the probe begins."""
+        setup = self._setup
         if setup.contact != "retracted":
             return place.pose
         pose: list[float] = drawn_back(self._machine, np.array([place.pose]), setup.retract)[0].tolist()
         return pose
 
-    def _clear_of(self, setup: Setup) -> Clearance | None:
-        """Return the clearance; where balls stand on the table, the axis Z at its upper end unless another is said."""
-        if self._clearance is not None or setup.contact == "free":
-            return self._clearance
-        for k, axis in enumerate(self._machine.axes):
-            if axis.name == "Z":
-                return k, self._scales[k].last if axis.direction[2] > 0 else self._scales[k].first
-        return None
-
-    def _head(self, setup: Setup, places: Sequence[tuple[int, Place]]) -> list[str]:
+    def _head(self, places: Sequence[tuple[int, Place]]) -> list[str]:
         return [
             "AXISCAL MEASURING PROGRAM",
             f"MACHINE {self._machine.name}",
-            f"SET-UP {setup.name}",
+            f"SET-UP {self._setup.name}",
             f"READINGS {places[0][0]} TO {places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
-            *(self._dialect.tip_needs if self._holds(setup) else ()),
-            *(_AT_BALL if setup.contact == "retracted" else ()),
+            *(self._dialect.tip_needs if self._holds else ()),
+            *(_AT_BALL if self._setup.contact == "retracted" else ()),
         ]
 
-    def _holds(self, setup: Setup) -> bool:
-        """Whether the control holds the tool point in a set-up."""
-        return setup.contact == "held" and _turns(setup, self._machine)
+    @property
+    def _holds(self) -> bool:
+        """Whether the control holds the tool point."""
+        return self._setup.contact == "held" and _turns(self._setup, self._machine)
 
     def _lines(self, step: Step) -> list[str]:
         match step:
@@ -202,35 +198,34 @@ class _Writer:
         """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
         return self._dialect.comment(plain(text))
 
-    def _listed(self, setup: Setup, run: Sequence[Step], places: Sequence[tuple[int, Place]]) -> Iterator[Listed]:
+    def _listed(self, run: Sequence[Step], places: Sequence[tuple[int, Place]]) -> Iterator[Listed]:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(places)
         for step in run:
             if isinstance(step, Move | Glide | Dwell):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
-                yield self._row(setup, step.target, asked[step.target.number], seconds)
+                yield self._row(step.target, asked[step.target.number], seconds)
 
-    def _row(self, setup: Setup, reached: ReadingTarget, asked: Place, seconds: float) -> Listed:
-        at = reached.position if setup.contact != "retracted" else self._at_ball(asked)
+    def _row(self, reached: ReadingTarget, asked: Place, seconds: float) -> Listed:
+        at = reached.position if self._setup.contact != "retracted" else self._at_ball(asked)
         texts = [scale.written(value) for scale, value in zip(self._scales, at, strict=True)]
-        return Listed(reached.number, seconds, setup, self._machine.axes, tuple(texts), reached.approach)
+        return Listed(reached.number, seconds, self._setup, self._machine.axes, tuple(texts), reached.approach)
 
     def _at_ball(self, asked: Place) -> Decimals:
         """Return the pose that is read, with the tool point at the ball, in the numbers of the program."""
         numbers = (scale.nearest(value) for scale, value in zip(self._scales, asked.pose, strict=True))
         return tuple(number for number in numbers if number is not None)
 
-    def _notes(self, setup: Setup) -> tuple[str, ...]:
+    def _notes(self) -> tuple[str, ...]:
         return (
             *self._dialect.notes,
-            *(self._dialect.tip_notes if self._holds(setup) else ()),
-            *(_TOUCHED if setup.contact == "retracted" else ()),
+            *(self._dialect.tip_notes if self._holds else ()),
+            *(_TOUCHED if self._setup.contact == "retracted" else ()),
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
-            f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()} Nothing is known "
-            "here of what stands in the way: watch the first run at reduced feed.",
-            f"Jog the axes only {_JOG if not self._holds(setup) else _JOG_HELD} At a reading nothing may be moved by "
-            "hand.",
+            f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()}{self._slow()} "
+            "Nothing is known here of what stands in the way: watch the first run at reduced feed.",
+            f"Jog the axes only {_JOG if not self._holds else _JOG_HELD} At a reading nothing may be moved by hand.",
             f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
         )
 
@@ -239,6 +234,14 @@ class _Writer:
             return ""
         scale = self._scales[self._clearance[0]]
         return f" {scale.axis.name} goes to {self._clearance[1]} {scale.unit} before others move, and at the end."
+
+    def _slow(self) -> str:
+        slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._groups if group.near is not None]
+        return "" if not slow else f" The last {self._nearness()} to a place are slow, {', '.join(slow)} at most."
+
+    def _nearness(self) -> str:
+        found = dict.fromkeys(f"{scale.nearness.normalize():f} {scale.unit}" for scale in self._scales)
+        return " or ".join(found)
 
     def _overruns(self) -> str:
         def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
@@ -265,11 +268,16 @@ def _turns(setup: Setup, machine: Machine) -> bool:
     return any(machine.axes[k].rotary for k in setup.moves)
 
 
-def _clearance(machine: Machine, scales: Sequence[AxisScale], options: ProgramOptions) -> Clearance | None:
-    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel."""
-    if options.clearance is None:
-        return None
-    name, place = options.clearance
+def _clearance(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
+    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
+
+    Where balls stand on the table that is the axis Z at its upper end, unless another is said.
+    """
+    if setup.driving.clearance is None:
+        high = {k: scales[k].last if axis.direction[2] > 0 else scales[k].first for k, axis in enumerate(machine.axes)}
+        over = (k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free")
+        return next(((k, high[k]) for k in over), None)
+    name, place = setup.driving.clearance
     index = machine.index(name)
     number = scales[index].nearest(place)
     if number is None:

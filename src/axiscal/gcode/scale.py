@@ -8,6 +8,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
+from axiscal.machine.driving import near
 from axiscal.units import to_unit
 
 _NOISE = 9
@@ -48,6 +49,11 @@ class AxisScale:
     def unit(self) -> str:
         """mm or deg."""
         return self.axis.unit
+
+    @property
+    def nearness(self) -> Decimal:
+        """How near to a reading moves may be slow, mm or deg."""
+        return self.above(near(self.axis))
 
     @property
     def turn(self) -> Decimal | None:

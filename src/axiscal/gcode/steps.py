@@ -91,6 +91,12 @@ class Arrival:
     target: ReadingTarget
 
 
+_BEGINNING = (
+    ("PRESS START WHEN THE WAY TO THE START IS CLEAR", False),
+    ("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START", True),
+)
+"""What the stops before the first reading are for, and whether the way to the start is slow then."""
+
 Step = Move | Glide | Hold | Release | Dwell | Halt | Remark | Arrival
 
 
@@ -112,17 +118,18 @@ def run_through(
     Raises ProgramError for waits or feeds that cannot be.
     """
     standing = targets[0].turning
-    for text in ("PRESS START WHEN THE WAY TO THE START IS CLEAR", "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"):
+    for text, slow in _BEGINNING:
         yield from (Remark(text), Halt())
-        yield from to_the_start(standing, groups, clearance)
+        yield from to_the_start(standing, scales, groups, clearance, slow)
     for target in targets:
         clear = cleared(standing, clearance)
-        turning = target.way_in(clear if _others_move(standing, target.position, clearance) else standing)
+        turning = target.turning if target is targets[0] else target.way_in(standing)
         stops = [turning, target.position]
         if _others_move(standing, turning, clearance):
-            stops = [clear, cleared(turning, clearance), *stops]
+            turning = target.way_in(clear)
+            stops = [clear, cleared(turning, clearance), turning, target.position]
         for stop in stops:
-            yield from moves(standing, stop, scales, groups)
+            yield from moves(standing, stop, scales, groups, target.position)
             standing = stop
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
@@ -131,15 +138,22 @@ def run_through(
     yield from moves(standing, cleared(standing, clearance), scales, groups)
 
 
-def to_the_start(start: Decimals, groups: Sequence[Group], clearance: Clearance | None) -> Iterator[Move]:
+def to_the_start(
+    start: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group], clearance: Clearance | None, slow: bool
+) -> Iterator[Move]:
     """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
     apart = None if clearance is None else clearance[0]
-    own = [group for group in groups if apart in group.axes]
-    yield from (Move({clearance[0]: clearance[1]}, group.feed(None), 0.0) for group in own if clearance)
+    down, up = list[Move](), list[Move]()
+    if clearance is not None:
+        (own,) = (group for group in groups if apart in group.axes)
+        clear, there, feed = {clearance[0]: clearance[1]}, {clearance[0]: start[clearance[0]]}, own.feed(None, slow)
+        up = [Move(to, feed, 0.0) for to in _places(there, clear, scales)] or [Move(clear, feed, 0.0)]
+        down = [Move(to, feed, 0.0) for to in _places(clear, there, scales)]
+    yield from up
     for group in groups:
         to = {k: start[k] for k in group.axes if k != apart}
-        yield from [Move(to, group.feed(None), 0.0)] if to else []
-    yield from (Move({k: start[k] for k in group.axes if k == apart}, group.feed(None), 0.0) for group in own)
+        yield from [Move(to, group.feed(None, slow), 0.0)] if to else []
+    yield from down
 
 
 def cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
@@ -165,15 +179,46 @@ def dwells(seconds: float) -> Iterator[Dwell]:
     yield from [Dwell(seconds / max(parts, 1))] * parts
 
 
-def moves(start: Decimals, stop: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group]) -> Iterator[Move]:
-    """Yield the moves from one place to another, group after group; none where nothing is to move."""
+def moves(
+    start: Decimals,
+    stop: Decimals,
+    scales: Sequence[AxisScale],
+    groups: Sequence[Group],
+    place: Decimals | None = None,
+) -> Iterator[Move]:
+    """Yield the moves from one place to another, group after group; none where nothing is to move.
+
+    place : of the reading that is gone to, near which moves are slow
+    """
     for group in groups:
-        begin: Places = {k: start[k] for k in group.axes}
-        for end in _places(begin, {k: stop[k] for k in group.axes}, scales):
-            ways = [float(abs(end[k] - begin[k])) for k in group.axes]
-            feed = group.feed(ways)
-            yield Move({k: end[k] for k in group.axes if end[k] != begin[k]}, feed, group.seconds(ways, feed))
-            begin = end
+        begin, end = ({k: where[k] for k in group.axes} for where in (start, stop))
+        edge = end if place is None or group.near is None else _edge(begin, end, place, scales)
+        yield from _straight(begin, edge, scales, group, slow=False)
+        yield from _straight(edge, end, scales, group, slow=True)
+
+
+def _edge(begin: Places, end: Places, place: Decimals, scales: Sequence[AxisScale]) -> Places:
+    """Return where a straight way comes near a reading with all its axes; its end if it never does."""
+    if any(abs(end[k] - place[k]) > scales[k].nearness for k in end):
+        return end
+    ways = {k: end[k] - begin[k] for k in end}
+    ahead = [_entered(begin[k], ways[k], place[k], scales[k].nearness) for k in end if ways[k]]
+    share = min(max([Decimal(0), *ahead]), Decimal(1))
+    return {k: (begin[k] + ways[k] * share).quantize(scales[k].step) for k in end}
+
+
+def _entered(begin: Decimal, way: Decimal, place: Decimal, nearness: Decimal) -> Decimal:
+    """Return after which share of its way one axis is near a place."""
+    return ((place - nearness if way > 0 else place + nearness) - begin) / way
+
+
+def _straight(begin: Places, end: Places, scales: Sequence[AxisScale], group: Group, slow: bool) -> Iterator[Move]:
+    """Yield a straight way as moves."""
+    for stop in _places(begin, end, scales):
+        ways = [float(abs(stop[k] - begin[k])) for k in group.axes]
+        feed = group.feed(ways, slow)
+        yield Move({k: stop[k] for k in group.axes if stop[k] != begin[k]}, feed, group.seconds(ways, feed))
+        begin = stop
 
 
 def _places(begin: Places, end: Places, scales: Sequence[AxisScale]) -> Iterator[Places]:

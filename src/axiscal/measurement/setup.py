@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from axiscal.machine.axis import Axis
+from axiscal.machine.driving import USUAL, Driving
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
@@ -62,6 +63,7 @@ class Setup:
     contact : how it goes from place to place; retract : how far off, m
     mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
+    driving : how programs go from place to place
     lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
     """
 
@@ -92,6 +94,7 @@ class Setup:
     mean_sides: bool = False
     length: float | None = None
     stroke: float | None = None
+    driving: Driving = USUAL
     lacks: tuple[str, str] | None = None
 
     def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:

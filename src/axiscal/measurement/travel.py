@@ -32,10 +32,11 @@ def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, appro
     """
     start, stop, approach = np.broadcast_arrays(start, stop, approach)
     if setup.chart is None or setup.contact == "free":
-        return approach_seconds(machine, start, stop, approach)
+        return approach_seconds(machine, start, stop, approach, setup.driving)
     if setup.contact == "retracted":
         away = np.any(start != stop, axis=-1)
-        return approach_seconds(machine, start, stop, approach) + np.where(away, 2 * off_seconds(machine, setup), 0.0)
+        there = approach_seconds(machine, start, stop, approach, setup.driving)
+        return there + np.where(away, 2 * off_seconds(machine, setup), 0.0)
     flat = (np.ascontiguousarray(each.reshape(-1, each.shape[-1])) for each in (start, stop, approach))
     return _in_touch(machine, setup.chart, *flat).reshape(start.shape[:-1])
 
