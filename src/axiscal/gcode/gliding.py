@@ -91,7 +91,7 @@ class SlideDriver:
         for pose in poses[1:]:
             stop = self.written(pose)
             self._refuse_apart(stop)
-            yield from self._move(stop)
+            yield from self._move(stop, gently)
 
     def end(self) -> Iterator[Step]:
         """Nothing is to be done."""
@@ -102,9 +102,9 @@ class SlideDriver:
         if self._standing is not None:
             yield from self._move(cleared(self._standing, self._clearance))
 
-    def _move(self, stop: Decimals) -> Iterator[Step]:
+    def _move(self, stop: Decimals, gently: bool = False) -> Iterator[Step]:
         if self._standing is not None:
-            yield from moves(self._standing, stop, self._scales, self._groups)
+            yield from moves(self._standing, stop, self._scales, self._groups, stop if gently else None)
         self._standing = stop
 
     def _refuse_apart(self, stop: Decimals) -> None:

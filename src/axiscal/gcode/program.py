@@ -34,7 +34,6 @@ from axiscal.gcode.targets import Decimals, ReadingTarget, target
 from axiscal.gcode.touching_ways import Ways
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.driving import Driving
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Place
@@ -131,10 +130,14 @@ class _Writer:
         if held:
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            gentle = next((group.near for group in self._groups if group.near is not None), GENTLE)
-            driver = TipDriver(self._machine, slides, self._scales, step, gentle)
+            driver = TipDriver(self._machine, slides, self._scales, step, self._gentle)
         ways = Ways(self._machine, setup, chart, held and self._dialect.from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
+
+    @property
+    def _gentle(self) -> int:
+        """mm/min, into touch and out of it."""
+        return next((group.near for group in self._groups if group.near is not None), GENTLE)
 
     def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
         """Return a clearance in m, a little within the travel: chords of a turn may rise."""
@@ -236,6 +239,8 @@ class _Writer:
         return f" {scale.axis.name} goes to {self._clearance[1]} {scale.unit} before others move, and at the end."
 
     def _slow(self) -> str:
+        if self._holds:
+            return f" Into touch and out of it the tool goes at F{self._gentle} at most."
         slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._groups if group.near is not None]
         return "" if not slow else f" The last {self._nearness()} to a place are slow, {', '.join(slow)} at most."
 
