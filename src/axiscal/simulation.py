@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorModel, Term
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
@@ -26,13 +26,14 @@ from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.owners import Owned
 from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.way import belongs
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import Motion
 
 _SHORTEST = 1e-4
 """Stands for a base without length, m: the slope of so short a chord is that of the curve."""
 Curve = Callable[[Array], Array]
-"""Positions (m,) of the error's axis -> values (m,), m or rad."""
+"""Positions of the error's axis (m,), or of both its axes (m, 2) -> values (m,), m or rad."""
 
 Wander = Callable[[float], tuple[float, float, float]]
 """Seconds since the campaign began -> how far the zeros (the only one, or along x, y, z) have moved, m or rad."""
@@ -56,9 +57,9 @@ class VirtualMachine:
     drifts: Mapping[str, Wander] = field(default_factory=lambda: MappingProxyType({}))
 
     def values(self, poses: Array) -> Array:
-        """Return the value of every error at poses (m, q): (functions, m)."""
-        pairs = zip(self.model.functions, self.curves, strict=True)
-        return np.array([curve(poses[:, f.axis]) for f, curve in pairs]).reshape(len(self.curves), len(poses))
+        """Return the value of every error at poses (m, q): (terms, m)."""
+        pairs = zip(self.model.terms, self.curves, strict=True)
+        return np.array([curve(f.coordinates(poses)) for f, curve in pairs]).reshape(len(self.curves), len(poses))
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation in the workpiece frame, m.  poses, approaches : (m, q); returns (m, 3)."""
@@ -123,10 +124,9 @@ class VirtualMachine:
 
     def _way(self, axis: int, poses: Array) -> Array:
         """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
-        small = self.model.compose(self.values(poses), np.zeros_like(poses))
-        own = np.arange(len(poses[0]))[:, None, None] == axis
-        way = SmallMotions(small.displacement * own, np.zeros_like(small.rotation), small.tilt * own)
-        still = SmallMotions(*(np.zeros_like(part) for part in small))
+        own = np.array([belongs(term, axis) for term in self.model.terms])
+        way = self.model.compose(self.values(poses) * own[:, None], np.zeros_like(poses))
+        still = SmallMotions(*(np.zeros_like(part) for part in way))
         actual, nominal = (tool_motion(self.model.machine, poses, part) for part in (way, still))
         shift: Array = actual.translation - nominal.translation
         return shift
@@ -147,7 +147,7 @@ class Simulator:
     def drawn(self, seed: int) -> VirtualMachine:
         """Return a machine whose errors, rests included, are drawn from the prior."""
         model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
-        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.functions), *self._mounted(seed))
+        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.terms), *self._mounted(seed))
 
     def from_curves(self, path: Path, seed: int) -> VirtualMachine:
         """Return a machine whose errors are the curves of a file, linear between the points given.
@@ -164,7 +164,8 @@ class Simulator:
             if axis not in names:
                 what = f'"{name}" is an error of axis {axis}, which "{self.machine.name}" does not have'
                 raise ReadingError(what, f"Take the curve out; the axes are {', '.join(sorted(names))}", path)
-        model = ErrorModel(replace(self.machine, errors=tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)))
+        errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
+        model = ErrorModel(replace(self.machine, errors=errors, planes=()))
         return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
@@ -209,13 +210,13 @@ def _through(curve: TruthCurve) -> Curve:
     return lambda positions: np.interp(positions, curve.positions, curve.values)
 
 
-def _drawn(function: ErrorFunction, rng: np.random.Generator) -> Curve:
+def _drawn(function: Term, rng: np.random.Generator) -> Curve:
     values, vectors = np.linalg.eigh(function.covariance)
     control = vectors @ (np.sqrt(np.maximum(values, 0)) * rng.standard_normal(len(values)))
     cells = function.rest * rng.standard_normal(function.cell_count)
 
     def curve(positions: Array) -> Array:
-        drawn: Array = function.basis.rows(positions) @ control + cells[function.cells(positions)]
+        drawn: Array = function.rows(positions) @ control + cells[function.cells(positions)]
         return drawn
 
     return curve

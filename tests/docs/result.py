@@ -57,6 +57,21 @@ class ErrorCurve(Fields):
     from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
 
 
+class PlaneMap(Fields):
+    """An entry of `plane_errors`; every map has a row for each position of the first axis."""
+
+    axes: list[str] = Field(description="the two axes that act together")
+    position: list[list[float]] = Field(description="coordinates of both, in `position_unit`")
+    mean: list[list[float]] = Field(description="the estimate of what they do beside their own curves, in `value_unit`")
+    std: list[list[float]] = Field(description="its whole standard deviation, the rest of the plane included")
+    position_unit: list[str] = Field(description="mm or deg, of each axis")
+    value_unit: str = Field(description="um or urad")
+    prior_std: list[list[float]] = Field(description="before any reading")
+    whole_mean: list[list[float]] = Field(description="with the curves of both axes, signs as they show at the tool")
+    whole_std: list[list[float]] = Field(description="its whole standard deviation")
+    from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
+
+
 class ConstantValue(Fields):
     """An entry of `constants`: a location error, a constant reversal, an unknown of a set-up."""
 
@@ -125,6 +140,7 @@ class Result(Fields):
     reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
     history: list[Milestone] = Field(description="how well the machine was known after each reading")
     errors: dict[str, ErrorCurve] = Field(description="error motions by ISO 230-1 name, reversals among them")
+    plane_errors: dict[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")
     constants: dict[str, ConstantValue] = Field(description="location errors, reversals, unknowns of set-ups")
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
@@ -138,9 +154,8 @@ class Result(Fields):
 
 def page() -> str:
     """Return the page: a table for each kind of object."""
-    return "\n".join([_HEAD, *(_table(each) for each in (Result, Milestone, ErrorCurve, ConstantValue))]) + "".join(
-        "\n" + _table(each) for each in (RejectedReading, Warning, TableValue)
-    )
+    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, Warning, TableValue)
+    return "\n".join([_HEAD, *(_table(each) for each in tables)])
 
 
 def _table(model: type[Fields]) -> str:

@@ -140,7 +140,7 @@ def expected(
         tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
     rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches)[values.of], values.directions)
     levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses)[:, values.of], values.directions)
-    rests = levers * np.array([function.rest for function in estimate.model.functions])
+    rests = levers * np.array([function.rest for function in estimate.model.terms])
     loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
     return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
 

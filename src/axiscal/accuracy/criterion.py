@@ -12,6 +12,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.volume import VolumeMoments
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
@@ -94,9 +95,10 @@ def joint_root(model: ErrorModel) -> Root:
     """
     gram = np.zeros((model.size, model.size))
     reach = machine_reach(model)
-    for function in model.functions:
-        scale = reach if function.angular else 1.0
-        gram[function.columns, function.columns] = scale**2 * function.basis.gram()
+    for term in model.terms:
+        scale = reach if term.angular else 1.0
+        own = term.gram() if isinstance(term, PlaneError) else term.basis.gram()
+        gram[term.columns, term.columns] = scale**2 * own
     return Gram(gram).root
 
 

@@ -173,7 +173,7 @@ class Yardstick:
     @cached_property
     def _correction(self) -> Array:
         """What the rests add to the variance at each pose, less the constant shifts that are not counted, m²."""
-        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
+        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.terms])
         added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
         corrected: Array = added + self._hidden - np.sum(self._here**2, axis=(1, 2))
         return corrected
@@ -193,7 +193,7 @@ class Yardstick:
         if own.shape[1] > own.shape[0]:
             own = np.linalg.qr(own.T).R.T
         seen = (self.rows.reshape(-1, self.errors.size) @ own).reshape(len(self.rows), 3, -1)
-        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.functions])
+        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.terms])
         loose = (self.errors.levers(self._poses[0]) * rests[:, None, None]).transpose(1, 2, 0)
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
         counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)

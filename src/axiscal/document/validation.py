@@ -27,9 +27,10 @@ class QuantityOf:
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
 
-        return core_schema.no_info_plain_validator_function(self._read)
+        return core_schema.no_info_plain_validator_function(self.read)
 
-    def _read(self, value: object) -> float | str:
+    def read(self, value: object) -> float | str:
+        """Return the value in SI units, or its text; raises what a pydantic validator may raise."""
         try:
             text = quantity_text(value, self.dimension)
             return text if self.dimension is None else parse_quantity(text, self.dimension)

@@ -13,7 +13,8 @@ import numpy as np
 
 from axiscal.error_model import gauge_words
 from axiscal.error_model.gauge_words import Aspect, Hidden
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorFunction, ErrorModel, Term
+from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -77,9 +78,9 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     beyond = moments.gram - moments.mean.T @ moments.mean
     before = float(np.sum(beyond * model.prior_covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
-    effects = [_effect(f, acting, beyond) for f in model.functions]
+    effects = [_effect(term, acting, beyond) for term in model.terms]
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
-    missing = [(_missing(model.functions[i], acting), effects[i]) for i in counted]
+    missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
     aspects = [aspect for f in model.functions for aspect in _aspects(f, idle)]
     return (*gauge_words.missing(model, missing), *gauge_words.conventions(model, aspects))
 
@@ -94,15 +95,24 @@ def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
     return turned[:, effects > floor], turned[:, effects <= floor]
 
 
-def _effect(function: ErrorFunction, acting: Array, beyond: Array) -> float:
+def _effect(function: Term, acting: Array, beyond: Array) -> float:
     """RMS over the volume of what one error's own unseen part does to the tool point, m."""
     own = acting[function.columns]
     return float(np.sqrt(max(np.sum(own * (beyond[function.columns, function.columns] @ own)), 0.0)))
 
 
-def _missing(function: ErrorFunction, acting: Array) -> Aspect:
+def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
+    if isinstance(function, PlaneError):
+        return _of_plane(function, acting)
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.size))
+
+
+def _of_plane(plane: PlaneError, unseen: Array) -> Aspect:
+    """What two axes do together has neither a constant nor slopes: these are in their curves."""
+    prior = float(np.trace(plane.covariance))
+    own = unseen[plane.columns]
+    return Aspect(plane, "curve", own[0], float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
 
 
 def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.error_model.iso230 import words
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorModel, Term
+from axiscal.error_model.plane import PlaneError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -43,7 +44,7 @@ class Aspect:
     shadow : (r,) its unseen part in prior standard deviations; share : of the prior variance; scale : prior std
     """
 
-    function: ErrorFunction
+    function: Term
     kind: str
     shadow: Array
     share: float
@@ -85,18 +86,20 @@ def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
         )
 
 
-def _reading(model: ErrorModel, function: ErrorFunction) -> str:
+def _reading(model: ErrorModel, function: Term) -> str:
     axis, component = model.machine.axes[function.axis], function.component % 3
     sides = " and comes from both sides" if function.kind == "reversal" else ""
     if function.kind == "location" and not axis.rotary:
         return f"a reading along {'xyz'[3 - component - letter_direction(axis.letter)]} while {axis.name} moves"
     kind = "of the rotation about" if function.angular else "along"
+    if isinstance(function, PlaneError):
+        return f"a reading {kind} {'xyz'[component]} while {' and '.join(function.entry.axes)} move{sides}"
     return f"a reading {kind} {'xyz'[component]} while {axis.name} {'turns' if axis.rotary else 'moves'}{sides}"
 
 
 def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
     """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants."""
-    idle = [a for a in aspects if a.wholly and (a.kind == "curve" or a.function.basis.size == 1)]
+    idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
     if idle:
         subject, many = _listed([_phrase(a) for a in idle]), len(idle) > 1
         text = f"No allowed reading shows {subject}; {'they do' if many else 'it does'} not move the tool point."
@@ -161,9 +164,9 @@ def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
 
 def _kinds(members: list[Aspect]) -> str:
     """The members by kind: location errors by name, then constants and slopes."""
-    parts = [a.function.name for a in members if a.function.basis.size == 1]
+    parts = [a.function.name for a in members if _is_constant(a)]
     for kind in ("constant", "slope"):
-        names = [a.function.name for a in members if a.kind == kind and a.function.basis.size > 1]
+        names = [a.function.name for a in members if a.kind == kind and not _is_constant(a)]
         if names:
             parts.append(f"the {kind}{'s' if len(names) > 1 else ''} of {_joined(names)}")
     return _joined(parts)
@@ -172,7 +175,11 @@ def _kinds(members: list[Aspect]) -> str:
 def _phrase(aspect: Aspect) -> str:
     function = aspect.function
     name = f"{function.name} ({words(function.name)})"
-    return name if function.basis.size == 1 or aspect.kind == "curve" else f"the {aspect.kind} of {name}"
+    return name if _is_constant(aspect) or aspect.kind == "curve" else f"the {aspect.kind} of {name}"
+
+
+def _is_constant(aspect: Aspect) -> bool:
+    return not isinstance(aspect.function, PlaneError) and aspect.function.basis.size == 1
 
 
 def _listed(phrases: list[str]) -> str:

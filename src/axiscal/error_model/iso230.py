@@ -7,6 +7,7 @@ import re
 _REVERSAL = "_reversal"
 _COMPONENT = re.compile(r"E([XYZABC])([XYZUVWPQRABC])([1-9]?)")
 _LOCATION = re.compile(r"([XYZABC])0([XYZUVWPQRABC])([1-9]?)")
+_PLANE = re.compile(r"E([XYZABC])([XYZUVWPQRABC][1-9]?)([XYZUVWPQRABC][1-9]?)")
 _PRIMARY = str.maketrans("UVWPQR", "XYZXYZ")  # U V W and P Q R travel along X Y Z
 _ABOUT = {"A": "X", "B": "Y", "C": "Z"}
 _PITCH = {"X": "B", "Y": "A", "Z": "A"}
@@ -26,7 +27,14 @@ def words(name: str) -> str:
         return _component(match[1], match[2], match[2] + match[3])
     if match := _LOCATION.fullmatch(name):
         return _location(match[1], match[2], match[2] + match[3])
+    if match := _PLANE.fullmatch(name):
+        return _together(match[1], match[2], match[3])
     return name
+
+
+def _together(direction: str, first: str, second: str) -> str:
+    turn = f"turn about {_ABOUT[direction].lower()}" if direction in _ABOUT else f"displacement in {direction.lower()}"
+    return f"{turn} that {first} and {second} make together"
 
 
 def _reversal(component: str) -> str:

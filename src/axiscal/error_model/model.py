@@ -4,7 +4,8 @@
     lever arms)
 
 Each function acts on the TCP through a lever: a vector field over poses times the function's own value. With
-displacements only and no rotary axis the levers are constant and this is the paper's sum of stacked splines.
+displacements only and no rotary axis the levers are constant and this is the paper's sum of stacked splines. What two
+axes do together acts like a motion of the later one: δ_k(t_k) becomes δ_k(t_k) + I(t_j, t_k).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model import prior
+from axiscal.error_model.plane import PlaneError, plane_error
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import Frames, SmallMotions, frames
@@ -24,8 +26,6 @@ from axiscal.machine.names import Kind
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 from axiscal.numerics.rigid import cross
-
-_REST_CELLS_PER_INTERVAL = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -47,6 +47,11 @@ class ErrorFunction:
     columns: slice
 
     @property
+    def axes(self) -> tuple[int]:
+        """The axes whose positions it is a function of."""
+        return (self.axis,)
+
+    @property
     def angular(self) -> bool:
         """Whether the error is a rotation."""
         return self.component >= 3
@@ -60,7 +65,16 @@ class ErrorFunction:
     @property
     def cell_count(self) -> int:
         """Number of such lengths along the axis."""
-        return _REST_CELLS_PER_INTERVAL * (len(self.basis.knots) - 1)
+        return prior.CELLS_PER_INTERVAL * (len(self.basis.knots) - 1)
+
+    def coordinates(self, poses: Array) -> Array:
+        """Return the positions of its axis at poses (m, q): (m,)."""
+        result: Array = poses[:, self.axis]
+        return result
+
+    def rows(self, positions: Array) -> Array:
+        """Return m(t)ᵀ at positions of its axis (m,): (m, size)."""
+        return self.basis.rows(positions)
 
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
@@ -69,28 +83,35 @@ class ErrorFunction:
         return cells
 
 
-class ErrorModel:
-    """The error functions of one machine and their joint linear map.
+Term = ErrorFunction | PlaneError
+"""What adds to the deviation of the tool point with a lever of its own."""
 
-    machine : with the errors it states
+
+class ErrorModel:
+    """The errors of one machine and their joint linear map.
+
+    machine : with the errors it states; functions : of one axis each; planes : of two axes together
+    terms : all of them, functions first, so that what is counted by terms is counted by functions as well
     """
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.functions = tuple(_functions(machine))
-        self.size = self.functions[-1].columns.stop if self.functions else 0
+        self.planes = tuple(_planes(machine, self.functions[-1].columns.stop if self.functions else 0))
+        self.terms: tuple[Term, ...] = (*self.functions, *self.planes)
+        self.size = self.terms[-1].columns.stop if self.terms else 0
 
     def prior_covariance(self) -> Array:
-        """Return the prior covariance of A, block diagonal over functions, (size, size)."""
+        """Return the prior covariance of A, block diagonal over terms, (size, size)."""
         result = np.zeros((self.size, self.size))
-        for function in self.functions:
+        for function in self.terms:
             result[function.columns, function.columns] = function.covariance
         return result
 
     def prior_root(self) -> Array:
-        """Return F with the prior covariance of A = F Fᵀ, function by function, (size, size)."""
+        """Return F with the prior covariance of A = F Fᵀ, term by term, (size, size)."""
         result = np.zeros((self.size, self.size))
-        for function in self.functions:
+        for function in self.terms:
             values, vectors = np.linalg.eigh(function.covariance)
             result[function.columns, function.columns] = vectors * np.sqrt(np.maximum(values, 0.0))
         return result
@@ -101,30 +122,35 @@ class ErrorModel:
         return {function.name: function for function in self.functions}
 
     @cached_property
+    def planes_by_name(self) -> dict[str, PlaneError]:
+        """The errors of two axes by name."""
+        return {plane.name: plane for plane in self.planes}
+
+    @cached_property
     def reversing(self) -> frozenset[int]:
         """The axes that have a reversal: what is seen there depends on the side from which they come."""
         return frozenset(function.axis for function in self.functions if function.kind == "reversal")
 
     def levers(self, poses: Array) -> Array:
-        """Return the TCP deviation per unit of each function, (functions, m, 3), m or m/rad.  poses : (m, q)."""
-        shape = (len(self.functions), len(poses), 3)
+        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
+        shape = (len(self.terms), len(poses), 3)
         if self._unmoved is not None:
             return np.broadcast_to(self._unmoved, shape).copy()
         nominal = frames(self.machine, poses)
-        return np.array([self._lever(f, poses, nominal) for f in self.functions]).reshape(shape)
+        return np.array([self._lever(f, poses, nominal) for f in self.terms]).reshape(shape)
 
     @cached_property
     def _unmoved(self) -> Array | None:
-        """The levers (functions, 1, 3) where they are the same at every pose: displacements without rotary axes, the
+        """The levers (terms, 1, 3) where they are the same at every pose: displacements without rotary axes, the
         paper's case.
         """
-        if any(f.angular for f in self.functions) or any(axis.rotary for axis in self.machine.axes):
+        if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.machine.axes):
             return None
         pose = np.zeros((1, len(self.machine.axes)))
         nominal = frames(self.machine, pose)
-        return np.array([self._lever(f, pose, nominal) for f in self.functions]).reshape(-1, 1, 3)
+        return np.array([self._lever(f, pose, nominal) for f in self.terms]).reshape(-1, 1, 3)
 
-    def _lever(self, function: ErrorFunction, poses: Array, nominal: Frames) -> Array:
+    def _lever(self, function: Term, poses: Array, nominal: Frames) -> Array:
         axis = self.machine.axes[function.axis]
         direction = nominal.rotations[function.axis][:, :, function.component % 3]
         if function.kind == "location" and not axis.rotary:
@@ -137,10 +163,10 @@ class ErrorModel:
         return lever
 
     def angular_levers(self, poses: Array) -> Array:
-        """Return the rotation of the tool relative to the workpiece per unit of each function, (functions, m, 3)."""
+        """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
         nominal = frames(self.machine, poses)
-        result = np.zeros((len(self.functions), len(poses), 3))
-        for i, function in enumerate(self.functions):
+        result = np.zeros((len(self.terms), len(poses), 3))
+        for i, function in enumerate(self.terms):
             axis = self.machine.axes[function.axis]
             if function.angular and (axis.rotary or function.kind != "location"):
                 result[i] = axis.sign * nominal.rotations[function.axis][:, :, function.component % 3]
@@ -159,7 +185,7 @@ class ErrorModel:
     def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return the rows of a scalar reading with the given levers, (m, size).
 
-        levers : (functions, m), the effect of each function on the reading
+        levers : (terms, m), the effect of each term on the reading
         """
         result = np.empty((len(poses), self.size))
         for group in self._alike:
@@ -167,6 +193,8 @@ class ErrorModel:
             values = first.basis.rows(poses[:, first.axis])
             for i in group:
                 result[:, self.functions[i].columns] = self._signed(i, levers[i], approaches)[:, None] * values
+        for plane, lever in zip(self.planes, levers[len(self.functions) :], strict=True):
+            result[:, plane.columns] = lever[:, None] * plane.rows(plane.coordinates(poses))
         return result
 
     @cached_property
@@ -179,25 +207,25 @@ class ErrorModel:
         return tuple(tuple(group) for group in groups.values())
 
     def effects(self, levers: Array, approaches: Array) -> Array:
-        """Return what a unit of each function adds to scalar readings, reversals by their sign, (functions, m)."""
+        """Return what a unit of each term adds to scalar readings, reversals by their sign, (terms, m)."""
         return np.array([self._signed(i, lever, approaches) for i, lever in enumerate(levers)]).reshape(levers.shape)
 
     def _signed(self, index: int, lever: Array, approaches: Array) -> Array:
-        function = self.functions[index]
+        function = self.terms[index]
         if function.kind != "reversal":
             return lever
         return lever * (0.5 * approaches[:, function.axis])
 
     def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
         """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
-        values = np.stack([f.basis.rows(poses[:, f.axis]) @ coefficients[f.columns] for f in self.functions])
+        values = np.stack([f.rows(f.coordinates(poses)) @ coefficients[f.columns] for f in self.terms])
         return self.compose(values, approaches)
 
     def compose(self, values: Array, approaches: Array) -> SmallMotions:
-        """Return the small motions of the axis frames from the value of every function.  values : (functions, m)."""
+        """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""
         shape = (len(self.machine.axes), values.shape[1], 3)
         parts = SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape))
-        for i, function in enumerate(self.functions):
+        for i, function in enumerate(self.terms):
             straight = function.kind == "location" and not self.machine.axes[function.axis].rotary
             part = parts.tilt if straight else parts.rotation if function.angular else parts.displacement
             part[function.axis, :, function.component % 3] += self._signed(i, values[i], approaches)
@@ -210,6 +238,14 @@ def _functions(machine: Machine) -> Iterable[ErrorFunction]:
         function = _function(entry, machine, start)
         start = function.columns.stop
         yield function
+
+
+def _planes(machine: Machine, start: int) -> Iterable[PlaneError]:
+    for entry in machine.planes:
+        first, second = (machine.index(name) for name in entry.axes)
+        plane = plane_error(entry, (machine.axes[first], machine.axes[second]), (first, second), start)
+        start = plane.columns.stop
+        yield plane
 
 
 def _function(entry: ErrorEntry, machine: Machine, start: int) -> ErrorFunction:

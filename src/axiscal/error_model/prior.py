@@ -9,6 +9,9 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
 
+CELLS_PER_INTERVAL = 8
+"""Cells of a knot interval, within each of which what no spline follows is one value."""
+
 
 def basis(entry: ErrorEntry, axis: Axis) -> Spline:
     """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural."""

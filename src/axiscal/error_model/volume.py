@@ -12,18 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.error_model.lever_nodes import averaged, lagrange, quadrature
 from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.plane_moments import add_planes
 from axiscal.numerics import Array
-from axiscal.numerics.quadrature import gauss
 
 Box = tuple[tuple[float, float], ...]
-
-_GAUSS = 10
-"""Points of Gauss: exact for degree 19, and squares of cubics times levers have 8."""
-_SHORT_TURN = 1.0
-"""rad: over less, the moments of sine and cosine cancel, so polynomials stand for them; near it both hold."""
-_POLYNOMIAL_NODES = 12
-"""Sine and cosine over half a radian either way to rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,7 +59,7 @@ def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
     """
     axes = [_axis_moments(model, k, bounds) for k, bounds in enumerate(box)]
     poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
-    levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.functions), 3, *(len(a.nodes) for a in axes))
+    levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.terms), 3, *(len(a.nodes) for a in axes))
     mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
     for k, first in enumerate(axes):
         mean[:, first.columns] = _mean(levers, axes, k)
@@ -73,6 +67,7 @@ def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
             block = _two_axes(levers, axes, k, other) if other > k else _same_axis(levers, axes, k)
             weight[np.ix_(first.columns, axes[other].columns)] = block
             weight[np.ix_(axes[other].columns, first.columns)] = block.T
+    add_planes(model, box, levers, mean, weight)
     _separate_reversals(model, mean, weight)
     return VolumeMoments(mean, weight, _rest(model, levers, axes))
 
@@ -80,56 +75,14 @@ def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
 def _axis_moments(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AxisMoments:
     functions = [i for i, f in enumerate(model.functions) if f.axis == axis]
     own = [model.functions[i] for i in functions]
-    points, weights = _quadrature([f.basis.knots for f in own], bounds)
-    nodes, lagrange = _lagrange(points, bounds, model.machine.axes[axis].rotary)
+    points, weights = quadrature([f.basis.knots for f in own], bounds)
+    nodes, shares = lagrange(points, bounds, model.machine.axes[axis].rotary)
     rows = np.hstack([f.basis.rows(points) for f in own]) if own else np.zeros((len(points), 0))
-    weighted = lagrange.T * weights
+    weighted = shares.T * weights
     double = np.stack([rows.T @ (rows * share[:, None]) for share in weighted])
     owner = [i for i, f in enumerate(own) for _ in range(f.basis.size)]
     columns = [c for f in own for c in range(f.columns.start, f.columns.stop)]
     return _AxisMoments(nodes, weighted.sum(axis=1), weighted @ rows, double, functions, owner, columns)
-
-
-def _quadrature(knots: list[Array], bounds: tuple[float, float]) -> tuple[Array, Array]:
-    """Composite Gauss-Legendre between all knots in the bounds, weights summing to one."""
-    start, stop = bounds
-    inner = np.unique(np.concatenate([*knots, np.linspace(start, stop, 5)]))
-    breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
-    nodes, weights = gauss(breaks, _GAUSS)
-    return nodes.ravel(), weights.ravel() / (stop - start)
-
-
-def _lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple[Array, Array]:
-    """Return the nodes (k,) and the Lagrange functions at the points (m, k): the space products of levers live in."""
-    start, stop = bounds
-    middle: float = (start + stop) / 2
-    half: float = (stop - start) / 2
-    trigonometric = rotary and half > _SHORT_TURN / 2
-    count = 5 if trigonometric else _POLYNOMIAL_NODES if rotary else 3
-    even: Array = np.arange(count, dtype=float)
-    offsets: Array = -np.cos(np.pi * (even + 0.5) / count) * half
-    if trigonometric:
-        offsets = half * (2 * even + 1 - count) / count
-    space = _trigonometric if trigonometric else np.polynomial.chebyshev.chebvander
-    scale = 1.0 if trigonometric else half
-    at_nodes = space(offsets / scale, 4 if trigonometric else count - 1)
-    at_points = space((points - middle) / scale, 4 if trigonometric else count - 1)
-    lagrange: Array = np.asarray(np.linalg.solve(at_nodes.T, at_points.T).T, dtype=float)
-    return middle + offsets, lagrange
-
-
-def _trigonometric(angle: Array, order: int) -> Array:
-    harmonics = [f(n * angle) for n in range(1, order // 2 + 1) for f in (np.cos, np.sin)]
-    return np.stack([np.ones_like(angle), *harmonics], axis=1)
-
-
-def _averaged(axes: list[_AxisMoments], values: Array, kept: tuple[int, ...]) -> Array:
-    """Average an array (..., grid) over every axis that is not kept."""
-    lead = values.ndim - len(axes)
-    for k in reversed(range(len(axes))):
-        if k not in kept:
-            values = np.tensordot(values, axes[k].plain, axes=([lead + k], [0]))
-    return values
 
 
 def _products(levers: Array, first: _AxisMoments, second: _AxisMoments) -> Array:
@@ -140,14 +93,14 @@ def _products(levers: Array, first: _AxisMoments, second: _AxisMoments) -> Array
 
 def _mean(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
     axis = axes[k]
-    own = _averaged(axes, levers[axis.functions], (k,))[axis.owner]
+    own = averaged([a.plain for a in axes], levers[axis.functions], (k,))[axis.owner]
     result: Array = np.einsum("nci,in->cn", own, axis.single)
     return result
 
 
 def _same_axis(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
     axis = axes[k]
-    products = _averaged(axes, _products(levers, axis, axis), (k,))[np.ix_(axis.owner, axis.owner)]
+    products = averaged([a.plain for a in axes], _products(levers, axis, axis), (k,))[np.ix_(axis.owner, axis.owner)]
     block = np.einsum("nmi,inm->nm", products, axis.double)
     result: Array = (block + block.T) / 2
     return result
@@ -155,7 +108,7 @@ def _same_axis(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
 
 def _two_axes(levers: Array, axes: list[_AxisMoments], k: int, other: int) -> Array:
     first, second = axes[k], axes[other]
-    products = _averaged(axes, _products(levers, first, second), (k, other))
+    products = averaged([a.plain for a in axes], _products(levers, first, second), (k, other))
     half = np.einsum("ngij,in->ngj", products[first.owner], first.single)
     result: Array = np.einsum("nmj,jm->nm", half[:, second.owner], second.single)
     return result
@@ -173,6 +126,6 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
 
 
 def _rest(model: ErrorModel, levers: Array, axes: list[_AxisMoments]) -> float:
-    variances = np.array([f.rest**2 / (4 if f.kind == "reversal" else 1) for f in model.functions])
+    variances = np.array([f.rest**2 / (4 if f.kind == "reversal" else 1) for f in model.terms])
     squares: Array = np.einsum("fc...,fc...->f...", levers, levers)
-    return float(variances @ _averaged(axes, squares, ()))
+    return float(variances @ averaged([a.plain for a in axes], squares, ()))

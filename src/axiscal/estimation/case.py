@@ -88,7 +88,9 @@ class Case:
         """Return the case with other rests of errors, by name, m or rad."""
         machine = self.description.machine
         errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.errors)
-        return Case(replace(self.description, machine=replace(machine, errors=errors)), self.inherited, self.both)
+        planes = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.planes)
+        machine = replace(machine, errors=errors, planes=planes)
+        return Case(replace(self.description, machine=machine), self.inherited, self.both)
 
     def located(self, mean: Array) -> Case | None:
         """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""

@@ -64,11 +64,16 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
         other = before.names[function.name]
         across[function.columns, other.columns] = other.basis.rows(function.basis.control_positions)
         extra[function.columns] = other.rest**2
+    planes = [plane for plane in errors.planes if plane.name in before.planes_by_name]
+    for plane in planes:
+        last_plane = before.planes_by_name[plane.name]
+        across[plane.columns, last_plane.columns] = plane.taken_from(last_plane)
+        extra[plane.columns] = plane.loosened(last_plane.rest)
     factor = across @ belief.factor[: before.size]
     covariance: Array = factor @ factor.T + np.diag(extra)
-    for function in errors.functions:
-        if function not in known:
-            covariance[function.columns, function.columns] = function.covariance
+    for term in errors.terms:
+        if term not in known and term not in planes:
+            covariance[term.columns, term.columns] = term.covariance
     return Inherited(across @ belief.mean[: before.size], covariance)
 
 

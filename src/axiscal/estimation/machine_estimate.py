@@ -79,15 +79,18 @@ class Estimate:
         if self.rests:
             levers = self.model.levers(poses)
             for index in self.rests:
-                axis = self.model.functions[index].axis
-                expected = expected + self.rest_at(index, poses[:, axis])[:, None] * levers[index]
+                at = self.model.terms[index].coordinates(poses)
+                expected = expected + self.rest_at(index, at)[:, None] * levers[index]
         return expected
 
     def rest_at(self, function: int, positions: Array) -> Array:
-        """Return what the readings say of the rest of an error at positions, (m,): nothing in cells not read."""
+        """Return what the readings say of the rest of an error, (m,): nothing in cells not read.
+
+        positions : of its axis, or pairs of both where it is one of two axes
+        """
         if function not in self.rests:
             return np.zeros(len(positions))
-        at_positions: Array = self.rests[function][self.model.functions[function].cells(positions)]
+        at_positions: Array = self.rests[function][self.model.terms[function].cells(positions)]
         return at_positions
 
 
@@ -96,7 +99,7 @@ def rest_means(observation: Observation, mean: Array) -> Mapping[int, Array]:
 
     mean : (size,) of all unknowns
     """
-    functions, found = observation.errors.functions, dict[int, Array]()
+    functions, found = observation.errors.terms, dict[int, Array]()
     for (index, cell), column in observation.cells.items():
         if functions[index].kind == "motion" and not functions[index].angular:
             found.setdefault(index, np.zeros(functions[index].cell_count))[cell] = mean[column]

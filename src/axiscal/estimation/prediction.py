@@ -52,9 +52,9 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
     errors, belief = estimation.banded.case.errors, estimation.banded.knowledge.belief
     rows, levers = errors.rows(poses, approaches), errors.levers(poses)
     known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
-    rests = np.array([function.rest for function in errors.functions])
+    rests = np.array([term.rest for term in errors.terms])
     loose = np.sum((levers * rests[:, None, None]) ** 2, axis=0)
-    for function, lever in zip(errors.functions, levers, strict=True):
+    for function, lever in zip(errors.functions, levers, strict=False):
         if function.kind == "reversal":
             basis = function.basis.rows(poses[:, function.axis])
             square = (basis @ belief.mean[function.columns]) ** 2

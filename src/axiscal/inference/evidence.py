@@ -14,8 +14,8 @@ from copy import copy
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorFunction
-from axiscal.error_model.prior import distances, matern52
+from axiscal.error_model.model import Term
+from axiscal.inference.error_priors import Entry, by_length, prior_of
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
 from axiscal.inference.scales import Kind, Scale
 from axiscal.measurement.observation import Observation
@@ -45,7 +45,7 @@ class Evidence:
         self.reading, self.values, self.rows = numbers.reading, numbers.values, numbers.rows
         self._parts, unknowns = numbers.parts(), numbers.unknowns()
         self._sharing = [part.sharing() for part in self._parts]
-        self._curves = (
+        self._shown = (
             np.hstack([part.rows for part in self._parts]) if self._parts else np.zeros((len(numbers.values), 0))
         )
         self._fixed = unknowns @ unknowns.T + np.diag(numbers.extra_variance)
@@ -57,8 +57,9 @@ class Evidence:
             self._fixed = self._fixed + rows @ prior[1] @ rows.T
         self._noise, self._std_stated = numbers.noise, numbers.std_stated
         self._owners = [readings[int(i)].setup for i in numbers.reading]
-        self._functions = observation.errors.functions
-        self._entries = {entry.name: entry for entry in observation.machine.errors}
+        self._terms, machine = observation.errors.terms, observation.machine
+        entries: list[Entry] = [*machine.errors, *machine.planes]
+        self._entries = {entry.name: entry for entry in entries}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -96,8 +97,8 @@ class Evidence:
         if self._inherited is not None:
             result[:errors, :errors] = self._inherited
             return result
-        for function in self._functions:
-            result[function.columns, function.columns] = self._prior_of(function, logs)
+        for term in self._terms:
+            result[term.columns, term.columns] = self._prior_of(term, logs)
         return result
 
     def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
@@ -108,36 +109,33 @@ class Evidence:
         index = self._index.get((kind, owner))
         return stated if index is None else self.scales[index].stated * float(np.exp(logs[index]))
 
-    def _length(self, name: str, logs: Array) -> float | None:
-        stated = self._entries[name].length
-        return None if stated is None else stated * self._factor("length", name, logs)
-
     def covariance(self, logs: Array) -> Array:
         result: Array = self._fixed + np.diag(self._variances(logs))
         if self._inherited is None:
-            result += self._curves @ self._priors(logs) @ self._curves.T
+            result += self._shown @ self._priors(logs) @ self._shown.T
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
-            entry = self._entries[part.function.name]
+            entry = self._entries[part.term.name]
             entries[sharing.entries] += self._scale("rest", entry.name, entry.first_rest, logs) ** 2 * sharing.values
         return result
 
     def _priors(self, logs: Array) -> Array:
         """s² R of every error that shows in the readings, along the diagonal."""
-        result, start = np.zeros((self._curves.shape[1],) * 2), 0
+        result, start = np.zeros((self._shown.shape[1],) * 2), 0
         for part in self._parts:
             stop = start + part.rows.shape[1]
-            result[start:stop, start:stop] = self._prior_of(part.function, logs)
+            result[start:stop, start:stop] = self._prior_of(part.term, logs)
             start = stop
         return result
 
-    def _prior_of(self, function: ErrorFunction, logs: Array) -> Array:
+    def _prior_of(self, term: Term, logs: Array) -> Array:
         """s² R of one error."""
-        std = self._entries[function.name].std * self._factor("std", function.name, logs)
-        length = self._length(function.name, logs)
-        if length is None or function.basis.size == 1:
-            return std**2 * np.eye(function.basis.size)
-        return std**2 * matern52(distances(function.basis) / length)
+        return prior_of(term, *self._scales_of(term.name, logs))
+
+    def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, float]:
+        """Return an error's entry, its std, and the factor on its length."""
+        entry = self._entries[name]
+        return entry, entry.std * self._factor("std", name, logs), self._factor("length", name, logs)
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
@@ -152,22 +150,20 @@ class Evidence:
             if kind == "noise":
                 mine = np.array([name == owner for name in self._owners]) & ~self._std_stated
                 result[i] = float(np.diag(pull)[mine] @ variances[mine])
-        pulled, start = pull @ self._curves, 0
+        pulled, start = pull @ self._shown, 0
         for part, sharing in zip(self._parts, self._sharing, strict=True):
             stop = start + part.rows.shape[1]
             self._add_gradient(part, part.rows.T @ pulled[:, start:stop], logs, result)
             start = stop
-            if (at := self._index.get(("rest", part.function.name))) is not None:
+            if (at := self._index.get(("rest", part.term.name))) is not None:
                 shared = float(pull.reshape(-1)[sharing.entries] @ sharing.values)
-                result[at] = self._scale("rest", part.function.name, 0.0, logs) ** 2 * shared
+                result[at] = self._scale("rest", part.term.name, 0.0, logs) ** 2 * shared
         return result
 
     def _add_gradient(self, part: ErrorPart, inner: Array, logs: Array, result: Array) -> None:
         """Add what size and length of an error do.  inner : (k, k) Gᵀ pull G"""
-        entry = self._entries[part.function.name]
-        std = entry.std * self._factor("std", entry.name, logs)
-        length = self._length(entry.name, logs) if len(part.rows.T) > 1 else None
-        if (i := self._index.get(("std", entry.name))) is not None:
-            result[i] = std**2 * float(np.sum(part.correlation(length) * inner))
-        if length is not None and (i := self._index.get(("length", entry.name))) is not None:
-            result[i] = 0.5 * std**2 * float(np.sum(part.by_length(length) * inner))
+        scales = self._scales_of(part.term.name, logs)
+        if (i := self._index.get(("std", part.term.name))) is not None:
+            result[i] = float(np.sum(prior_of(part.term, *scales) * inner))
+        if (i := self._index.get(("length", part.term.name))) is not None:
+            result[i] = 0.5 * float(np.sum(by_length(part.term, *scales) * inner))

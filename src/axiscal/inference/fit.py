@@ -84,7 +84,7 @@ def _rests(
 ) -> Mapping[str, float]:
     """Return the rests that the bands count, by the name of their error: as learnt, and what no sum of curves holds."""
     rests = mean_squares(possible, scales, "rest")
-    stated = {function.name: function.rest for function in observation.errors.functions}
+    stated = {function.name: function.rest for function in observation.errors.terms}
     noises = mean_squares(possible, scales, "noise")
     for name, beyond in unfollowed(observation, readings, noises).items():
         rests[name] = float(np.hypot(rests.get(name, stated[name]), beyond))

@@ -88,7 +88,7 @@ class _Judge:
     @property
     def _as_stated(self) -> Array:
         """The logarithms of the factors that give what is stated; a rest that is not stated is none."""
-        rests = {f.name: f.rest for f in self.observation.errors.functions}
+        rests = {f.name: f.rest for f in self.observation.errors.terms}
         return np.array([-7.0 if s.kind == "rest" and rests[s.owner] == 0 else 0.0 for s in self.found.of])
 
     def _error(self, function: ErrorFunction) -> Misfit | None:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.model import ErrorFunction
-from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.error_model.model import Term
+from axiscal.measurement.cells import RestEffect
 from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
@@ -30,30 +30,42 @@ class Sharing(NamedTuple):
 class ErrorPart:
     """What one error does to the numbers.
 
-    rows : (m, k) G; distances : (k, k) of its control values
-    shared : (m, c) what a unit of the rest in each cell that was visited adds to them
+    rows : (m, k) G; shared : (m, c) what a unit of the rest in each cell that was visited adds to them
     """
 
-    function: ErrorFunction
+    term: Term
     rows: Array
-    distances: Array
     shared: Array
-
-    def correlation(self, length: float | None) -> Array:
-        """R (k, k)."""
-        if length is None:
-            return np.eye(self.rows.shape[1])
-        return matern52(self.distances / length)
-
-    def by_length(self, length: float) -> Array:
-        """∂R/∂log ℓ (k, k)."""
-        return matern52_by_length(self.distances / length)
 
     def sharing(self) -> Sharing:
         """Return E (m, m), the products of the levers of numbers that share a cell; most share none."""
         products = (self.shared @ self.shared.T).ravel()
         where = np.flatnonzero(products)
         return Sharing(where, products[where])
+
+
+class _Visits(NamedTuple):
+    """The cells of one error that numbers are in: which number, which cell, and what a unit of its rest adds."""
+
+    number: list[NDArray[np.intp]]
+    cell: list[NDArray[np.int64]]
+    reach: list[Array]
+
+    def note(self, number: NDArray[np.intp], effect: RestEffect) -> None:
+        """Add what a rest does to some numbers."""
+        self.number.append(number)
+        self.cell.append(effect.cells)
+        self.reach.append(effect.reach)
+
+    def shared(self, numbers: int) -> Array:
+        """Return what a unit of the rest in each cell that was visited adds to the numbers, (m, c)."""
+        number, cell = np.concatenate(self.number), np.concatenate(self.cell)
+        reach = np.concatenate(self.reach)
+        felt = reach != 0
+        _, column = np.unique(cell[felt], return_inverse=True)
+        result = np.zeros((numbers, int(column.max(initial=-1)) + 1))
+        np.add.at(result, (number[felt], column), reach[felt])
+        return result
 
 
 class ReadingSet:
@@ -75,7 +87,7 @@ class ReadingSet:
         self.noise: Array = np.array(each)[self.reading]
         stated = np.array([reading.std is not None for reading in readings], dtype=bool)
         self.std_stated: NDArray[np.bool_] = stated[self.reading]
-        self._shared = [np.zeros((len(self.rows), f.cell_count)) for f in observation.errors.functions]
+        self._visits = [_Visits([], [], []) for _ in observation.errors.terms]
         self.extra_variance = variances - usual[self.reading]  # such as of a side that nobody told
         for setup, mine in self._places.by_setup():
             self._share_rests(setup, mine)
@@ -83,12 +95,12 @@ class ReadingSet:
 
     def _share_rests(self, setup: int, mine: NDArray[np.intp]) -> None:
         """Note which cells the numbers of a set-up share; what their rests add to the variances is taken off."""
-        functions, where = self._observation.errors.functions, (self._places.poses[mine], self._places.approaches[mine])
+        terms, where = self._observation.errors.terms, (self._places.poses[mine], self._places.approaches[mine])
         for number, effects in enumerate(self._observation.rest_effects(setup, *where, everyone=True)):
             at = self._first(mine) + number
             for effect in effects:
-                np.add.at(self._shared[effect.function], (at, effect.cells), effect.reach)
-                self.extra_variance[at] -= (effect.reach * functions[effect.function].rest) ** 2
+                self._visits[effect.function].note(at, effect)
+                self.extra_variance[at] -= (effect.reach * terms[effect.function].rest) ** 2
 
     def _first(self, readings: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return where the numbers of readings begin."""
@@ -97,10 +109,10 @@ class ReadingSet:
     def parts(self) -> list[ErrorPart]:
         """Return what each error does to the numbers, without those that none of them depends on."""
         result = []
-        for function, in_cells in zip(self._observation.errors.functions, self._shared, strict=True):
-            shared = in_cells[:, np.any(in_cells != 0, axis=0)]
+        for term, visits in zip(self._observation.errors.terms, self._visits, strict=True):
+            shared = visits.shared(len(self.rows)) if visits.number else np.zeros((0, 0))
             if shared.size:
-                result.append(ErrorPart(function, self.rows[:, function.columns], distances(function.basis), shared))
+                result.append(ErrorPart(term, self.rows[:, term.columns], shared))
         return result
 
     def features(self, root: Array) -> Array:
@@ -108,7 +120,7 @@ class ReadingSet:
 
         root : F (size, r) with F Fᵀ the covariance of the errors
         """
-        rests = [part.function.rest * part.shared for part in self.parts() if part.function.rest > 0]
+        rests = [part.term.rest * part.shared for part in self.parts() if part.term.rest > 0]
         return np.hstack([self.rows[:, : len(root)] @ root, *rests, self.unknowns()])
 
     def unknowns(self) -> Array:

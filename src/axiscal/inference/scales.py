@@ -14,6 +14,7 @@ import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import GUESSED_REST, ErrorEntry
+from axiscal.machine.plane_entry import PlaneEntry
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -60,11 +61,20 @@ class Scales:
 
     def machine(self, machine: Machine) -> Machine:
         """Return the machine with the priors that these scales make of its own."""
-        return replace(machine, errors=tuple(self._entry(entry, machine) for entry in machine.errors))
+        errors = tuple(self._entry(entry, machine) for entry in machine.errors)
+        return replace(machine, errors=errors, planes=tuple(self._plane(entry) for entry in machine.planes))
 
     def setups(self, setups: Iterable[Setup]) -> tuple[Setup, ...]:
         """Return the set-ups with the noise that these scales make of theirs."""
         return tuple(replace(s, noise=self.value("noise", s.name) or s.noise) for s in setups)
+
+    def _plane(self, entry: PlaneEntry) -> PlaneEntry:
+        return replace(
+            entry,
+            std=self.value("std", entry.name) or entry.std,
+            stretch=self.value("length", entry.name) or entry.stretch,
+            rest=self.value("rest", entry.name) or entry.rest,
+        )
 
     def _entry(self, entry: ErrorEntry, machine: Machine) -> ErrorEntry:
         # The knots stay where they were: a spline does not move because its prior was learnt.
@@ -82,12 +92,23 @@ class Scales:
 def all_scales(machine: Machine, setups: Iterable[Setup]) -> tuple[Scale, ...]:
     """Return every scale that readings could tell something about."""
     noises = (Scale("noise", setup.name, setup.noise) for setup in setups)
-    return (*(scale for entry in machine.errors for scale in _scales(entry)), *noises)
+    planes = (scale for entry in machine.planes for scale in _of_plane(entry))
+    return (*(scale for entry in machine.errors for scale in _scales(entry)), *planes, *noises)
 
 
 def wanted_rests(machine: Machine) -> tuple[Scale, ...]:
     """Return the rests that the description asks to be learnt."""
-    return tuple(Scale("rest", e.name, e.first_rest) for e in machine.errors if e.rest_estimated and not e.constant)
+    curves = (Scale("rest", e.name, e.first_rest) for e in machine.errors if e.rest_estimated and not e.constant)
+    return (*curves, *(Scale("rest", e.name, e.first_rest) for e in machine.planes if e.rest_estimated))
+
+
+def _of_plane(entry: PlaneEntry) -> Iterator[Scale]:
+    """Yield the scales of two axes' error: one factor for both of its lengths, which few readings tell apart."""
+    if entry.std:
+        yield Scale("std", entry.name, entry.std)
+        if any(side.length is not None for side in entry.sides):
+            yield Scale("length", entry.name, entry.stretch)
+    yield Scale("rest", entry.name, entry.rest or GUESSED_REST * entry.std)
 
 
 def _scales(entry: ErrorEntry) -> Iterator[Scale]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from axiscal.error_model.plane import PlaneError
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -57,9 +58,10 @@ def _carriers(observation: Observation, setup: int, readings: Sequence[Reading])
     found = []
     for direction in directions_of(observation.setups[setup]):
         levers = _levers(observation, setup, readings, direction)
-        best = max(range(len(levers)), key=lambda index: levers[index], default=None)
-        if best is not None and levers[best] > 0:
-            found.append((observation.errors.functions[best].name, float(levers[best])))
+        of = list(zip(observation.errors.terms, levers.tolist(), strict=True))
+        term, lever = max(of, key=lambda each: (each[1], isinstance(each[0], PlaneError)), default=(None, 0.0))
+        if term is not None and lever > 0:
+            found.append((term.name, lever))
     return found
 
 
@@ -67,8 +69,9 @@ def _levers(observation: Observation, setup: int, readings: Sequence[Reading], d
     """Return the RMS effect of each error on readings, nought for those that are no curve of a displacement or turn."""
     poses, approaches = np.array([r.pose for r in readings]), np.array([r.approach for r in readings], dtype=float)
     effects = observation.effects(setup, poses, approaches, direction)
-    straight = np.array([f.kind == "motion" and f.basis.size > 1 for f in observation.errors.functions])
-    angular = np.array([f.angular for f in observation.errors.functions])
+    terms = observation.errors.terms
+    straight = np.array([isinstance(t, PlaneError) or (t.kind == "motion" and t.basis.size > 1) for t in terms])
+    angular = np.array([t.angular for t in terms])
     reads_angle = bool(np.all(angular[np.any(np.abs(effects) > _MOVED, axis=1)]))
     usable = straight & (angular == reads_angle)
     levers: Array = np.sqrt(np.mean(effects**2, axis=1)) * usable

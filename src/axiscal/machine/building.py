@@ -13,6 +13,8 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.errors_table import error_entries
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import AxisTable, MachineFile
+from axiscal.machine.plane_entry import PlaneEntry
+from axiscal.machine.planes_table import plane_entries
 from axiscal.units import Dimension, format_quantity
 
 LONGEST_TRAVEL = 1000.0
@@ -33,6 +35,7 @@ class Parts:
     axes: tuple[Axis, ...]
     tool: float
     errors: tuple[ErrorEntry, ...]
+    planes: tuple[PlaneEntry, ...]
     chain: str
 
 
@@ -45,9 +48,11 @@ def assemble(document: Document) -> Parts:
     axes = _axes(document, tables, faults)
     with faults.noted():
         tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
-    entries = error_entries(document, tables.errors, {axis.name: axis for axis in axes}, set(tables.axes), faults)
+    known = {axis.name: axis for axis in axes}
+    entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
+    planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    return Parts(name, axes, tool, entries, tables.chain)
+    return Parts(name, axes, tool, entries, planes, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:

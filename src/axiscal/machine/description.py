@@ -10,6 +10,7 @@ from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.plane_entry import PlaneEntry
 
 __all__ = ["ErrorEntry", "Machine", "builtin_names", "load_machine", "machine_from_text"]
 
@@ -21,7 +22,8 @@ class Machine:
     """A machine as described by its owner.
 
     axes : in the order of the chain, from the workpiece to the tool; tool : length of the tool, m
-    errors : one entry per error that is not taken to be zero; text : the TOML it came from
+    errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
+    planes : one entry per error of two axes together
     """
 
     name: str
@@ -30,6 +32,7 @@ class Machine:
     errors: tuple[ErrorEntry, ...]
     chain: str
     text: str
+    planes: tuple[PlaneEntry, ...] = ()
 
     def index(self, axis_name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
@@ -80,4 +83,4 @@ def _built(document: Document) -> Machine:
     from axiscal.machine.building import assemble
 
     parts = assemble(document)
-    return Machine(parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text)
+    return Machine(parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text, parts.planes)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
+from axiscal.machine.error_sizes import error_size, rest_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
-from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name
+from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
 from axiscal.units import Dimension
 
-LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
-"""m or rad."""
+Value = TypeVar("Value", int, str)
 
 
 def error_entries(
@@ -27,6 +29,8 @@ def error_entries(
         faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
     entries: dict[str, ErrorEntry] = {}
     for key, table in tables.items():
+        if parse_plane_name(key) is not None:
+            continue
         with faults.noted():
             if _of_wrong_axis(key, described - axes.keys()):
                 continue
@@ -79,12 +83,17 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     position: Dimension = axis.dimension
     spacing, length, period = (
         None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
-        for of, text in (("spacing", table.spacing), ("length", table.length), ("period", table.period))
+        for of, text in (("spacing", _one(table.spacing)), ("length", _one(table.length)), ("period", table.period))
     )
-    std, rest = _std(document, keys, table, value), _rest(document, keys, table, value)
+    std, rest = _std(document, keys, table, value), rest_of(document, keys, table, value)
     estimated = rest is None and table.rest is not None
     line = document.line(*keys)
-    return ErrorEntry(name.canonical, std, table.knots, spacing, length, rest, estimated, line, period)
+    return ErrorEntry(name.canonical, std, _one(table.knots), spacing, length, rest, estimated, line, period)
+
+
+def _one(value: Value | tuple[Value, Value] | None) -> Value | None:
+    """Return the value of an error of one axis."""
+    return value[0] if isinstance(value, tuple) else value
 
 
 def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:
@@ -130,27 +139,16 @@ def _check_keys(name: ErrorName, table: ErrorTable) -> None:
         raise DescriptionError(
             f"{extra[0]} = {shown(getattr(table, extra[0]))}: {name.canonical} is a constant", remedy
         )
-    if table.knots is not None and not 2 <= table.knots <= MOST_KNOTS:
+    for key in ("knots", "spacing", "length"):
+        if isinstance(getattr(table, key), tuple):
+            what = f"{key} = {shown(list(getattr(table, key)))}: {name.canonical} is an error of one axis"
+            raise DescriptionError(what, "Write one value; two belong to an error of two axes, such as EZXY")
+    if table.knots is not None and not 2 <= (_one(table.knots) or 0) <= MOST_KNOTS:
         raise DescriptionError(f"knots = {shown(table.knots)} is not possible", f"Write 2 to {MOST_KNOTS}")
 
 
 def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float:
     """Return the prior standard deviation, m or rad; a band is four of them."""
     if table.std is not None:
-        return _error_size(document, (*keys, "std"), table.std, dimension)
-    return _error_size(document, (*keys, "band"), table.band or "", dimension) / 4
-
-
-def _rest(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
-    """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
-    if table.rest is None or table.rest.strip() == "estimate":
-        return None
-    try:
-        return _error_size(document, (*keys, "rest"), table.rest, dimension)
-    except InputError as fault:
-        remedy = f'{fault.remedy}; or "estimate" to learn it from the readings'
-        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
-
-
-def _error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
-    return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)
+        return error_size(document, (*keys, "std"), table.std, dimension)
+    return error_size(document, (*keys, "band"), table.band or "", dimension) / 4

@@ -2,9 +2,50 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, StrictStr
+from pydantic_core import PydanticKnownError
 
 from axiscal.document import QuantityText
+from axiscal.document.validation import QuantityOf
+
+Twice = tuple[str, str]
+_TEXT = QuantityOf(None)
+
+
+def _counts(value: object) -> int | tuple[int, int]:
+    """Return a whole number, or two of them in a list."""
+    if isinstance(value, list):
+        first, second = (_count(each) for each in _two(value))
+        return first, second
+    return _count(value)
+
+
+def _count(value: object) -> int:
+    if type(value) is not int:
+        raise PydanticKnownError("int_type")
+    return value
+
+
+def _texts(value: object) -> str | Twice:
+    """Return the text of a quantity, or two of them in a list."""
+    if isinstance(value, list):
+        first, second = (str(_TEXT.read(each)) for each in _two(value))
+        return first, second
+    return str(_TEXT.read(value))
+
+
+def _two(value: list[object]) -> list[object]:
+    if len(value) != 2:
+        raise PydanticKnownError("too_long", {"field_type": "List", "max_length": 2, "actual_length": len(value)})
+    return value
+
+
+Counts = Annotated[int | tuple[int, int], PlainValidator(_counts)]
+"""A whole number, or one for each of two axes."""
+QuantityTexts = Annotated[str | Twice, PlainValidator(_texts)]
+"""A quantity, or one for each of two axes."""
 
 
 class _Table(BaseModel):
@@ -36,9 +77,9 @@ class ErrorTable(_Table):
 
     std: QuantityText | None = Field(None, examples=['"10 um"'])
     band: QuantityText | None = Field(None, examples=['"40 um"'])
-    knots: StrictInt | None = Field(None, examples=["13"])
-    spacing: QuantityText | None = Field(None, examples=['"50 mm"'])
-    length: QuantityText | None = Field(None, examples=['"150 mm"'])
+    knots: Counts | None = Field(None, examples=["13"])
+    spacing: QuantityTexts | None = Field(None, examples=['"50 mm"'])
+    length: QuantityTexts | None = Field(None, examples=['"150 mm"'])
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
     period: QuantityText | None = Field(None, examples=['"5 mm"'])
 

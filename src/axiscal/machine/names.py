@@ -16,7 +16,11 @@ AXIS_NAME = r"[XYZUVWPQRABC][1-9]?"
 """Pattern of the name of an axis (ISO 841), such as X, U2 or C."""
 _MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{AXIS_NAME})(?P<reversal>_reversal)?")
 _LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{AXIS_NAME})\))(?P<axis>{AXIS_NAME})")
-_REMEDY = "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal"
+_PLANE = re.compile(rf"E(?P<component>[XYZABC])(?P<first>{AXIS_NAME})(?P<second>{AXIS_NAME})")
+_REMEDY = (
+    "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal, errors "
+    "of two axes together like EZXY"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +41,20 @@ class ErrorName:
     def angular(self) -> bool:
         """Whether the error is an angle (rad) rather than a displacement (m)."""
         return self.component >= 3
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneName:
+    """The parts of the name of an error of two axes, "EZXY".  component : 0…5 for x y z a b c; axes : in its order."""
+
+    component: int
+    axes: tuple[str, str]
+
+
+def parse_plane_name(text: str) -> PlaneName | None:
+    """Return the parts of the name of what two axes do together; None for any other text."""
+    found = _PLANE.fullmatch(text)
+    return None if found is None else PlaneName(COMPONENTS.index(found["component"]), (found["first"], found["second"]))
 
 
 def parse_error_name(text: str) -> ErrorName:

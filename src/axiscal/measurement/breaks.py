@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from axiscal.error_model.plane import PlaneError
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.way import feet
@@ -20,9 +21,11 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
     """
     edges = _knots(observation, axis)
     for index, cell in observation.cells:
-        function = observation.errors.functions[index]
-        if function.axis == axis:
-            edges.append(function.basis.knots[0] + function.cell * np.array([cell, cell + 1]))
+        term = observation.errors.terms[index]
+        if isinstance(term, PlaneError):
+            edges += term.edges(cell, axis)
+        elif term.axis == axis:
+            edges.append(term.basis.knots[0] + term.cell * np.array([cell, cell + 1]))
     return _between(observation, axis, setup, edges)
 
 
@@ -39,13 +42,14 @@ def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[i
     """
     times = INSTRUMENTS[observation.setups[setup].instrument].values
     if not observation.machine.axes[axis].rotary:
-        angular = any(f.angular for f in observation.errors.functions)
+        angular = any(f.angular for f in observation.errors.terms)
         return times * (8 if angular else 6), 0.0
     return 6 * times, 2 * times * float(np.max(np.diff(breaks_along(observation, axis, setup))))
 
 
 def _knots(observation: Observation, axis: int) -> list[Array]:
-    return [f.basis.knots for f in observation.errors.functions if f.axis == axis]
+    own = [f.basis.knots for f in observation.errors.functions if f.axis == axis]
+    return own + [knots for plane in observation.errors.planes for knots in plane.knots_along(axis)]
 
 
 def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.way import feet
+from axiscal.measurement.way import feet, moved
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
-"""Index of an error function with a rest, and the number of the cell along its axis."""
+"""Index of an error with a rest, and the number of the cell along its axis, or of the plane of its axes."""
 
 
 class RestEffect(NamedTuple):
-    """What the rest of one error function does to readings.
+    """What the rest of one error does to readings.
 
     reach : (m,) what a unit of it adds; cells : (m,) the number of the cell that they are in
     """
@@ -31,27 +31,29 @@ class RestEffect(NamedTuple):
 def rest_effects(
     errors: ErrorModel, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int]
 ) -> list[RestEffect]:
-    """Return what the rests of some functions do to readings of a set-up; of each foot where it has feet.
+    """Return what the rests of some errors do to readings of a set-up; of each foot where it has feet.
 
-    levers : (functions, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of functions
+    levers : (terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
     """
     found = list[RestEffect]()
     effects = errors.effects(levers, approaches) if among else levers
     for i in among:
-        function, at = errors.functions[i], poses[:, errors.functions[i].axis]
+        term = errors.terms[i]
         if mounted.base is None:
-            found.append(RestEffect(i, effects[i], function.cells(at)))
+            found.append(RestEffect(i, effects[i], term.cells(term.coordinates(poses))))
         elif mounted.base and np.any(effects[i]):  # a base without length is refused where its way has a rest
-            stands = feet(mounted.base)
-            found += [RestEffect(i, foot.weight * effects[i], function.cells(at + foot.shift)) for foot in stands]
+            (axis,) = mounted.moves
+            for foot in feet(mounted.base):
+                at = term.coordinates(moved(poses, axis, foot.shift))
+                found.append(RestEffect(i, foot.weight * effects[i], term.cells(at)))
     return found
 
 
 def cell_columns(
     errors: ErrorModel, with_rest: Sequence[int], cells: Mapping[Cell, int]
 ) -> dict[int, NDArray[np.intp]]:
-    """Return for each function with a rest the column of every cell of its axis, -1 where there is none."""
-    columns = {i: np.full(errors.functions[i].cell_count, -1) for i in with_rest}
+    """Return for each error with a rest the column of every cell that it has, -1 where there is none."""
+    columns = {i: np.full(errors.terms[i].cell_count, -1) for i in with_rest}
     for (owner, cell), column in cells.items():
         columns[owner][cell] = column
     return columns

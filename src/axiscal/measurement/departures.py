@@ -82,7 +82,7 @@ class Departure:
 
 @dataclass(frozen=True, eq=False)
 class _Numbers:
-    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (functions, m)."""
+    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (terms, m)."""
 
     setup: NDArray[np.intp]
     reading: NDArray[np.intp]
@@ -115,7 +115,7 @@ def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
     number = np.concatenate([np.arange(len(each.values)) for each in readings])
     poses = np.array([each.pose for each in readings])[reading]
     approaches = np.array([each.approach for each in readings], dtype=float)[reading]
-    effects = np.zeros((len(observation.errors.functions), len(reading)))
+    effects = np.zeros((len(observation.errors.terms), len(reading)))
     for index, setup in enumerate(observation.setups):
         for which, direction in enumerate(directions_of(setup)):
             mine = (owners[reading] == index) & (number == which)

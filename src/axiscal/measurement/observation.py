@@ -88,7 +88,7 @@ class Observation:
         result = np.ones(after.size - self.size)
         for cell, column in after.cells.items():
             if cell not in self.cells:
-                result[column - self.size] = self.errors.functions[cell[0]].rest ** 2
+                result[column - self.size] = self.errors.terms[cell[0]].rest ** 2
         return result
 
     @property
@@ -156,7 +156,7 @@ class Observation:
             result[:, list(course.columns)] = share * course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
         for effect in self._rest_effects(mounted, levers, poses, approaches):
-            rest, columns = self.errors.functions[effect.function].rest, self.cell_columns(effect.function)
+            rest, columns = self.errors.terms[effect.function].rest, self.cell_columns(effect.function)
             add_rest(effect, rest, columns, result, variances)
         return Rows(result, variances)
 
@@ -185,7 +185,7 @@ class Observation:
         each = [self._rest_effects(self.setups[setup], along, poses, approaches) for along in levers]
         for same in zip(*each, strict=True):
             fresh = self.cell_columns(same[0].function)[same[0].cells] < 0
-            reach = np.stack([effect.reach for effect in same], axis=1) * self.errors.functions[same[0].function].rest
+            reach = np.stack([effect.reach for effect in same], axis=1) * self.errors.terms[same[0].function].rest
             covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
         return covariances
 
@@ -213,14 +213,14 @@ class Observation:
         return np.stack([model.nonlinear_part(mounted, direction, nominal) for direction in each], axis=1)
 
     def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
-        """Return what a unit of each error adds to readings, (functions, m); arguments as for `rows`.
+        """Return what a unit of each error adds to readings, (terms, m); arguments as for `rows`.
 
         Where two feet stand on a way: of two units, one at each of them and independent.
         """
         mounted = self.setups[setup]
         effects = self.errors.effects(self._levers_along(mounted, poses, direction), approaches)
         if mounted.base:
-            straight = [f.kind == "motion" for f in self.errors.functions]
+            straight = [f.kind == "motion" for f in self.errors.terms]
             effects[straight] *= float(np.sqrt(2.0)) / mounted.base
         return effects
 
@@ -237,7 +237,7 @@ class Observation:
     def _rest_effects(
         self, mounted: Setup, levers: Array, poses: Array, approaches: Array, everyone: bool = False
     ) -> list[RestEffect]:
-        among = tuple(range(len(self.errors.functions))) if everyone else self.with_rest
+        among = tuple(range(len(self.errors.terms))) if everyone else self.with_rest
         return rest_effects(self.errors, mounted, levers, poses, approaches, among)
 
     def drifts_shown(self, setup: int, direction: Array) -> Iterator[tuple[Course, float]]:
@@ -248,7 +248,7 @@ class Observation:
                 yield course, float(direction[number]) if three else 1.0
 
     def levers(self, setup: int, poses: Array) -> Array:
-        """Return what a unit of each error adds to each number of readings, sides apart, (numbers, functions, m)."""
+        """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
         mounted = self.setups[setup]
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
@@ -261,7 +261,7 @@ class Observation:
         return self._projected(mounted, poses, direction, self._field(mounted, poses))
 
     def _field(self, mounted: Setup, poses: Array) -> Array:
-        """Return what a unit of each error does in all directions, (functions, m, 3)."""
+        """Return what a unit of each error does in all directions, (terms, m, 3)."""
         reads = model_of(mounted).reads
         return self.errors.levers(poses) if reads == "length" else self.errors.angular_levers(poses)
 
@@ -276,11 +276,11 @@ class Observation:
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:
-        """The indices of the error functions that have a rest."""
-        return tuple(i for i, function in enumerate(self.errors.functions) if function.rest > 0)
+        """The indices of the errors that have a rest."""
+        return tuple(i for i, function in enumerate(self.errors.terms) if function.rest > 0)
 
     def cell_columns(self, function: int) -> NDArray[np.intp]:
-        """Return the column of the rest of every cell of a function, -1 where there is none."""
+        """Return the column of the rest of every cell of an error, -1 where there is none."""
         return self._columns_of_cells[function]
 
     @cached_property

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.error_model.model import ErrorModel, Term
+from axiscal.error_model.plane import PlaneError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
@@ -40,9 +41,16 @@ def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     return result
 
 
-def belongs(function: ErrorFunction, axis: int) -> bool:
-    """Return whether an error is one of the way's shape: straightness, or squareness."""
-    return function.axis == axis and (
+def moved(poses: Array, axis: int, shift: float) -> Array:
+    """Return poses (m, q) with one axis further by a shift, m or rad."""
+    further = poses.copy()
+    further[:, axis] += shift
+    return further
+
+
+def belongs(function: Term, axis: int) -> bool:
+    """Return whether an error is one of the way's shape: straightness, alone or with another axis, or squareness."""
+    return axis in function.axes and (
         function.kind == "location" or (function.kind == "motion" and not function.angular)
     )
 
@@ -53,35 +61,38 @@ class Way:
     def __init__(self, errors: ErrorModel, setup: Setup, base: float) -> None:
         self._errors, self._setup, self._base = errors, setup, base
         (self.axis,) = setup.moves
-        self.functions = [i for i, f in enumerate(errors.functions) if belongs(f, self.axis)]
+        self.functions = [i for i, f in enumerate(errors.terms) if belongs(f, self.axis)]
 
     def levers(self, poses: Array) -> Array:
-        """Return what a unit of each error does, (functions, m): of a straightness, of one end; of a squareness."""
-        result = np.zeros((len(self._errors.functions), len(poses)))
+        """Return what a unit of each error does, (terms, m): of a straightness, of one end; of a squareness."""
+        result = np.zeros((len(self._errors.terms), len(poses)))
         direction = across(self._errors.machine, self._setup, poses)
         ends = [self._displaced(poses, direction, shift) for shift in (_HALF, -_HALF)]
         for i in self.functions:
-            tilt = self._errors.functions[i].kind == "location"
+            tilt = self._errors.terms[i].kind == "location"
             result[i] = (ends[0][i] - ends[1][i]) if tilt else ends[0][i]
         return result
 
     def rows(self, poses: Array) -> Array:
         """Return the rows of readings, (m, size): a chord, or the derivative where the base has no length."""
-        result, levers, t = np.zeros((len(poses), self._errors.size)), self.levers(poses), poses[:, self.axis]
+        result, levers = np.zeros((len(poses), self._errors.size)), self.levers(poses)
         for i in self.functions:
-            function = self._errors.functions[i]
-            shape = function.basis.rows(t) if function.kind == "location" else self._slopes(function, t)
+            function = self._errors.terms[i]
+            tilt = function.kind == "location"
+            shape = function.rows(function.coordinates(poses)) if tilt else self._slopes(function, poses)
             result[:, function.columns] = levers[i][:, None] * shape
         return result
 
-    def _slopes(self, function: ErrorFunction, t: Array) -> Array:
+    def _slopes(self, function: Term, poses: Array) -> Array:
         if self._base == 0:
-            return function.basis.rows(t, derivative=1)
-        front, back = (foot.weight * function.basis.rows(t + foot.shift) for foot in feet(self._base))
+            at = function.coordinates(poses)
+            if isinstance(function, PlaneError):
+                return function.slopes(at, self.axis)
+            return function.basis.rows(at, derivative=1)
+        ends = (function.coordinates(moved(poses, self.axis, foot.shift)) for foot in feet(self._base))
+        front, back = (foot.weight * function.rows(at) for foot, at in zip(feet(self._base), ends, strict=True))
         return front + back
 
     def _displaced(self, poses: Array, direction: Array, shift: float) -> Array:
-        moved = poses.copy()
-        moved[:, self.axis] += shift
-        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved), direction)
+        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved(poses, self.axis, shift)), direction)
         return displaced

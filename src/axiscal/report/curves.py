@@ -86,7 +86,7 @@ def _seen_std(wide: Banded, function: ErrorFunction, rows: Array) -> Array:
 
 
 def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:
-    for own, curve in zip(truth.model.functions, truth.curves, strict=True):
+    for own, curve in zip(truth.model.terms, truth.curves, strict=True):
         if own.name == function.name:
             return curve(positions)
     return np.zeros_like(positions)

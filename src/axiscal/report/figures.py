@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from axiscal.report.digits import number, numbers
 from axiscal.report.sentences import (
     axis_unit,
     coordinate,
@@ -17,7 +18,7 @@ from axiscal.report.sentences import (
     standardised,
     unit_text,
 )
-from axiscal.report.summary import HistoryRow, Iso230, Summary, number, numbers
+from axiscal.report.summary import HistoryRow, Iso230, Summary
 
 Figure = dict[str, Any]
 

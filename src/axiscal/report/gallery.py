@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.report.digits import number, numbers
 from axiscal.report.figures import Figure, axis_style, band, finite_range, layout, plain
 from axiscal.report.sentences import axis_unit, coordinate, figure, quantity, unit_text
-from axiscal.report.summary import CurvePoint, CurveSummary, number, numbers
+from axiscal.report.summary import CurvePoint, CurveSummary
 
 _HEIGHT, _HEIGHT_ALONE = 210, 360
 """Pixels; a matter of taste."""

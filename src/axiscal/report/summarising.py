@@ -21,6 +21,7 @@ from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions
+from axiscal.report.planes import planes
 from axiscal.report.summary import (
     CurveSummary,
     Finding,
@@ -88,6 +89,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),
+        planes=planes(estimation),
         observability=observability(case),
         rejected=_rejections(estimation, rows),
         warnings=[*extras.warnings, *findings(estimation)],

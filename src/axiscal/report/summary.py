@@ -6,19 +6,16 @@ Every `std`, `rms` and `worst` is one standard deviation; `expanded` and the ban
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from axiscal.accuracy.expanded import LEVEL
-from axiscal.exceptions import SummaryError
+from axiscal.report.digits import number, numbers
+from axiscal.report.plane_summary import PlaneSummary, plane_json
 
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
-
-_DIGITS = 6
-"""Figures kept, so that the same campaign gives the same bytes on any processor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +236,7 @@ class Summary:
     curves: Sequence[CurveSummary] = ()
     reversals: Sequence[CurveSummary] = ()
     constants: Sequence[ConstantSummary] = ()
+    planes: Sequence[PlaneSummary] = ()
     observability: Sequence[str] = ()
     rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
@@ -269,6 +267,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_targets(summary),
         "history": [_history(row) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
+        "plane_errors": {plane.name: plane_json(plane) for plane in summary.planes},
         "constants": {constant.name: _constant(constant) for constant in summary.constants},
         "observability": list(summary.observability),
         "rejected": [_rejection(rejection) for rejection in summary.rejected],
@@ -277,20 +276,6 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "versions": dict(sorted(summary.versions.items())),
         **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
     }
-
-
-def number(value: float, what: str) -> float:
-    """Return value at six significant digits; raises SummaryError if it is not finite."""
-    if not math.isfinite(value):
-        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
-    return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def numbers(values: Sequence[float], what: str, size: int | None = None) -> list[float]:
-    """Return values at six significant digits; raises SummaryError if one is not finite or their count is not size."""
-    if size is not None and len(values) != size:
-        raise SummaryError(f"{what} has {len(values)} values for {size} positions.")
-    return [number(value, what) for value in values]
 
 
 def _optional(value: float | None, what: str) -> float | None:

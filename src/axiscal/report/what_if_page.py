@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.planning.what_if import PLANNED, TRADITIONAL, Alternative
+from axiscal.report.digits import numbers
 from axiscal.report.figures import Figure, axis_style, layout, plain
 from axiscal.report.standalone import Drawings, environment, inlined
-from axiscal.report.summary import numbers
 from axiscal.units import to_unit
 
 _COLOURS = ("#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173", "#637939")

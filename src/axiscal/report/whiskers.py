@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.report.digits import number
 from axiscal.report.sentences import constant_note, short, unit_text
-from axiscal.report.summary import ConstantSummary, number
+from axiscal.report.summary import ConstantSummary
 
 
 @dataclass(frozen=True, slots=True)

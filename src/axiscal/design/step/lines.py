@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.three_values import joint_forms
 from axiscal.design.step.cell_rests import Rests
+from axiscal.error_model.plane import PlaneError
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
@@ -91,12 +92,21 @@ class _Number:
             for basis, columns in _own_columns(observation, axis)
         ]
         effects = observation.effects(setup, at, sides, direction)
+        first = len(observation.errors.functions)
+        self._own += [
+            _Own(*_plane_vectors(plane, axis, poses, effects[index].reshape(lines, levers), scorer.both))
+            for index, plane in enumerate(observation.errors.planes, first)
+            if axis in plane.axes
+        ]
         self._rests = Rests(observation, axis, at, effects, levers, scorer.both)
         self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
 
     def _fixed(self, rows: Array, axis: int) -> Array:
         for _, columns in _own_columns(self._scorer.observation, axis):
             rows[:, columns.ravel()] = 0.0
+        for plane in self._scorer.observation.errors.planes:
+            if axis in plane.axes:
+                rows[:, plane.columns] = 0.0
         rows[:, self._rests.own_columns] = 0.0
         fixed: Array = rows @ self._scorer.both
         return fixed
@@ -209,12 +219,28 @@ def _vectors(rows: Array, columns: NDArray[np.intp], both: Array, shape: tuple[i
     """Return the own levers times the own part of [F, C Vᵀ].  The rows of a spline sum to one, so their sum is the
     lever.
     """
-    levers = rows[:, columns].sum(axis=2).reshape(*shape, -1)
-    if np.ptp(levers, axis=1).max(initial=0.0) <= _SAME * np.abs(levers).max(initial=0.0):
-        levers = levers[:, :1]
+    levers = _fewest(rows[:, columns].sum(axis=2).reshape(*shape, -1))
     flat = levers.reshape(-1, len(columns)) @ both[columns].reshape(len(columns), -1)
     vectors: Array = flat.reshape(*levers.shape[:2], columns.shape[1], both.shape[1])
     return vectors
+
+
+def _fewest(levers: Array) -> Array:
+    """Return levers (lines, nodes, …), those of one node where they do not change along the lines."""
+    same = np.ptp(levers, axis=1).max(initial=0.0) <= _SAME * np.abs(levers).max(initial=0.0)
+    return levers[:, :1] if same else levers
+
+
+def _plane_vectors(plane: PlaneError, axis: int, poses: Array, levers: Array, both: Array) -> tuple[Spline, Array]:
+    """Return the spline of a plane's moving axis, and the other axis' part times its levers and its part of [F, C Vᵀ].
+
+    levers : (lines, nodes)
+    """
+    moving = plane.axes.index(axis)
+    side, other = plane.sides[moving], plane.sides[1 - moving]
+    held = other.rows(poses[:, plane.axes[1 - moving]])[:, plane.pairs[:, 1 - moving]]
+    values = side.basis[:, plane.pairs[:, moving]] * held[:, None, :] @ both[plane.columns]
+    return side.spline, _fewest(levers)[:, :, None, None] * values[:, None]
 
 
 def _spread(levers: Array, own: _Own, positions: Array) -> Array:

@@ -50,6 +50,8 @@ def adds_up(observation: Observation, setup: int) -> bool:
     moves = observation.setups[setup].moves
     if len(moves) == 1:
         return True
+    if any(set(plane.axes) <= set(moves) for plane in observation.errors.planes):
+        return False
     park = np.array(observation.setups[setup].park)
     poses = np.tile(park, (_LOOKS, len(moves) + 1, 1))
     for i, share in enumerate(even_points(_LOOKS, len(moves)).T):

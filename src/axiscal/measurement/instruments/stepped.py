@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import Actual, Angle, Nominal
@@ -65,14 +66,15 @@ def _refuse_unseen(setup: Setup, machine: Machine) -> None:
     errors, base = ErrorModel(machine), setup.base or 0.0
     levers = Way(errors, setup, base).levers(np.array([setup.park]))[:, 0]
     levelled = any(unknown.name == "zero" for unknown in setup.unknowns)
-    shown = [f for f, lever in zip(errors.functions, levers, strict=True) if abs(lever) > _UNSEEN]
+    shown = [f for f, lever in zip(errors.terms, levers, strict=True) if abs(lever) > _UNSEEN]
     axis = machine.axes[setup.moves[0]].name
     if all(function.kind == "location" and levelled for function in shown):
         what = f"the machine states no straightness error of {axis} that a slope about this direction could show"
         raise DescriptionError(what, f"Add one under [errors], such as E{'X' if axis[0] == 'Z' else 'Z'}{axis}")
     for function in shown:
-        if function.rest > 0 and base < function.cell * (1 - 1e-9):
-            short, long = format_quantity(base, "mm", 6), format_quantity(function.cell, "mm", 4)
+        cell = function.cell_along(setup.moves[0]) if isinstance(function, PlaneError) else function.cell
+        if function.rest > 0 and base < cell * (1 - 1e-9):
+            short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
             what = (
                 f"a base of {short} is shorter than {long}, within which the rest of {function.name} has no known slope"
             )

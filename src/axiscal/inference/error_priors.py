@@ -1,0 +1,39 @@
+"""The prior covariance of one error's unknowns at scales that readings may teach, and how it changes with length."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.error_model.model import Term
+from axiscal.error_model.plane import PlaneError
+from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.plane_entry import PlaneEntry
+from axiscal.numerics import Array
+
+Entry = ErrorEntry | PlaneEntry
+
+
+def prior_of(term: Term, entry: Entry, std: float, factor: float) -> Array:
+    """Return s² R of one error, (k, k).  factor : on its stated correlation length"""
+    if isinstance(term, PlaneError):
+        return term.prior(std, term.entry.stretch * factor)
+    length = _length(entry, factor)
+    if length is None or term.basis.size == 1:
+        return std**2 * np.eye(term.basis.size)
+    return std**2 * matern52(distances(term.basis) / length)
+
+
+def by_length(term: Term, entry: Entry, std: float, factor: float) -> Array:
+    """Return its derivative by the logarithm of the correlation length, (k, k)."""
+    if isinstance(term, PlaneError):
+        return term.prior_by_length(std, term.entry.stretch * factor)
+    length = _length(entry, factor)
+    if length is None or term.basis.size == 1:
+        return np.zeros((term.basis.size, term.basis.size))
+    return std**2 * matern52_by_length(distances(term.basis) / length)
+
+
+def _length(entry: Entry, factor: float) -> float | None:
+    stated = entry.length if isinstance(entry, ErrorEntry) else None
+    return None if stated is None else stated * factor

@@ -1,0 +1,28 @@
+"""Sizes of errors as they are written in the [errors] table, within what a machine can have."""
+
+from __future__ import annotations
+
+from axiscal.document import Document
+from axiscal.exceptions import InputError
+from axiscal.machine.limits import Keys, within
+from axiscal.machine.machine_schema import ErrorTable
+from axiscal.units import Dimension
+
+LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+"""m or rad."""
+
+
+def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
+    """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
+    if table.rest is None or table.rest.strip() == "estimate":
+        return None
+    try:
+        return error_size(document, (*keys, "rest"), table.rest, dimension)
+    except InputError as fault:
+        remedy = f'{fault.remedy}; or "estimate" to learn it from the readings'
+        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
+
+
+def error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
+    """Return how large an error may be, m or rad; raises UnitError, or DescriptionError when it is not possible."""
+    return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)

@@ -1,0 +1,98 @@
+"""Machines with errors of two axes, and the plain twin of these: all control values, no basis, nothing cut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine import Machine, machine_from_text
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import NaturalSpline, Spline
+
+BED = """
+chain = "w-Y'-b-Z-X-t"
+[tool]
+length = "40 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["-50 mm", "150 mm"]
+[axes.Z]
+travel = ["0 mm", "100 mm"]
+[errors]
+EZX = { std = "60 um", knots = 7, length = "100 mm", rest = "3 um" }
+EZY = { std = "50 um", knots = 5, length = "100 mm" }
+EAX = { std = "100 urad", knots = 4, length = "100 mm" }
+EZXY = { std = "40 um", knots = [6, 5], length = ["70 mm", "40 mm"], rest = "2 um" }
+EAYZ = { std = "40 urad", knots = [4, 5], length = "60 mm" }
+"""
+TABLE = """
+chain = "w-C'-b-X-Z-t"
+[tool]
+length = "80 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Z]
+travel = ["0 mm", "200 mm"]
+[axes.C]
+travel = ["0 deg", "360 deg"]
+origin = ["40 mm", "0 mm", "-100 mm"]
+[errors]
+EZX = { std = "60 um", knots = 7, length = "100 mm" }
+EXC = { std = "20 um", knots = 9, length = "60 deg", rest = "1 um" }
+EXZC = { std = "8 um", knots = [4, 7], length = ["150 mm", "60 deg"], rest = "1 um" }
+EBXC = { std = "20 urad", knots = [4, 7], length = ["150 mm", "60 deg"] }
+EXX_reversal = { std = "3 um" }
+"""
+
+
+def bed() -> Machine:
+    """Return a bed of three linear axes, two of its errors of two axes each."""
+    return machine_from_text(BED)
+
+
+def table() -> Machine:
+    """Return a machine with a rotary table whose errors change with height."""
+    return machine_from_text(TABLE)
+
+
+def probe(
+    machine: Machine, direction: tuple[float, float, float] = (0.0, 0.0, 1.0), noise: float = 1e-6, zero: float = 1e-3
+) -> Setup:
+    """Return a set-up in which every axis moves."""
+    park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
+    moves = tuple(range(len(machine.axes)))
+    raster = (0.0,) * len(moves)
+    return Setup("probe", "probe", direction, moves, park, noise, (Unknown("zero", zero),), 60, 1, 1, raster, "both")
+
+
+def poses_of(machine: Machine, count: int, seed: int = 0) -> Array:
+    """Return poses drawn anywhere in the travels, (count, axes)."""
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    drawn: Array = np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+    return drawn
+
+
+def matern(knots: Array, length: float) -> Array:
+    """Return the correlation of a natural spline's control values, written down a second time."""
+    far = np.sqrt(5.0) * np.abs(knots[:, None] - knots) / length
+    correlation: Array = (1 + far + far**2 / 3) * np.exp(-far)
+    return correlation
+
+
+def centred(matrix: Array) -> Array:
+    """Return P R P."""
+    flat = np.eye(len(matrix)) - 1.0 / len(matrix)
+    result: Array = flat @ matrix @ flat
+    return result
+
+
+def dense_rows(first: Spline, second: Spline, x: Array, y: Array) -> Array:
+    """Return m_x ⊗ m_y over all control values, y fastest, (m, n k)."""
+    rows: Array = np.einsum("mi,mj->mij", first.rows(x), second.rows(y)).reshape(len(x), -1)
+    return rows
+
+
+def natural(low: float, high: float, knots: int) -> NaturalSpline:
+    """Return a spline on evenly spaced knots."""
+    return NaturalSpline(np.linspace(low, high, knots))
