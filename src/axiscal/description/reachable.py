@@ -13,6 +13,7 @@ from axiscal.measurement.chart_places import FEWEST, chart_candidates
 from axiscal.measurement.charts.balls import Balls
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.sight import Sight
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity
@@ -34,6 +35,11 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
         if len(poses) >= (1 if finite else FEWEST):
             continue
         where = _where(setup, part, number)
+        if isinstance(part, Sight):
+            remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
+            raise DescriptionError(
+                f'the {setup.instrument} of "{setup.name}" sees the tool in no pose, or hardly any', remedy
+            )
         raise DescriptionError(
             f"no pose reaches {where} within the travels and clear of stems", _nearest(machine, part)
         )

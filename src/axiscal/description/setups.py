@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.lacking import lack_of
 from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
+from axiscal.description.sights import refuse_no_sight, seen
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, spot, unit_vector
@@ -122,7 +123,7 @@ class _Reader:
             resolution=resolution,
             reach=self._reach(moves),
         )
-        setup = setup if site is None else self._sited(setup, site)
+        setup = seen(table, self._machine, self._at, setup) if site is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check(setup, self._machine)
         return self._complete(setup)
@@ -130,12 +131,12 @@ class _Reader:
     def _sited(self, setup: Setup, site: Site) -> Setup:
         """Return a set-up that is read where its site is."""
         table = self._table
+        refuse_no_sight(table, self._at)
         with self._at("stroke"):
             stroke = parse_quantity(table.stroke, "length") if table.stroke else STROKE
         evened = setup.instrument == "sphere" if table.sides is None else table.sides == "mean"
-        retract = RETRACT if table.retract is None else table.retract
         setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
-        setup = replace(setup, retract=retract, mean_sides=evened, length=site.length)
+        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened, length=site.length)
         with self._at("artefact" if site.artefact else "length" if site.length else "along"):
             refuse_unreachable(self._machine, setup)
         if setup.contact != "held":

@@ -269,7 +269,7 @@ class SiteReader:
         steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
         park, room = self._park(set(turning)), self._room(artefact)
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
-        back = 0.0 if contact == "held" else RETRACT if self._table.retract is None else self._table.retract
+        back = 0.0 if contact == "held" else self._table.retract or RETRACT
         free = np.array(artefact.free)
         each = tuple(
             Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, back)

@@ -14,6 +14,8 @@ from axiscal.numerics import Array
 
 _SLACK = 1e-10
 """Share of a travel: rounding."""
+_FINEST, _FINEST_TURN = 1e-6, float(np.radians(1e-4))
+"""m and rad: what a person can dial in."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,7 +40,9 @@ class Box:
     def bounds(self, number: int) -> Coordinate:
         """Return from where to where an axis can be read."""
         low, high = self.spans[number].tolist()
-        return Coordinate(low, high, self.steps[number], self.room.machine.axes[self.moves[number]].overrun)
+        axis = self.room.machine.axes[self.moves[number]]
+        finest = _FINEST_TURN if axis.rotary else _FINEST
+        return Coordinate(low, high, self.steps[number], axis.overrun, finest=finest)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q)."""

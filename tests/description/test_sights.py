@@ -1,0 +1,91 @@
+"""Where a tracker sees the tool: within its range, and within the cone of its reflector; and what is refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.case import Case
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import load_machine
+from axiscal.measurement.candidates import spread
+from axiscal.numerics import Array
+from axiscal.planning.next_readings import placed
+from axiscal.planning.proposal import Thoroughness, proposed
+from tests.generators.kinematics import in_travel, tip
+
+STATION = np.array([0.9, -0.9, 0.3])
+
+
+def described(keys: str, instrument: str = "tracker") -> CampaignDescription:
+    text = f"""
+machine = "dmu60"
+[[setups]]
+name = "it"
+instrument = "{instrument}"
+station = ["900 mm", "-900 mm", "300 mm"]
+approach = "both"
+{keys}
+"""
+    return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
+
+
+def seen(campaign: CampaignDescription, pose: Array) -> tuple[float, float]:
+    """Return how far the tool is from the station, m, and by how much the station is off the x direction, deg."""
+    assert in_travel(campaign.machine, pose)
+    towards = STATION - tip(campaign.machine, pose)
+    far = float(np.linalg.norm(towards))
+    return far, math.degrees(math.acos(towards[0] / far))
+
+
+@pytest.mark.parametrize("instrument", ["tracker", "tracer"])
+def test_a_reading_is_asked_for_only_where_it_is_seen(instrument: str) -> None:
+    campaign = described('range = ["1.2 m", "1.5 m"]\nfaces = "x"\nsight = "50 deg"', instrument)
+    candidates = spread(campaign.machine, campaign.setups, 300)
+    assert len(candidates) > 100
+    found = np.array([seen(campaign, pose) for pose in candidates.poses])
+    assert found[:, 0].min() >= 1.2
+    assert found[:, 0].max() <= 1.5
+    assert found[:, 1].max() <= 50 + 1e-6
+    case = Case(campaign)
+    for place in placed(case, proposed(case, Limits(readings=3), Thoroughness(candidates=200)).plan):
+        far, off = seen(campaign, np.array(place.pose))
+        assert 1.2 <= far <= 1.5
+        assert off <= 50 + 1e-6
+
+
+def test_a_reflector_that_turns_to_the_station_is_seen_from_everywhere_in_range() -> None:
+    campaign = described('range = ["0.1 m", "8 m"]')
+    candidates = spread(campaign.machine, campaign.setups, 400)
+    off = [seen(campaign, pose)[1] for pose in candidates.poses]
+    assert min(off) < 30
+    assert max(off) > 60
+
+
+def test_a_reflector_that_does_not_turn_is_seen_within_sixty_degrees_unless_said() -> None:
+    campaign = described('faces = "x"')
+    candidates = spread(campaign.machine, campaign.setups, 400)
+    off = [seen(campaign, pose)[1] for pose in candidates.poses]
+    assert 50 < max(off) <= 60 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("keys", "instrument", "said"),
+    [
+        ('sight = "30 deg"', "tracker", "where the reflector looks"),
+        ('range = ["8 m", "9 m"]', "tracker", "sees the tool in no pose"),
+        ('range = ["3 m", "1 m"]', "tracer", "is no range"),
+        ('range = ["3 m"]', "tracer", "is no range"),
+        ('faces = "z"\nsight = "0 deg"', "tracker", "above 0"),
+        ('direction = "x"\nmoves = ["X"]\nfaces = "z"', "interferometer", "belongs to a tracker or tracer"),
+        ('direction = "x"\nmoves = ["X"]\nrange = ["1 m", "2 m"]', "indicator", "belongs to a tracker or tracer"),
+    ],
+)
+def test_what_cannot_be_is_refused_at_its_line(keys: str, instrument: str, said: str) -> None:
+    with pytest.raises(DescriptionError, match=said) as refused:
+        described(keys, instrument)
+    assert "line " in str(refused.value)
