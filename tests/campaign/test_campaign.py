@@ -210,6 +210,18 @@ def test_readings_that_nobody_asked_for_have_the_next_free_numbers(start: Start)
     assert question.reading == 4
 
 
+def test_readings_of_a_program_keep_its_numbers(start: Start) -> None:
+    """A program goes set-up by set-up, and rows that were not read are taken out: 1, 3, 2 and no 4, then 5."""
+    campaign = start("readings = 9")
+    rows = [("laser along X", 1), ("laser along X", 3), ("laser along Y", 2), ("laser along Y", 5)]
+    campaign.adopt(tuple(Reading(setup, (0.01 * n, 0.01 * n), (0, 0), n * 1e-6, number=n) for setup, n in rows))
+    assert [reading.number for reading in campaign.state.readings] == [1, 3, 2, 5]
+    again = reopened(campaign)
+    assert [reading.number for reading in again.state.readings] == [1, 3, 2, 5]
+    assert isinstance(question := again.next(), Asked)
+    assert question.reading == 6
+
+
 def test_an_answer_needs_a_question(start: Start) -> None:
     campaign = start("readings = 3")
     with pytest.raises(RecordError, match="No reading has been asked for"):

@@ -91,6 +91,27 @@ def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
     assert text in (tmp_path / "t" / "README.txt").read_text()
 
 
+def test_a_reading_of_a_program_is_complained_of_under_the_number_that_the_program_gave_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers 101, 102 … with gaps: the value that is 80 um off is the one that the program calls 117."""
+    table = _table(tmp_path, 3, "value_um", 1.0)
+    header, *rows = table.read_text().splitlines()
+    numbers = [101 + 2 * k for k in range(len(rows))]
+    rows = [f"{n},{row}" for n, row in zip(numbers, rows, strict=True)]
+    spoilt = rows[8].rsplit(",", 1)
+    rows[8] = f"{spoilt[0]},{float(spoilt[1]) + 80}"
+    table.write_text("\n".join([f"reading,{header}", *rows]) + "\n")
+    out = tmp_path / "d"
+    assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(out)]) == 0
+    capsys.readouterr()
+    document = json.loads((out / "result.json").read_text())
+    (rejected,) = document["rejected"]
+    assert rejected["reading"] == 117
+    assert [row["reading"] for row in document["history"]][1:] == numbers
+    assert "eading 117" in (out / "report.html").read_text()
+
+
 def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

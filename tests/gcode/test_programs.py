@@ -314,13 +314,34 @@ def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) ->
     first, second = read_readings(tmp_path / "readings.csv")
     assert (first.setup, first.position, first.approach, first.value) == ("laser 1", {"X": 0.1}, {"X": 1}, 1.5e-6)
     assert second.approach == {"X": -1}
+    assert (first.number, second.number) == (1, 2)
+
+
+def test_the_form_has_the_numbers_of_the_programs_set_up_by_set_up(tmp_path: Path) -> None:
+    other = replace(SETUP, name="laser 2")
+    places = [UP, replace(DOWN, setup=other.name), DOWN]
+    write_programs(MACHINE, [SETUP, other], places, "fanuc", tmp_path)
+    rows = list(csv.DictReader((tmp_path / "readings.csv").read_text().splitlines()))
+    assert [(row["reading"], row["setup"]) for row in rows] == [("1", "laser 1"), ("3", "laser 1"), ("2", "laser 2")]
+    marked = [re.findall(r"READING (\d+)\)", (tmp_path / f"AXISCAL_0{n}_LASER_{n}.NC").read_text()) for n in (1, 2)]
+    assert marked == [["1", "3"], ["2"]]
+
+
+def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(tmp_path: Path) -> None:
+    tracker = replace(SETUP, name="tracker", instrument="tracker")
+    write_programs(MACHINE, [tracker], [replace(UP, setup="tracker")], "linuxcnc", tmp_path)
+    header, row = (tmp_path / "readings.csv").read_text().splitlines()
+    assert header.endswith("approach,value_x_um,value_y_um,value_z_um")
+    (tmp_path / "readings.csv").write_text(f"{header}\n{row.removesuffix(',,,')},1.5,2,3\n")
+    (reading,) = read_readings(tmp_path / "readings.csv")
+    assert (reading.value, reading.others) == (1.5e-6, (2e-6, 3e-6))
 
 
 def test_the_form_leaves_parked_axes_out(tmp_path: Path) -> None:
     write_programs(MACHINE, [SETUP], [Place("laser 1", (0.1, 0.2), (1, -1))], "linuxcnc", tmp_path)
     header, row = (tmp_path / "readings.csv").read_text().splitlines()
-    assert header == "setup,C_deg,X_mm,approach,value_um"
-    assert row == "laser 1,,200.0000,X-,"
+    assert header == "reading,setup,C_deg,X_mm,approach,value_um"
+    assert row == "1,laser 1,,200.0000,X-,"
 
 
 def test_the_form_has_a_column_for_each_kind_of_value(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -112,7 +113,9 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
         position, approach = {moving: position[""]}, {moving: approach[""]}
     pose = placed_pose(setup, campaign.machine, position)
     directions = placed_approach(setup, campaign.machine, approach)
-    return Reading(setup.name, pose, directions, sign * row.value, row.std, row.line, others=row.others, time=row.time)
+    value, others = sign * row.value, row.others
+    reading = Reading(setup.name, pose, directions, value, row.std, row.line, others=others, time=row.time)
+    return replace(reading, number=row.number)
 
 
 def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:

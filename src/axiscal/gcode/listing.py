@@ -42,12 +42,20 @@ def listing(readings: Sequence[Listed]) -> str:
 
 def form(readings: Sequence[Listed]) -> str:
     """Return readings.csv, whose last columns are to be filled in for `axiscal estimate`; parked axes stay empty."""
-    kinds = {"length": "value_um", "angle": "value_urad"}
-    reads = {INSTRUMENTS[reading.setup.instrument].reads for reading in readings}
-    values = [column for kind, column in kinds.items() if kind in reads]
-    header = ["setup", *_axis_columns(readings[0].axes), "approach", *values]
-    rows = [[r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
+    instruments = [INSTRUMENTS[reading.setup.instrument] for reading in readings]
+    kinds = {(instrument.reads, instrument.values) for instrument in instruments}
+    values = [column for kind, columns in _VALUES.items() if kind in kinds for column in columns]
+    header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
+    rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
     return _csv([header, *rows])
+
+
+_VALUES = {
+    ("length", 1): ("value_um",),
+    ("angle", 1): ("value_urad",),
+    ("length", 3): ("value_x_um", "value_y_um", "value_z_um"),
+}
+"""Columns for what an instrument reads and how many values a reading has."""
 
 
 def _moving(reading: Listed) -> list[str]:

@@ -52,7 +52,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A reading was taken; folding gives it the number under which one was asked for, else the next free one."""
+    """A reading was taken; folding gives it its own number, else that under which one was asked for, else the next."""
 
     reading: Reading
 
@@ -154,7 +154,8 @@ class EventOrderError(ValueError):
 
 
 def _free(readings: Sequence[Reading], skipped: Sequence[Gap]) -> int:
-    return len(readings) + len(skipped) + 1
+    taken = (*(reading.number or 0 for reading in readings), *(gap.asked.reading for gap in skipped))
+    return max(taken, default=0) + 1
 
 
 def fold(events: Iterable[Stored]) -> State:
@@ -238,7 +239,7 @@ class Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._readings.append(replace(event.reading, number=self._number()))
+            self._readings.append(replace(event.reading, number=self._number(event)))
             self._renew = self._renew or not self._asked_for(event)
         elif isinstance(event, Finished):
             self._finished = event.because
@@ -250,8 +251,9 @@ class Folding:
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
 
-    def _number(self) -> int:
-        return self._pending.reading if self._pending else _free(self._readings, self._skipped)
+    def _number(self, event: Recorded) -> int:
+        asked = self._pending.reading if self._pending else _free(self._readings, self._skipped)
+        return asked if event.reading.number is None else event.reading.number
 
     def _asked_for(self, event: Recorded) -> bool:
         """Whether a reading was taken where one was wanted, and from there."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from axiscal.measurement.place import Place
@@ -50,7 +50,8 @@ def _fields(event: Event) -> dict[str, object]:
         case Recorded(reading):
             of_value = {"value": reading.value, "std": reading.std, "others": reading.others}
             circumstances = {"accepted": reading.accepted, "time": reading.time}
-            return {**_place_fields(reading.place), **of_value, **circumstances}
+            numbered = {} if reading.number is None else {"reading": reading.number}
+            return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
     return asdict(event)
 
 
@@ -112,9 +113,10 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     time = None if fields.get("time") is None else _number(fields["time"])
     if not isinstance(accepted, bool):
         raise ValueError(f"{accepted!r} is neither true nor false")
+    number = None if fields.get("reading") is None else _whole(fields["reading"])
     at, value = _place(fields), _read_number(fields["value"])
-    reading = Reading(at.setup, at.pose, at.approach, value, std, accepted=accepted, others=others, time=time)
-    return Recorded(reading)
+    of_value = Reading(at.setup, at.pose, at.approach, value, std, accepted=accepted, others=others, time=time)
+    return Recorded(replace(of_value, number=number))
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {

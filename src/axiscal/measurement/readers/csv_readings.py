@@ -1,4 +1,4 @@
-"""READINGS.csv: `setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
+"""READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
 
 `value_x_um,value_y_um,value_z_um` for an instrument that reads three directions.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from axiscal.document import shown
 from axiscal.exceptions import Faults
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
@@ -20,7 +21,10 @@ from axiscal.measurement.readers.times import read_times
 from axiscal.measurement.setup import FINEST
 
 _THREE = ("value_x", "value_y", "value_z")
+_HIGHEST = 10**6
+"""Of a number of a reading: whoever writes more has slipped."""
 _LAYOUT = {
+    "reading": TEXT,
     "setup": TEXT,
     "approach": TEXT,
     "time": TEXT,
@@ -40,6 +44,7 @@ class RawReading:
     std : standard deviation of the value, None if not said
     line : line of the file
     others : the values along y and z of an instrument that reads three directions, whose first is `value`
+    number : under which a program has it, None if not said
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
     base : how far apart the feet of a level stood, m
@@ -56,6 +61,7 @@ class RawReading:
     error: str = ""
     time: float | None = None
     base: float | None = None
+    number: int | None = None
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
@@ -73,7 +79,26 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
             readings.append(_reading(table, row, setup))
     faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
-    return tuple(replace(reading, time=t) for reading, t in zip(readings, times, strict=True))
+    numbers = _numbers(table)
+    return tuple(replace(reading, time=t, number=n) for reading, t, n in zip(readings, times, numbers, strict=True))
+
+
+def _numbers(table: CsvTable) -> list[int | None]:
+    """Return the numbers of the readings; raises ReadingError for one that is none, or that stands twice."""
+    column, lines = next(iter(table.all_of("reading")), None), dict[int, int]()
+    if column is None or not any(row.text(column) for row in table.rows):
+        return [None] * len(table.rows)
+    remedy, faults = "write the number that the program gives it, 1 or more, in every line", Faults()
+    for row in table.rows:
+        text = row.text(column)
+        with faults.noted():
+            if not (text.isascii() and text.isdigit() and 0 < int(text[:9]) <= _HIGHEST and len(text) < 9):
+                raise row.fail(f"{shown(text)} is not the number of a reading", remedy)
+            if int(text) in lines:
+                raise row.fail(f"reading {int(text)} stands in line {lines[int(text)]} too", "leave one of them out")
+            lines[int(text)] = row.line
+    faults.refuse()
+    return list(lines)
 
 
 def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
