@@ -93,6 +93,17 @@ class RejectedReading(Fields):
     reason: str = Field(description="why it is not believed, in words")
 
 
+class DepartureValue(Fields):
+    """An entry of `departures`: what the model does not hold and readings may not show, the most damaging first."""
+
+    name: str = Field(description="kind of departure, and the set-up or error it is of")
+    power: float = Field(description="probability that the readings show it where the truth is 1.5 times `rms_um`")
+    seen_from_um: float | None = Field(description="size that they show with 90 %, in `unit`; null: not at any size")
+    damage_um: float = Field(description="RMS that it does where they would only just show it")
+    unit: str = Field(description="um or urad")
+    counted: bool = Field(description="whether `defended_um` counts it")
+
+
 class Warning(Fields):
     """An entry of `warnings`."""
 
@@ -133,6 +144,8 @@ class Result(Fields):
     rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
+    defended_um: float = Field(description="what the readings can vouch for: `rms_um`, or the largest damage")
+    departures: list[DepartureValue] = Field(description="what they may not show")
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")
     target_u: float | None = Field(alias="target_U_um", description="the expanded uncertainty asked for")
@@ -154,8 +167,8 @@ class Result(Fields):
 
 def page() -> str:
     """Return the page: a table for each kind of object."""
-    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, Warning, TableValue)
-    return "\n".join([_HEAD, *(_table(each) for each in tables)])
+    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading)
+    return "\n".join([_HEAD, *(_table(each) for each in (*tables, DepartureValue, Warning, TableValue))])
 
 
 def _table(model: type[Fields]) -> str:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict
 
 from axiscal.exceptions import SummaryError
+from axiscal.planning.vouched import Vouched
 from axiscal.report.summary import (
     ConstantSummary,
     CurveSummary,
@@ -79,6 +80,7 @@ ROWS = [
     HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
     HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2),
 ]
+DEPARTURE = {"name": "drift laser", "power": 0.2, "seen_from_um": 3.0, "damage_um": 9.5, "unit": "um", "counted": True}
 SUMMARY = Summary(
     title="t",
     machine="m",
@@ -94,6 +96,7 @@ SUMMARY = Summary(
     unseen_rms_um=0.5,
     history=ROWS,
     expanded=Uncertainty(15.6, (9.0, 8.0, 7.0), 33.0, 1.71, "for a tool of 120 mm"),
+    vouched=Vouched(9.5, "These readings could not show a drift above 3 um.", [DEPARTURE]),
     curves=[CURVE],
     reversals=[replace(CURVE, name="EXX_reversal")],
     constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],

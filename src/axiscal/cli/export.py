@@ -16,9 +16,11 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
+from axiscal.estimation.defence import defended
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
+from axiscal.planning.vouched import vouched_words
 from axiscal.report.delivery import introduced, write_files
 from axiscal.report.findings import findings
 from axiscal.report.summarising import record_state
@@ -94,8 +96,9 @@ def export(
         options = informed(options, estimation.case.description, to)
         offered = registry.export(estimation.estimate(), to, options)
         factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
+        vouched = vouched_words(estimation.case, defended(estimation))
         doubts = [finding.text for finding in findings(estimation)]
-        offered = introduced(offered, factor, doubts, record_state(campaign))
+        offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
     write_files(offered, out)
     if json:
         say_document(_document(offered, out))

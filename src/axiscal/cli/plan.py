@@ -26,6 +26,7 @@ from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
+from axiscal.planning.vouched import vouched_by_plan, vouched_words
 from axiscal.planning.what_if import alternatives
 from axiscal.report.delivery import write_whole
 from axiscal.report.what_if_page import render, table_row
@@ -185,7 +186,8 @@ def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
     said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
+    vouched = vouched_words(case, vouched_by_plan(case, made))
+    lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
     short = not_to_the_letter(case, limits, made)
     return "\n".join(lines if short is None else [*lines, f"Mind: {short}"])
 

@@ -10,17 +10,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import dataclass, replace
+from itertools import groupby, takewhile
 
 import numpy as np
 
 from axiscal.accuracy.damage import Harm
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures, shape
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
@@ -92,15 +95,25 @@ def defended(estimation: Estimation) -> Defence:
 def defence(case: Case, readings: Sequence[Reading], promise: float) -> Defence:
     """Return what readings with their times can vouch for.  promise : RMS over the volume that they leave, m"""
     chosen = drawn(readings, _MOST)
-    found = list(_departed(case, chosen, promise)) if len(chosen) >= _FEWEST else list(_unseen(case))
+    made = EffectMap.of(case, chosen) if len(chosen) >= _FEWEST else None
+    return replace(vouched(case.observation, chosen, made, promise), readings=len(readings))
+
+
+def vouched(
+    observation: Observation, readings: Sequence[Reading], effects: EffectMap | None, promise: float
+) -> Defence:
+    """Return what readings with these effects can vouch for; without effects they are too few to show anything."""
+    found = _unseen(observation) if effects is None else _departed(observation, readings, effects, promise)
     order = tuple(sorted(found, key=lambda each: -each.damage))
     worst = max((each.damage for each in order if each.counted), default=0.0)
     return Defence(max(promise, worst), promise, len(readings), order)
 
 
-def _departed(case: Case, readings: Sequence[Reading], promise: float) -> Iterator[Departed]:
-    effects, possible = EffectMap(case, readings), departures(case.observation, readings, IN_PLANS)
-    told = [each for each in possible if each.family not in ("bad", "scale")]
+def _departed(
+    observation: Observation, readings: Sequence[Reading], effects: EffectMap, promise: float
+) -> Iterator[Departed]:
+    possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
+    told = [each for each in possible if each.family != "scale"]
     for _, members in groupby(told, key=lambda each: (each.family, each.owner)):
         group = list(members)
         yield _family(group, [effects.effect(each) for each in group], promise)
@@ -119,9 +132,9 @@ def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float)
     )
 
 
-def _unseen(case: Case) -> Iterator[Departed]:
+def _unseen(observation: Observation) -> Iterator[Departed]:
     """Yield a drift of each set-up: with less than three readings nothing contradicts anything."""
-    for setup in case.description.setups:
+    for setup in observation.setups:
         yield Departed("drift", setup.name, 0.0, math.inf, _LARGEST_DRIFT / math.sqrt(12.0), 0.0, counted=True)
 
 
@@ -130,48 +143,57 @@ class EffectMap:
 
     The covariance K of the readings is kept as R with RᵀR = K, by QR of what K is the square of: a zero that is open by
     a millimetre beside noise of half a micrometre costs no digits.
+
+    features : (m, k) Φ, the covariance of the numbers without noise as Φ Φᵀ; std : (m,) of their noise
+    weighted : (w, k) V F, what the same k independent unknowns do over the volume
     """
 
-    def __init__(self, case: Case, readings: Sequence[Reading]) -> None:
-        numbers, self._case = ReadingSet(case.observation, readings), case
+    def __init__(self, yardstick: Yardstick, features: Array, std: Array, weighted: Array) -> None:
+        self._yardstick = yardstick
+        self._upper: Array = np.asarray(np.linalg.qr(np.vstack([np.diag(std), features.T]), mode="r"))
+        self._kept = weighted @ transposed_solution(self._upper, features).T  # V C Gᵀ R⁻¹
+
+    @classmethod
+    def of(cls, case: Case, readings: Sequence[Reading]) -> EffectMap:
+        """Return the effects of readings of a case, on what is known before the first of them."""
+        numbers = ReadingSet(case.observation, readings)
         root = case.errors.prior_root() if case.inherited is None else _root(case.inherited.covariance)
         features = numbers.features(root)
-        std = np.sqrt(numbers.noise + numbers.extra_variance)
-        self._upper: Array = np.asarray(np.linalg.qr(np.vstack([np.diag(std), features.T]), mode="r"))
-        back = transposed_solution(self._upper, features[:, : root.shape[1]])  # R⁻ᵀ Φ
-        self._kept = case.yardstick.root.matrix @ root @ back.T  # V C Gᵀ R⁻¹
+        weighted = np.zeros((len(case.yardstick.root.matrix), features.shape[1]))
+        weighted[:, : root.shape[1]] = case.yardstick.root.of(root)
+        return cls(case.yardstick, features, np.sqrt(numbers.noise + numbers.extra_variance), weighted)
 
     def effect(self, departure: Departure) -> Harm:
         """Return what a departure of size 1 does; of a drift over the whole set-up."""
-        columns, most = departure.columns, _most(self._case, departure)
+        columns, most = departure.columns, largest(self._yardstick.errors, departure)
         if departure.function is None:
             columns = columns / np.ptp(columns)
         white = transposed_solution(self._upper, columns)
         left = -(self._kept @ white)
         beside = 0.0
         if departure.function is not None:
-            field, beside = _field(self._case, departure)
-            left = left + field
+            followed, beside = field(self._yardstick, departure)
+            left = left + followed
         return Harm(white.T @ white, (float(np.sum(left**2)) + beside) / columns.shape[1], most)
 
 
-def _field(case: Case, departure: Departure) -> tuple[Array, float]:
+def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
     """Return V φ (w, r), φ as far as splines follow it, and the mean square over the volume of what they do not, m²."""
-    function = case.errors.functions[departure.function or 0]
-    axis, low_high = case.errors.machine.axes[function.axis], case.description.target.volume[function.axis]
-    at = np.linspace(*low_high, _POINTS + 1)[:-1] + (low_high[1] - low_high[0]) / (2 * _POINTS)
+    function = yardstick.errors.functions[departure.function or 0]
+    axis, (low, high) = yardstick.errors.machine.axes[function.axis], yardstick.box[function.axis]
+    at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
     values, rows = shape(departure.family, departure.place, function, axis, at), function.basis.rows(at)
     followed = np.linalg.lstsq(rows, values, rcond=None)[0]
-    lever = case.yardstick.moments.gram[function.columns, function.columns].sum()
+    lever = yardstick.moments.gram[function.columns, function.columns].sum()
     beside = float(lever * np.sum(np.mean((values - rows @ followed) ** 2, axis=0)))
-    return case.yardstick.root.matrix[:, function.columns] @ followed, beside
+    return yardstick.root.matrix[:, function.columns] @ followed, beside
 
 
-def _most(case: Case, departure: Departure) -> float:
+def largest(errors: ErrorModel, departure: Departure) -> float:
     """Return the largest size that is considered, m or rad."""
     if departure.function is None:
         return _LARGEST_DRIFT
-    entry = case.errors.machine.errors[departure.function]
+    entry = errors.machine.errors[departure.function]
     if departure.family == "reversal":
         return _REVERSALS * entry.std
     return min(entry.std, _LARGEST_PITCH) if departure.family == "pitch" else entry.std

@@ -15,6 +15,7 @@ from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.planning.feasibility import reachable_rms
 from axiscal.planning.next_readings import placed
 from axiscal.planning.proposal import Proposal
+from axiscal.planning.vouched import departure_rows, vouched_by_plan
 from axiscal.units import to_unit
 
 _MUCH = 0.5
@@ -27,6 +28,7 @@ def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
     plan = proposal.plan
+    vouched = vouched_by_plan(case, plan)
     return {
         "schema": "axiscal-plan/1",
         "criterion": case.description.target.criterion,
@@ -38,6 +40,8 @@ def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:
         "before_rms_um": to_unit(plan.before.rms, "um"),
         "unseen_rms_um": to_unit(case.yardstick.unseen_rms, "um"),
         "reachable_rms_um": to_unit(reachable_rms(case), "um"),
+        "defended_um": to_unit(vouched.u_def, "um"),
+        "departures": departure_rows(case, vouched),
         "target_met": plan.met,
         "J": plan.value,
         "bound_J": None if plan.bound is None else plan.bound.value,

@@ -67,7 +67,8 @@ def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summ
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))]
-    write_files(introduced(offered, factor, warnings, summary.record), folder / controller)
+    said = introduced(offered, factor, summary.vouched.words, warnings, summary.record)
+    write_files(said, folder / controller)
     left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
@@ -78,13 +79,15 @@ def effect_of(offered: Export) -> TableEffect:
     return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
 
 
-def introduced(offered: Export, factor: float, warnings: Sequence[str], record: RecordState | None) -> Export:
+def introduced(
+    offered: Export, factor: float, vouched: str, warnings: Sequence[str], record: RecordState | None
+) -> Export:
     """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
 
-    factor : k of the expanded uncertainty
+    factor : k of the expanded uncertainty; vouched : what the readings can vouch for, in words
     """
     expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
-    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
+    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\n{vouched}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"
         text = text.replace("\n", f"\n{origin}\n", 1)

@@ -52,4 +52,4 @@ def first_lines(summary: Summary) -> str:
         f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
         f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
     ]
-    return "\n".join([*lines, *table_lines(summary)])
+    return "\n".join([*lines, summary.vouched.words, *table_lines(summary)])

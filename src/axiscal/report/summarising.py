@@ -10,6 +10,7 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
 from axiscal.estimation.case import Case
+from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
 from axiscal.estimation.uncertain import expanded_uncertainty
@@ -17,6 +18,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.planning.vouched import vouched_of
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
@@ -86,6 +88,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
         expanded=_expanded(estimation),
+        vouched=vouched_of(estimation.case, defended(estimation)),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from axiscal.accuracy.expanded import LEVEL
+from axiscal.planning.vouched import Vouched
 from axiscal.report.digits import number, numbers
 from axiscal.report.plane_summary import PlaneSummary, plane_json
 
@@ -233,6 +234,7 @@ class Summary:
     unseen_rms_um: float
     history: Sequence[HistoryRow]
     expanded: Uncertainty
+    vouched: Vouched
     curves: Sequence[CurveSummary] = ()
     reversals: Sequence[CurveSummary] = ()
     constants: Sequence[ConstantSummary] = ()
@@ -264,6 +266,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "rms_um": number(summary.rms_um, "rms_um"),
         "worst_um": number(summary.worst_um, "worst_um"),
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
+        "defended_um": number(summary.vouched.defended, "defended_um"),
+        "departures": [dict(row) for row in summary.vouched.departures],
         **_targets(summary),
         "history": [_history(row) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},

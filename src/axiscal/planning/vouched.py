@@ -1,0 +1,121 @@
+"""What readings can vouch for, in words and as rows of a document."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from axiscal.design.plan.plan import Plan
+from axiscal.estimation.case import Case
+from axiscal.estimation.defence import Defence, Departed, defence
+from axiscal.measurement.departures import Family
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+from axiscal.units import to_unit
+
+OPEN = 1.25
+"""What readings vouch for may be larger than their promise by a quarter before it is said what they would not show."""
+_NAMED = 3
+"""Departures in a sentence that is read."""
+_WORDS: Mapping[Family, str] = MappingProxyType(
+    {
+        "drift": 'a drift of "{}"',
+        "levelling": 'a drift of "{}"',
+        "step": "a step in {}",
+        "pitch": "an error of {} within a turn of its screw",
+        "bump": "a detail of {}",
+        "reversal": "a reversal that varies, {},",
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Vouched:
+    """What the readings can vouch for: defended, um, a standard uncertainty; words : the same in a sentence.
+
+    departures : rows of `result.json`
+    """
+
+    defended: float
+    words: str
+    departures: Sequence[Mapping[str, Any]] = ()
+
+
+def vouched_by_plan(case: Case, plan: Plan) -> Defence:
+    """Return what the readings of a plan can vouch for, each taken when it is planned."""
+    setups = case.description.setups
+    rows = zip(plan.places.setups.tolist(), plan.places.poses.tolist(), plan.places.approaches.tolist(), strict=True)
+    readings = []
+    for (setup, pose, approach), planned in zip(rows, plan.readings, strict=True):
+        others = (0.0,) * (INSTRUMENTS[setups[setup].instrument].values - 1)
+        side = tuple(int(each) for each in approach)
+        readings.append(Reading(setups[setup].name, tuple(pose), side, 0.0, others=others, time=planned.seconds))
+    return defence(case, readings, plan.accuracy.rms)
+
+
+def vouched_words(case: Case, found: Defence) -> str:
+    """Return in a sentence what readings can vouch for, and what they could not show if that is much more."""
+    count, size = _counted(found.readings), f"{to_unit(found.u_def, 'um'):.3g} um"
+    open_ones = _open(found)
+    if not open_ones:
+        return f"{count} could vouch for {size} (standard uncertainty)."
+    shown = dict.fromkeys(_limit(case, each) for each in open_ones)
+    named = ", ".join(list(shown)[:_NAMED])
+    said = f"These {count} could not show {named}; what they can vouch for is a standard uncertainty of {size}"
+    return f"{said.replace('These 1 reading', 'This 1 reading')}."
+
+
+def vouched_of(case: Case, found: Defence) -> Vouched:
+    """Return what readings can vouch for, in the units of outsiders."""
+    return Vouched(to_unit(found.u_def, "um"), vouched_words(case, found), departure_rows(case, found))
+
+
+def departure_rows(case: Case, found: Defence) -> list[dict[str, Any]]:
+    """Return the departures of a document, the most damaging first."""
+    rows = []
+    for each in found.departures:
+        unit = _unit(case, each)
+        rows.append(
+            {
+                "name": f"{each.family} {each.owner}",
+                "power": _figure(each.power),
+                "seen_from_um": _figure(to_unit(each.seen_from, unit)) if math.isfinite(each.seen_from) else None,
+                "damage_um": _figure(to_unit(each.damage, "um")),
+                "unit": unit,
+                "counted": each.counted,
+            }
+        )
+    return rows
+
+
+def _figure(value: float) -> float:
+    """Return six digits of a number."""
+    return float(f"{value:.6g}")
+
+
+def _counted(readings: int) -> str:
+    return f"{readings} reading{'' if readings == 1 else 's'}"
+
+
+def _open(found: Defence) -> list[Departed]:
+    """Return what readings would not show and what does more than the promise allows, the most damaging first."""
+    return [each for each in found.departures if each.counted and each.damage > OPEN * found.promise]
+
+
+def _limit(case: Case, each: Departed) -> str:
+    """Return one departure and from where it would be seen."""
+    named, unit = _WORDS[each.family].format(each.owner), _unit(case, each)
+    if not math.isfinite(each.seen_from):
+        return f"{named} of any size"
+    return f"{named} above {to_unit(each.seen_from, unit):.2g} {unit}"
+
+
+def _unit(case: Case, each: Departed) -> str:
+    """Return the unit of the size of a departure."""
+    names = {setup.name: INSTRUMENTS[setup.instrument].reads for setup in case.description.setups}
+    if each.owner in names and each.family in ("drift", "levelling"):
+        return "um" if names[each.owner] == "length" else "urad"
+    return "urad" if case.errors.names[each.owner].angular else "um"

@@ -1,0 +1,70 @@
+"""What readings can vouch for, as a person reads it and as programs do."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from axiscal.cli.app import app
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.case import Case
+from axiscal.estimation.defence import Defence, Departed
+from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.planning.vouched import departure_rows, vouched_by_plan, vouched_words
+from tests.design.test_out_and_back import one_axis
+
+DRIFT = Departed("drift", "laser", 0.2, 3.04e-6, 5e-6, 0.0, counted=True)
+STEP = Departed("step", "EXX", 0.5, 12.3e-6, 1.5e-6, 0.4, counted=True)
+BUMP = Departed("bump", "EXX", 0.0, float("inf"), 2e-6, 0.4, counted=True)
+REVERSAL = Departed("reversal", "EXX_reversal", 0.1, 9e-6, 8e-6, 0.4, counted=False)
+
+
+def case() -> Case:
+    """Return the built-in axis with a laser."""
+    return one_axis()[0]
+
+
+def test_what_readings_could_not_show_is_said_with_its_size() -> None:
+    said = vouched_words(case(), Defence(5e-6, 0.6e-6, 9, (REVERSAL, DRIFT, BUMP, STEP)))
+    assert said == (
+        'These 9 readings could not show a drift of "laser" above 3 um, a detail of EXX of any size, a step in EXX '
+        "above 12 um; what they can vouch for is a standard uncertainty of 5 um."
+    )
+
+
+def test_a_drift_that_levels_off_is_a_drift() -> None:
+    levelling = Departed("levelling", "laser", 0.2, 3.04e-6, 4e-6, 0.0, counted=True)
+    said = vouched_words(case(), Defence(5e-6, 0.6e-6, 1, (DRIFT, levelling)))
+    assert said.startswith('This 1 reading could not show a drift of "laser" above 3 um; what')
+
+
+def test_readings_that_show_enough_vouch_for_a_figure() -> None:
+    said = vouched_words(case(), Defence(0.66e-6, 0.6e-6, 24, (replace(DRIFT, damage=0.66e-6),)))
+    assert said == "24 readings could vouch for 0.66 um (standard uncertainty)."
+
+
+def test_rows_have_units_and_no_infinite_number() -> None:
+    rows = departure_rows(case(), Defence(5e-6, 0.6e-6, 9, (DRIFT, BUMP)))
+    assert [row["name"] for row in rows] == ["drift laser", "bump EXX"]
+    assert [row["seen_from_um"] for row in rows] == [pytest.approx(3.04), None]
+    assert json.loads(json.dumps(rows, allow_nan=False)) == rows
+
+
+def test_a_plan_says_what_its_readings_can_vouch_for(tmp_path: Path) -> None:
+    plan = proposed(case(), Limits(readings=12), Thoroughness(candidates=300)).plan
+    found = vouched_by_plan(case(), plan)
+    assert found.readings == 12
+    assert found.u_def >= found.promise == plan.accuracy.rms
+    (tmp_path / "c.toml").write_text(
+        'machine = "one-axis"\n[target]\nreadings = 12\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
+        'direction = "x"\napproach = "both"\n'
+    )
+    document = json.loads(CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml"), "--json"]).stdout)
+    assert document["defended_um"] >= document["rms_um"]
+    assert {row["name"] for row in document["departures"]} >= {"drift laser", "step EXX", "pitch EXX", "bump EXX"}
+    printed = CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml")]).stdout
+    assert "vouch for" in printed
