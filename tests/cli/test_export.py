@@ -120,3 +120,24 @@ def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) 
     with pytest.raises(OSError, match="tables") as caught:
         write_whole(tmp_path / "tables" / "X.csv", "")
     assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
+
+
+def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """XYYZ: the same files as with the numbers of each joint."""
+    export = ["export", str(record), "--to", "linuxcnc", "--out"]
+    assert run([*export, str(tmp_path / "a"), "--coordinates", "XYYZ"]) == 0
+    assert run([*export, str(tmp_path / "b"), "--number", "Y=1", "--number", "Y=2"]) == 0
+    first, second = ({file.name: file.read_text() for file in (tmp_path / name).iterdir()} for name in "ab")
+    assert first == second
+    assert "[JOINT_2]" in first["README.txt"]
+    capsys.readouterr()
+    for arguments, said in (
+        (["linuxcnc", "--coordinates", "XYYZ", "--number", "Y=1"], "both --number and --coordinates"),
+        (["sinumerik", "--coordinates", "XYZ"], "sinumerik has no coordinates"),
+        (["linuxcnc", "--coordinates", "XQZ"], "no axis"),
+    ):
+        assert run(["export", str(record), "--out", str(tmp_path / "c"), "--to", *arguments]) == 1
+        assert said in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "c").exists()

@@ -146,3 +146,19 @@ def test_sizes_that_can_hardly_be_meant_are_asked_about(
 @pytest.mark.parametrize("name", builtin_names())
 def test_nothing_is_asked_about_the_built_in_machines(name: str) -> None:
     assert questions(load_machine(name)) == ()
+
+
+def test_a_rotary_axis_of_which_nobody_says_which_way_it_counts_is_asked_about(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = "Which way do C and B count?"
+    assert run(["machine", "check", "dmu60"]) == 0
+    assert f"Mind: {asked}" in capsys.readouterr().out
+    text = load_machine("dmu60").text.replace("[axes.B]", '[axes.B]\ndirection = "iso"')
+    (tmp_path / "machine.toml").write_text(text)
+    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
+    (question,) = json.loads(capsys.readouterr().out)["questions"]
+    assert question.startswith("Which way does C count?")
+    (tmp_path / "machine.toml").write_text(text.replace("[axes.C]", '[axes.C]\ndirection = "reversed"'))
+    assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["questions"] == []

@@ -11,6 +11,8 @@ import pytest
 
 from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
+from axiscal.machine import load_machine
+from axiscal.machine.questions import which_way
 from axiscal.planning.vouched import Vouched
 from axiscal.report.figures import accuracy
 from axiscal.report.page import render
@@ -53,6 +55,11 @@ def test_a_campaign_without_readings_has_a_page() -> None:
 
 def test_an_evaluation_without_history_or_curves_has_a_page() -> None:
     assert "the tool point is known to" in render(_bare(history=[]))
+
+
+def test_what_nobody_has_said_stands_on_the_page() -> None:
+    assert "What nobody has said" not in render(_bare())
+    assert "<li>Which way do C and B count?" in render(_bare(questions=which_way(load_machine("dmu60"))))
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])

@@ -10,6 +10,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, Out
+from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import RECORD, write_outputs
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription, read_campaign
@@ -29,6 +30,7 @@ def estimate(
         Path, typer.Argument(metavar="READINGS.csv", help="Readings that exist: .csv, .rtl, a bed map.")
     ],
     out: Out,
+    compensation_active: Active = None,
     json: Json = False,
 ) -> None:
     """Evaluate readings that exist already; nothing is planned.
@@ -38,12 +40,16 @@ def estimate(
     with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg), and files
     that begin with "# axiscal-csv 1", find their set-up by the direction that it reads.
 
+    Where nobody has said whether a compensation was active on the control, a person at a terminal is asked.
+
     \b
-    Example:
+    Examples:
       axiscal estimate campaign.toml readings.csv --out results
+      axiscal estimate campaign.toml readings.csv --compensation-active false --out results
     """
 
     description = read_campaign(campaign, target_needed=False, asking=False)
+    description = answered(description, compensation_active, asking=not json)
     raw = read_any(readings)
     placed = placed_readings(raw, description, readings)
     refuse_implausible(placed, description, readings)

@@ -16,6 +16,7 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
+from axiscal.document import shown
 from axiscal.estimation.defence import defended
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
@@ -50,6 +51,10 @@ def export(
         list[str] | None,
         typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
     ] = None,
+    coordinates: Annotated[
+        str | None,
+        typer.Option(metavar="LETTERS", help="linuxcnc: the axes of its joints, as in its INI file, such as XYYZ."),
+    ] = None,
     unit: Annotated[str, typer.Option(metavar="mm|in", help="Unit of the machine.")] = "mm",
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
     mesh: Annotated[
@@ -81,7 +86,7 @@ def export(
     \b
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
-      axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
+      axiscal export router.axiscal --to linuxcnc --coordinates XYYZ --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
     """
@@ -89,7 +94,18 @@ def export(
     if to == "list":
         say("\n".join(registry.CONTROLLERS))
         return
-    options = _options(spacing, number, unit, template, name, mesh, flip, pivots, points, measuring_system)
+    options = _options(
+        spacing,
+        _numbers(number or [], coordinates, to),
+        unit,
+        template,
+        name,
+        mesh,
+        flip,
+        pivots,
+        points,
+        measuring_system,
+    )
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
         estimation = campaign.concluded()
@@ -108,7 +124,7 @@ def export(
 
 def _options(
     spacings: list[str] | None,
-    numbers: list[str] | None,
+    numbers: dict[str, tuple[int, ...]],
     unit: str,
     template: Path | None,
     name: str,
@@ -121,10 +137,9 @@ def _options(
 
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
-    chosen = dict[str, tuple[int, ...]]()
-    for axis, number in map(_numbered, numbers or []):
-        chosen[axis] = (*chosen.get(axis, ()), number)
-    return ExportOptions(_spacing(spacings or []), unit, chosen, text, shown, name, mesh, flip, pivots, points, encoder)
+    return ExportOptions(
+        _spacing(spacings or []), unit, numbers, text, shown, name, mesh, flip, pivots, points, encoder
+    )
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
@@ -142,6 +157,21 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
     return found.get("", found or None)
+
+
+def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict[str, tuple[int, ...]]:
+    """Return the numbers of axes, one for each of their joints; raises TableError."""
+    numbered = [_numbered(text) for text in texts]
+    if coordinates is not None:
+        if controller != "linuxcnc":
+            raise TableError(f"{controller} has no coordinates such as {shown(coordinates)}", "Write --number X=1")
+        if numbered:
+            raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
+        numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
+    found = dict[str, tuple[int, ...]]()
+    for axis, number in numbered:
+        found[axis] = (*found.get(axis, ()), number)
+    return found
 
 
 def _numbered(text: str) -> tuple[str, int]:

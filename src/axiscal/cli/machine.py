@@ -12,7 +12,7 @@ from axiscal.cli.printing import say, say_document
 from axiscal.error_model.gauge import machine_check
 from axiscal.error_model.undescribed import undescribed
 from axiscal.machine import builtin_names, load_machine
-from axiscal.machine.questions import questions
+from axiscal.machine.questions import questions, which_way
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
 
@@ -66,7 +66,7 @@ def check(
 
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
-    open_ones = questions(machine)
+    open_ones = (*questions(machine), *which_way(machine))
     if json:
         axes = [axis.name for axis in machine.axes]
         errors = [*(error.name for error in machine.errors), *(plane.name for plane in machine.planes)]

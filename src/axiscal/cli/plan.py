@@ -21,6 +21,7 @@ from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
+from axiscal.machine.questions import which_way
 from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
@@ -153,7 +154,8 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
 
     found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
-    write_whole(page, render(f"Ways to measure: {case.description.machine.name}", found))
+    machine = case.description.machine
+    write_whole(page, render(f"Ways to measure: {machine.name}", found, which_way(machine)))
     rows = [table_row(each) for each in found]
     if as_json:
         say_document({"schema": "axiscal-what-if/1", "ways": rows, "page": str(page)})

@@ -9,6 +9,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
+from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import count_text
@@ -24,20 +25,23 @@ def start(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for the record, instead of RECORD.")
     ] = None,
+    compensation_active: Active = None,
     json: Json = False,
 ) -> None:
     """Begin a campaign with a person at the machine: make its record.
 
-    The record carries both descriptions; later changes of the files do not touch it.
+    The record carries both descriptions; later changes of the files do not touch it. Where nobody has said whether a
+    compensation is active on the control, a person at a terminal is asked.
 
     \b
-    Example:
+    Examples:
       axiscal start campaign.toml mill.axiscal
+      axiscal start campaign.toml mill.axiscal --compensation-active machine.ini
     """
 
     if record is not None and out is not None:
         raise typer.BadParameter("give either RECORD or --out, not both")
-    description = read_campaign(campaign)
+    description = answered(read_campaign(campaign), compensation_active, asking=not json)
     path = record or (out or Path()) / f"{campaign.stem}.axiscal"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)

@@ -12,6 +12,7 @@ from axiscal.compensation.effect import Control
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
+from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, to_unit
 
@@ -48,10 +49,9 @@ def _shown(moved: Array) -> str:
 
 
 def _unsaid(machine: Machine) -> tuple[str, ...]:
-    names = [axis.name for axis in machine.axes if axis.rotary and axis.counting is None]
-    if not names:
+    them = uncounted(machine)
+    if not them:
         return ()
-    them = " and ".join(names)
     return (
         f"WHICH WAY DO {them} COUNT? machine.toml does not say, and ISO 841 was supposed: counting up, the tool turns "
         "by the right hand about it relative to the workpiece, a table the other way. Turn them by hand and look: "

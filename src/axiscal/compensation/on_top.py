@@ -19,7 +19,7 @@ _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew corre
 _BEGINNING = (
     f"Is a compensation active on the control while it is measured ({_KINDS})? "
     "Switch it off, or say so: compensation_active = false, = true or its files in campaign.toml. New tables go on top "
-    "of what was active."
+    "of what was active; until it is said they are written as if nothing was, and ask."
 )
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -48,6 +49,15 @@ class CampaignDescription:
                 return setup
         known = ", ".join(f'"{setup.name}"' for setup in self.setups)
         raise DescriptionError(f"there is no set-up {shown(name)}", f"The set-ups are {known}", self.source)
+
+
+def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
+    """Return the campaign with what is said of a compensation that is active, in its text too, before the machine."""
+    said = json.dumps(active if isinstance(active, bool) else list(active), ensure_ascii=False)
+    lines = description.text.splitlines(keepends=True)
+    place = (Document.parse(description.text, description.source).line("machine") or 1) - 1
+    text = "".join([*lines[:place], f"compensation_active = {said}\n", *lines[place:]])
+    return replace(description, text=text, compensation_active=active)
 
 
 def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:

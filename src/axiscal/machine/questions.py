@@ -23,6 +23,25 @@ def questions(machine: Machine) -> tuple[str, ...]:
     return (*_axes(machine), *_errors(machine))
 
 
+def uncounted(machine: Machine) -> str:
+    """Return the axes of which nobody said which way they count: "B and C"; "" where there are none."""
+    return " and ".join(axis.name for axis in machine.axes if axis.rotary and axis.counting is None)
+
+
+def which_way(machine: Machine) -> tuple[str, ...]:
+    """Return the question which way rotary axes count, where nobody said."""
+    names = uncounted(machine)
+    if not names:
+        return ()
+    verb = "do" if " " in names else "does"
+    return (
+        f"Which way {verb} {names} count? Nothing is said, and ISO 841 is supposed: counting up, the tool turns by the "
+        "right hand about the axis relative to the workpiece, a table the other way. Where the control counts against "
+        'that (as LinuxCNC\'s xyzac- and xyzbc-trt-kins do), write direction = "reversed" in the table of the axis, '
+        'else "iso".',
+    )
+
+
 def _axes(machine: Machine) -> Iterator[str]:
     for axis in machine.axes:
         if not axis.rotary and not _SHORTEST <= axis.length <= _LONGEST:

@@ -9,12 +9,14 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
+from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.kinematics import frames
+from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -94,6 +96,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         constants=constants(estimation, extras.truth),
         planes=planes(estimation),
         observability=observability(case),
+        questions=open_questions(description),
         rejected=_rejections(estimation, rows),
         warnings=[*extras.warnings, *findings(estimation)],
         tables=extras.tables,
@@ -107,6 +110,11 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         files=extras.files,
         record=record_state(campaign),
     )
+
+
+def open_questions(description: CampaignDescription) -> list[str]:
+    """Return what the machine's description leaves open and the figures take for granted."""
+    return [*questions(description.machine), *which_way(description.machine)]
 
 
 def _expanded(estimation: Estimation) -> Uncertainty:

@@ -240,6 +240,7 @@ class Summary:
     constants: Sequence[ConstantSummary] = ()
     planes: Sequence[PlaneSummary] = ()
     observability: Sequence[str] = ()
+    questions: Sequence[str] = ()
     rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
     tables: Sequence[TableOffer] = ()

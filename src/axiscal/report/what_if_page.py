@@ -14,8 +14,8 @@ _COLOURS = ("#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#
 _OURS = "var(--accent)"
 
 
-def render(title: str, found: Sequence[Alternative]) -> str:
-    """Return the page as self-contained HTML."""
+def render(title: str, found: Sequence[Alternative], questions: Sequence[str] = ()) -> str:
+    """Return the page as self-contained HTML.  questions : what the descriptions leave open"""
     drawn = Drawings()
     number = drawn.add(figure(found))
     rows = [
@@ -25,7 +25,7 @@ def render(title: str, found: Sequence[Alternative]) -> str:
     text: str = (
         environment("axiscal.report")
         .get_template("what_if.html")
-        .render(title=title, rows=rows, figure=number, figures_json=drawn.json, **inlined())
+        .render(title=title, questions=questions, rows=rows, figure=number, figures_json=drawn.json, **inlined())
     )
     return text
 

@@ -1,0 +1,74 @@
+"""Whether a compensation is active while measuring: said by campaign.toml, an option, or somebody at a terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.printing import tell
+from axiscal.compensation.old_files import read_old
+from axiscal.compensation.on_top import unasked
+from axiscal.description.campaign import CampaignDescription, with_compensation
+from axiscal.exceptions import DescriptionError, InputError
+
+Active = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--compensation-active",
+        metavar="WHAT",
+        help="Whether a compensation is active on the control while it is measured: false, true, or its files; "
+        "repeatable. For a campaign.toml that does not say.",
+    ),
+]
+_WORDS = {"false": False, "no": False, "n": False, "true": True, "yes": True, "y": True}
+
+
+def answered(description: CampaignDescription, said: Sequence[str] | None, *, asking: bool) -> CampaignDescription:
+    """Return the campaign with what is said of a compensation that is active; the record then carries it.
+
+    asking : somebody may be asked, where a terminal is there and nothing was said
+    Raises DescriptionError where it is said twice, TableError or ReadingError for files that cannot be read.
+    """
+    if said:
+        if description.compensation_active is not None:
+            remedy = "Leave one of them out"
+            raise DescriptionError("compensation_active is in campaign.toml and on the command line", remedy)
+        return with_compensation(description, _meant(said))
+    question = unasked(description)
+    if question and asking and sys.stdin.isatty() and sys.stderr.isatty():
+        return _asked(description, question)
+    return description
+
+
+def _asked(description: CampaignDescription, question: str) -> CampaignDescription:
+    """Return the campaign with the answer of somebody at a terminal; an empty line leaves it open."""
+    tell(question)
+    while True:
+        tell("Write false, true, or the names of its files; an empty line where nobody knows:")
+        words = sys.stdin.readline().split()
+        if not words:
+            return description
+        try:
+            return with_compensation(description, _meant(words))
+        except InputError as failure:
+            tell(str(failure))
+
+
+def _meant(words: Sequence[str]) -> bool | tuple[str, ...]:
+    """Return what is meant by words: no, yes, or files, which are looked at now and named from the root on."""
+    if len(words) == 1 and words[0].casefold() in _WORDS:
+        return _WORDS[words[0].casefold()]
+    read_old(words)
+    return tuple(_whole(word) for word in words)
+
+
+def _whole(word: str) -> str:
+    """Return a name, or AXIS=FILE, with the file as it is found from anywhere."""
+    if Path(word).exists():
+        return str(Path(word).resolve())
+    axis, _, file = word.partition("=")
+    return f"{axis}={Path(file).resolve()}"
