@@ -42,3 +42,7 @@ def test_what_leaves_no_error_is_no_danger() -> None:
     effect = Harm(np.array([[1e12]]), 0.0, 5e-6)
     assert effect.damage == 0.0
     assert effect.power(1e-6) == 1.0
+
+
+def test_what_only_an_absurd_size_would_show_is_not_seen_from_any() -> None:
+    assert Harm(np.array([[1e-20]]), 0.25, 20e-6).seen_from == math.inf

@@ -27,6 +27,8 @@ FALSE_ALARM = 0.05 / 6
 """Of the test for one departure: one campaign in twenty over six families."""
 _SEEN = 0.9
 """Probability from which a departure counts as seen."""
+_ABSURD = 100.0
+"""Times the largest size considered: what only larger ones would show, rounding shows; any factor near would do."""
 
 
 class Harm(NamedTuple):
@@ -59,9 +61,11 @@ class Harm(NamedTuple):
 
     @property
     def seen_from(self) -> float:
-        """The size that readings show with 90 %, in the unit of the size; infinite where they show none."""
-        information = self.least_information
-        return math.sqrt(needed(self.degrees) / information) if information > 0 else math.inf
+        """The size that readings show with 90 %, in the unit of the size; infinite where none that may be is shown."""
+        information, size = self.least_information, math.inf
+        if information > 0:
+            size = math.sqrt(needed(self.degrees) / information)
+        return size if size < _ABSURD * self.most else math.inf
 
     def power(self, promise: float) -> float:
         """Return the probability that readings show it at the size that makes the truth κ times the promise, m."""
