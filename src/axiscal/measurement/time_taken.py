@@ -33,6 +33,6 @@ def visit_seconds(
 def travel_table(machine: Machine, setup: Setup, poses: Array, approaches: Array) -> Array:
     """Return the seconds from each pose of a set-up to each, overrun included, (m, m).
 
-    approaches : (m, q), 0 where any side will do
+    approaches : (m, q), 0 where any side will do; in touch as if every way could be straight, to put them in order
     """
-    return way_seconds(machine, setup, poses[:, None], poses[None], approaches[None])
+    return way_seconds(machine, setup, poses[:, None], poses[None], approaches[None], straight=True)

@@ -12,10 +12,11 @@ from itertools import product
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.motion import approach_seconds
+from axiscal.machine.motion import approach_seconds, travel_seconds
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 
 _SAMPLES = 33
 """Places along a way, for how fast an axis may go there: a way over a part of a turn bends little."""
@@ -25,10 +26,13 @@ _STILL = 1e-12
 """Of an axis that does not move along a way; and no division by nought."""
 
 
-def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, approach: Array) -> Array:
+def way_seconds(
+    machine: Machine, setup: Setup, start: Array, stop: Array, approach: Array, straight: bool = False
+) -> Array:
     """Return the time of ways in one set-up.
 
     start, stop : (..., q) m or rad; approach : (..., q) from where each axis comes, +1, −1, 0 for any side
+    straight : ways in touch are taken as straight, also where they go round what is out of travel
     """
     start, stop, approach = np.broadcast_arrays(start, stop, approach)
     if setup.chart is None or setup.contact == "free":
@@ -37,8 +41,8 @@ def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, appro
         away = np.any(start != stop, axis=-1)
         there = approach_seconds(machine, start, stop, approach, setup.driving)
         return there + np.where(away, 2 * off_seconds(machine, setup), 0.0)
-    flat = (np.ascontiguousarray(each.reshape(-1, each.shape[-1])) for each in (start, stop, approach))
-    return _in_touch(machine, setup.chart, *flat).reshape(start.shape[:-1])
+    here, there, come = (np.ascontiguousarray(each.reshape(-1, each.shape[-1])) for each in (start, stop, approach))
+    return _in_touch(machine, setup, setup.chart, here, there, come, straight).reshape(start.shape[:-1])
 
 
 def off_seconds(machine: Machine, setup: Setup) -> float:
@@ -51,12 +55,32 @@ def off_seconds(machine: Machine, setup: Setup) -> float:
     return float(2 * np.sqrt(far / acceleration))
 
 
-def _in_touch(machine: Machine, chart: Chart, start: Array, stop: Array, approach: Array) -> Array:
+def _in_touch(
+    machine: Machine, setup: Setup, chart: Chart, start: Array, stop: Array, approach: Array, straight: bool
+) -> Array:
     """Return the time of ways with the tool point held, over the places from where the sides are come from."""
     here, there = chart.places(start), chart.places(stop)
     ends = [chart.bounds(number) for number in range(chart.size)]
     past = there - sides_of(chart, there, approach) * np.array([end.overrun for end in ends])
-    return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
+    if straight:
+        return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
+    return np.array([_held_or_off(machine, setup, chart, *way) for way in zip(here, past, there, strict=True)])
+
+
+def _held_or_off(machine: Machine, setup: Setup, chart: Chart, here: Array, past: Array, there: Array) -> float:
+    """Return the time of one way over the legs that it goes in touch; off and back where there are none."""
+    total = float(held_seconds(machine, chart, past[None], there[None])[0])
+    legs = _legs(chart, tuple(here.tolist()), tuple(past.tolist()))
+    if legs is not None:
+        return total + float(held_seconds(machine, chart, legs[:-1], legs[1:]).sum())
+    poses = chart.poses(np.stack([here, past]))
+    away = float(travel_seconds(machine, poses[0], poses[1]))
+    return total + away + 2 * off_seconds(machine, setup)
+
+
+@remembered
+def _legs(chart: Chart, here: tuple[float, ...], past: tuple[float, ...]) -> Array | None:
+    return chart.between(np.array(here), np.array(past))
 
 
 def sides_of(chart: Chart, there: Array, approach: Array) -> Array:

@@ -13,7 +13,7 @@ from axiscal.measurement.charts.held import Held
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Balls:
     """u : the number of the ball, then the rotary axes that turn.  each : the chart of every ball"""
 

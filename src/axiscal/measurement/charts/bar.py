@@ -17,7 +17,7 @@ from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Bar:
     """u : azimuth about z from x, elevation above the xy plane, rad; then the rotary axes that turn.
 

@@ -18,7 +18,7 @@ _FINEST, _FINEST_TURN = 1e-6, float(np.radians(1e-4))
 """m and rad: what a person can dial in."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Box:
     """u : the axes that move.
 

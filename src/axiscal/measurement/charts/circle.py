@@ -17,7 +17,7 @@ from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Circle:
     """u : the angle of the bar in its plane, rad.
 

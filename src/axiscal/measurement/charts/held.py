@@ -16,7 +16,7 @@ from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Held:
     """u : the rotary axes that turn.
 

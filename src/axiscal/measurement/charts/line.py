@@ -19,7 +19,7 @@ _FINEST = 1e-6
 """m: what a person can dial in."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Line:
     """u : how far along, m from the first end.
 

@@ -14,7 +14,7 @@ from axiscal.measurement.charts.room import within_cone
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Sight:
     """u : the axes that move.
 

@@ -1,21 +1,19 @@
-"""Ways through a chart: straight in u, or one coordinate after the other, where every place on them can be taken."""
+"""Ways through a chart: straight in u, or one coordinate after the other, or round, where all of it can be taken."""
 
 from __future__ import annotations
 
-from itertools import pairwise, permutations
+from itertools import permutations
 
 import numpy as np
 
 from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.clear import clear
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.roundabout import way_round
 from axiscal.numerics import Array
 
-_FINE = np.radians(0.25)
-"""A way is looked at every quarter of a degree, as fine as what stands in it is described."""
 _MOST_LEGS = 3
 """Coordinates up to which all orders of going one after the other are tried."""
-_LIMIT = 1e-9
-"""m or rad, by which rounding and what lies between samples may leave a travel."""
 
 
 def way(chart: Chart, room: Room, start: Array, stop: Array) -> Array | None:
@@ -32,29 +30,4 @@ def way(chart: Chart, room: Room, start: Array, stop: Array) -> Array | None:
             legs.append(np.where(np.arange(len(start)) == number, stop, legs[-1]))
         if clear(chart, room, np.array(legs)):
             return np.array(legs)
-    return None
-
-
-def clear(chart: Chart, room: Room, legs: Array) -> bool:
-    """Return whether every place on a way can be taken.  legs : (k, size)"""
-    for start, stop in pairwise(legs):
-        poses = chart.poses(along(start, stop))
-        if not np.all(chart.feasible(poses)) or not _stays(room, poses):
-            return False
-    return True
-
-
-def along(start: Array, stop: Array) -> Array:
-    """Return places close to each other on the straight way between two, (p, size)."""
-    count = 3 + int(np.max(np.abs(stop - start)) / _FINE)
-    return start + np.linspace(0.0, 1.0, count)[:, None] * (stop - start)
-
-
-def _stays(room: Room, poses: Array) -> bool:
-    """Whether the axes stay within their travels between samples as well, by parabolas through three of them."""
-    low, high = np.array([axis.travel for axis in room.machine.axes]).T
-    before, here, after = poses[:-2], poses[1:-1], poses[2:]
-    slope, bend = (after - before) / 2, after - 2 * here + before
-    turned = np.divide(-slope, bend, out=np.zeros_like(slope), where=np.abs(bend) > 0)
-    peak = here + np.where(np.abs(turned) <= 1, slope * turned + bend * turned**2 / 2, 0.0)
-    return bool(np.all((peak >= low - _LIMIT) & (peak <= high + _LIMIT)))
+    return way_round(chart, room, start, stop) if chart.feasible(chart.poses(straight)).all() else None

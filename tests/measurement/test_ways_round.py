@@ -1,0 +1,85 @@
+"""Ways in touch round what is in the way: every place on them can be taken, and none over the lattice is shorter."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.roundabout import _lattice, way_round
+from axiscal.measurement.travel import held_seconds, way_seconds
+from axiscal.numerics import Array
+from tests.generators.kinematics import in_travel, stem, tip
+from tests.measurement.test_charts import BALLS, DMU, held
+from tests.measurement.test_travel import NEST
+
+
+def reachable(chart: Held, count: int) -> Array:
+    """Return places of a 15 deg raster that can be taken."""
+    values = [math.radians(15) * np.arange(math.ceil(low / 15), high // 15 + 1) for low, high in ((0, 345), (-30, 120))]
+    grid = np.stack([each.ravel() for each in np.meshgrid(*values, indexing="ij")], axis=1)
+    taken = grid[chart.feasible(chart.poses(grid))]
+    return taken[np.random.default_rng(3).permutation(len(taken))[:count]]
+
+
+@pytest.mark.parametrize("ball", BALLS)
+def test_a_way_in_touch_can_be_gone_at_every_place(ball: str) -> None:
+    chart = held(ball)
+    places = reachable(chart, 24)
+    round_about = gone = 0
+    for start, stop in pairwise(places):
+        legs = chart.between(start, stop)
+        if legs is None:
+            continue
+        gone += 1
+        round_about += len(legs) > 3
+        np.testing.assert_array_equal(legs[[0, -1]], [start, stop])
+        for a, b in pairwise(legs):
+            for pose in chart.poses(a + np.linspace(0, 1, 40)[:, None] * (b - a)):
+                assert in_travel(DMU, pose)
+                assert np.linalg.norm(tip(DMU, pose) - BALLS[ball]) < 1e-9
+                assert math.degrees(math.acos(np.clip(stem(DMU, pose)[2], -1, 1))) <= 100 + 1e-6
+    assert gone >= 20
+    assert round_about >= 1 or ball != "low"  # the others are reached in all that matters by two legs
+
+
+def test_no_way_over_the_lattice_is_shorter() -> None:
+    chart = held()
+    lattice = _lattice(chart, chart.room)
+    count = len(lattice.places)
+    far = np.full((count, count), np.inf)
+    np.fill_diagonal(far, 0.0)
+    for here, near in enumerate(lattice.near):
+        for there in near:
+            far[here, there] = np.linalg.norm(lattice.places[here] - lattice.places[there])
+    for middle in range(count):  # Floyd and Warshall
+        far = np.minimum(far, far[:, middle, None] + far[None, middle])
+    rng = np.random.default_rng(5)
+    for start, stop in rng.choice(count, (20, 2)):
+        legs = way_round(chart, chart.room, lattice.places[start], lattice.places[stop])
+        if legs is None:
+            assert np.isinf(far[start, stop])
+            continue
+        length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(legs))
+        assert length <= far[start, stop] + 1e-9
+
+
+def test_the_way_round_takes_the_time_of_its_legs() -> None:
+    chart = held()
+    places = reachable(chart, 40)
+    found = 0
+    for start, stop in pairwise(places):
+        legs = chart.between(start, stop)
+        if legs is None or len(legs) < 4:
+            continue
+        found += 1
+        poses = chart.poses(np.stack([start, stop]))
+        seconds = float(way_seconds(DMU, NEST, poses[0], poses[1], np.zeros(5)))
+        assert seconds == pytest.approx(
+            sum(float(held_seconds(DMU, chart, a[None], b[None])[0]) for a, b in pairwise(legs))
+        )
+        assert seconds > float(held_seconds(DMU, chart, start[None], stop[None])[0])
+    assert found >= 1
