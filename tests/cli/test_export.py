@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.compensation.registry import CONTROLLERS
-from axiscal.report.delivery import write_whole
+from axiscal.record.durable import write_whole
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 
@@ -43,7 +43,8 @@ def test_files_are_written_with_a_note(
     assert run(["export", str(record), "--to", controller, "--out", str(out), "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert said["rms_um_after"] < said["rms_um_before"]
-    assert {Path(name).name for name in said["files"]} | {"README.txt"} == {path.name for path in out.iterdir()}
+    beside = {"README.txt", f"manifest-{controller}.json"}
+    assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
     assert (out / "README.txt").read_text() == said["readme"]
     expected = next(line for line in said["readme"].splitlines() if line.startswith("With the files for "))
     assert " U = " in expected
@@ -118,7 +119,7 @@ def test_a_folder_in_place_of_the_record_is_answered_with_the_record(
 
 def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="tables") as caught:
-        write_whole(tmp_path / "tables" / "X.csv", "")
+        write_whole(tmp_path / "tables" / "X.csv", b"")
     assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
 
 

@@ -268,6 +268,11 @@ class Campaign:
             said = accuracy_reached(target, self.known())
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
+    def looked_at_again(self) -> State:
+        """Return the state as the file has it now."""
+        self.state = self._record.state()
+        return self.state
+
     def status(self) -> Status:
         """Return where the campaign stands."""
         reached = None if self.state.finished is not None else self.reached()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -11,7 +12,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.compensation_active import Active, answered
-from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.cli.outputs import write_outputs
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
@@ -20,6 +21,7 @@ from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
 from axiscal.measurement.readers.files import read_any
 from axiscal.report.findings import untimed
+from axiscal.report.result_set import RECORD, mend
 from axiscal.report.standard import iso230_block
 from axiscal.report.summarising import Extras
 
@@ -54,14 +56,14 @@ def estimate(
     placed = placed_readings(raw, description, readings)
     refuse_implausible(placed, description, readings)
     extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else Extras()
-    out.mkdir(parents=True, exist_ok=True)
+    mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     extras = replace(extras, warnings=untimed(placed, description.setups))
-    with Campaign.create(out / RECORD, description) as opened:
+    with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
-        write_outputs(opened, out, as_json=json, extras=extras)
+        write_outputs(opened, out, as_json=json, extras=extras, again="give the command again")
     tell_unasked(description)
 
 

@@ -22,7 +22,7 @@ from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.planning.vouched import vouched_words
-from axiscal.report.delivery import introduced, write_files
+from axiscal.report.delivery import deliver_export, introduced
 from axiscal.report.findings import findings
 from axiscal.report.summarising import record_state
 from axiscal.units import parse_quantity, to_unit
@@ -115,7 +115,7 @@ def export(
         vouched = vouched_words(estimation.case, defended(estimation))
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
-    write_files(offered, out)
+        deliver_export(offered, out, record_state(campaign))
     if json:
         say_document(_document(offered, out))
     else:

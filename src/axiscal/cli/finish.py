@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Out, OwnRecord
-from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.outputs import write_outputs
+from axiscal.report.result_set import RECORD
 
 
 def finish(record: OwnRecord, out: Out, json: Json = False) -> None:
@@ -18,9 +19,7 @@ def finish(record: OwnRecord, out: Out, json: Json = False) -> None:
       axiscal finish mill.axiscal --out results
     """
 
-    with Campaign.open(record) as campaign:
-        out.mkdir(parents=True, exist_ok=True)
+    with opened_to_write(record) as campaign:
         campaign.refuse_other(out / RECORD)
         campaign.finish()
-        campaign.copy(out / RECORD)
         write_outputs(campaign, out, as_json=json)

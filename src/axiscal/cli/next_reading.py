@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
+from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import next_text, question_document
 
@@ -26,7 +26,7 @@ def next_reading(
       axiscal next mill.axiscal
     """
 
-    with Campaign.open(record) as campaign:
+    with opened_to_write(record) as campaign:
         asked = campaign.next(beyond=beyond)
         if json:
             say_document(question_document(campaign, asked))

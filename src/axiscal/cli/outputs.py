@@ -7,18 +7,23 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
+from axiscal.exceptions import AxiscalError, RecordError
 from axiscal.report.delivery import deliver
 from axiscal.report.headline import first_lines
 from axiscal.report.summarising import Extras
-from axiscal.report.summary import result_json
-
-RECORD = "campaign.axiscal"
+from axiscal.report.summary import Summary, result_json
 
 
-def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
-    """Write tables, result and report of a finished campaign to a folder and print them; raises OSError, TableError."""
+def write_outputs(
+    campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None, again: str = ""
+) -> None:
+    """Write record, tables, result and report of a finished campaign to a folder and print them.
 
-    summary = deliver(campaign, campaign.concluded(), out, extras or Extras(compared=True))
+    again : what to do after a failure, by default another `finish`
+    Raises RecordError, TableError; AxiscalError after Ctrl-C.
+    """
+
+    summary = _delivered(campaign, out, extras or Extras(compared=True), again)
     if as_json:
         say_document(result_json(summary))
         return
@@ -32,3 +37,16 @@ def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extra
             say(f"No table for {offer.controller}: {offer.left_out}")
     for warning in summary.warnings:
         say(f"Mind: {warning.text}")
+
+
+def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
+    whole = f"The results in {out} are whole, those of before or the new ones"
+    again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
+    try:
+        return deliver(campaign, campaign.concluded(), out, extras)
+    except OSError as failure:
+        what = f"The results were not written: {failure.strerror or failure}"
+        remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
+        raise RecordError(what, remedy, failure.filename or out) from failure
+    except KeyboardInterrupt:
+        raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None

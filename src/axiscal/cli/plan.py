@@ -29,7 +29,7 @@ from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.planning.vouched import vouched_by_plan, vouched_words
 from axiscal.planning.what_if import alternatives
-from axiscal.report.delivery import write_whole
+from axiscal.record.durable import write_whole
 from axiscal.report.what_if_page import render, table_row
 from axiscal.units import parse_quantity, to_unit
 
@@ -155,7 +155,7 @@ def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json
 
     found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
     machine = case.description.machine
-    write_whole(page, render(f"Ways to measure: {machine.name}", found, which_way(machine)))
+    write_whole(page, render(f"Ways to measure: {machine.name}", found, which_way(machine)).encode())
     rows = [table_row(each) for each in found]
     if as_json:
         say_document({"schema": "axiscal-what-if/1", "ways": rows, "page": str(page)})

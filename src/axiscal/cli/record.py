@@ -9,6 +9,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.leaving import Stand
+from axiscal.cli.opened import opened_to_write
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.second_thoughts import doubted, others_doubted
@@ -56,7 +57,7 @@ def record(
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
     document: dict[str, object]
-    with Campaign.open(record) as campaign:
+    with opened_to_write(record) as campaign:
         if skip is not None:
             asked = campaign.skip(skip)
             message, document = f"Skipped {asked_text(campaign, asked)}: {skip.strip()}", {"skipped": asked.reading}
@@ -74,10 +75,10 @@ def record(
         if question is not None:
             document |= {"next": question_document(campaign, question)}
         coming = f"Ask for the next one: axiscal next {record}" if question is None else next_text(campaign, question)
-    if json:
-        say_document({"schema": "axiscal-record/1", **document})
-    else:
-        say(f"{message}\n{coming}")
+        if json:
+            say_document({"schema": "axiscal-record/1", **document})
+        else:
+            say(f"{message}\n{coming}")
 
 
 _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."

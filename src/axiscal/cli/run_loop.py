@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -11,11 +12,14 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
-from axiscal.cli.outputs import RECORD, write_outputs
+from axiscal.cli.outputs import write_outputs
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
+from axiscal.record.events import Asked, Created, Planned
+from axiscal.record.store import Record
+from axiscal.report.result_set import RECORD, mend
 from axiscal.simulation import Simulator
 from axiscal.units import parse_quantity
 
@@ -43,39 +47,49 @@ def run_loop(
     """
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
-    out.mkdir(parents=True, exist_ok=True)
-    with _opened(out / RECORD, description, resume) as opened:
-        if opened.state.finished is None:
+    again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
+    mend(out)
+    with ExitStack() as stack:
+        opened = _kept_campaign(out / RECORD, description, resume)
+        taken = 0 if opened is None else len(stack.enter_context(opened).state.readings)
+        if opened is None or opened.state.finished is None:
+            readings = open_source(source, Simulator(description.machine, description.setups), seconds, taken=taken)
+            stack.callback(readings.close)
+            if opened is None:  # a source that cannot be opened has left nothing behind
+                out.mkdir(parents=True, exist_ok=True)
+                opened = stack.enter_context(Campaign.create(out / RECORD, description))
             tell_out_of_reach(opened)
-            readings = _open_source(opened, source, seconds)
-            again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
             _loop(opened, readings, again)
         write_outputs(opened, out, as_json=json)
         _refuse_unreached(opened)
 
 
-def _opened(path: Path, description: CampaignDescription, resume: bool) -> Campaign:
+def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -> Campaign | None:
+    """Return the campaign that the folder holds, None if there is none, or none that was begun with a reading."""
 
     if not path.exists():
-        return Campaign.create(path, description)
+        return None
+    opened = Campaign.open(path)
+    kept = opened.description
+    same = (kept.text, kept.machine.text) == (description.text, description.machine.text)
+    if same and resume:
+        return opened
+    opened.close()
+    if _only_begun(path):
+        path.unlink()
+        return None
     if not resume:
         raise RecordError(
             "This folder holds a campaign already", "Go on with it by --resume, or name another --out", path
         )
-    opened = Campaign.open(path)
-    kept = opened.description
-    if (kept.text, kept.machine.text) != (description.text, description.machine.text):
-        opened.close()
-        remedy = "Name another --out for the changed description, or take the changes back"
-        raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
-    return opened
+    remedy = "Name another --out for the changed description, or take the changes back"
+    raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
 
 
-def _open_source(campaign: Campaign, text: str, timeout: float) -> Source:
+def _only_begun(path: Path) -> bool:
 
-    description = campaign.description
-    simulator = Simulator(description.machine, description.setups)
-    return open_source(text, simulator, timeout, taken=len(campaign.state.readings))
+    with Record.open(path, write=False) as record:
+        return all(isinstance(stored.event, Created | Planned | Asked) for stored in record.events())
 
 
 def _loop(campaign: Campaign, source: Source, again: str) -> None:
@@ -88,8 +102,6 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
         raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. {_kept(campaign, again)}") from None
-    finally:
-        source.close()
 
 
 def _refuse_unreached(campaign: Campaign) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +15,7 @@ from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import count_text
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
 
 
 def start(
@@ -45,7 +47,7 @@ def start(
     path = record or (out or Path()) / f"{campaign.stem}.axiscal"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    with Campaign.create(path, description) as opened:
+    with _begun(path, description) as opened:
         tell_out_of_reach(opened)
         tell_unasked(description)
         planned = opened.prepared()
@@ -58,3 +60,14 @@ def start(
             f"{path} is ready: {description.machine.name}, {setups}, {readings} planned.\n"
             f"Take the readings: axiscal measure {path}"
         )
+
+
+@contextmanager
+def _begun(path: Path, description: CampaignDescription) -> Iterator[Campaign]:
+    """Yield a new campaign, of which nothing stays if it cannot be planned."""
+    with Campaign.create(path, description) as campaign:
+        try:
+            yield campaign
+        except BaseException:
+            path.unlink()
+            raise

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
+from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import asked_text, count_text
 from axiscal.measurement.place_texts import reading_text
@@ -20,7 +21,7 @@ def undo(record: OwnRecord, json: Json = False) -> None:
       axiscal undo mill.axiscal
     """
 
-    with Campaign.open(record) as campaign:
+    with opened_to_write(record) as campaign:
         said, document = taken_back(campaign)
     if json:
         say_document({"schema": "axiscal-undo/1", **document})

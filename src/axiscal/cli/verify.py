@@ -11,8 +11,8 @@ from axiscal.acceptance.check import Check
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
+from axiscal.record.durable import write_whole
 from axiscal.report.check_report import judgement_document, judgement_text, plan_lines, plan_rows
-from axiscal.report.delivery import write_whole
 
 
 def verify(
@@ -80,7 +80,7 @@ def _plan(check: Check, points: int | None, plan: Path | None, json: bool) -> No
     rows = plan_rows(check, chosen)
     sheet = check.sheet(chosen)
     if plan is not None:
-        write_whole(plan, sheet)
+        write_whole(plan, sheet.encode())
     if json:
         say_document({"schema": "axiscal-verify/1", "plan": rows})
         return

@@ -8,6 +8,8 @@ import os
 import re
 from pathlib import Path
 
+_HERE, _EXCHANGE = -100, 2
+"""AT_FDCWD and RENAME_EXCHANGE of Linux."""
 _DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.new")
 
 
@@ -29,8 +31,8 @@ def written(path: Path, content: bytes) -> None:
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file, in the place of an earlier one, so that it is there whole or not at all; raises OSError."""
     draft = draft_of(path)
+    clear_drafts(path.parent, path.name)
     try:
-        draft.unlink(missing_ok=True)
         written(draft, content)
         os.replace(draft, path)
         sync_folder(path.parent)
@@ -77,16 +79,31 @@ def sync_folder(folder: Path) -> None:
         os.close(handle)
 
 
-def clear_drafts(folder: Path, name: str = "") -> None:
-    """Remove what writers that are gone have left in a folder, of one file or of all; a folder not ours is left."""
+def exchanged(one: Path, other: Path) -> bool:
+    """Let two names change places in one step; False where the system or the disk cannot.  Raises OSError."""
+    import ctypes
+
+    change = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
+    if change is None:
+        return False
+    if change(_HERE, os.fsencode(one), _HERE, os.fsencode(other), _EXCHANGE) == 0:
+        return True
+    if (code := ctypes.get_errno()) in (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP):
+        return False
+    raise OSError(code, os.strerror(code), str(other))
+
+
+def clear_drafts(folder: Path, name: str) -> None:
+    """Remove what writers that are gone have left of a file."""
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             found = _DRAFT.fullmatch(path.name)
-            if found and name in ("", found["name"]) and not _runs(int(found["process"])):
+            if found and found["name"] == name and path.is_file() and not is_running(int(found["process"])):
                 path.unlink(missing_ok=True)
 
 
-def _runs(process: int) -> bool:
+def is_running(process: int) -> bool:
+    """Whether there is such a process besides this one."""
     if process == os.getpid():
         return False
     try:

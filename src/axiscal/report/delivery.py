@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +11,7 @@ import numpy as np
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.versions import versions
 from axiscal.compensation import registry
 from axiscal.compensation.effect import Deviation, rms, tour
 from axiscal.compensation.export_options import ExportOptions
@@ -25,8 +24,10 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
+from axiscal.record.durable import write_whole, written
 from axiscal.report.headline import effect_words
-from axiscal.report.summarising import Extras, summarise
+from axiscal.report.result_set import RECORD, result_set, write_manifest
+from axiscal.report.summarising import Extras, record_state, summarise
 from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer, result_json
 from axiscal.units import to_unit
 
@@ -38,24 +39,38 @@ _POSES = 2000
 
 @one_thread()
 def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Summary:
-    """Write tables, result and report of a campaign, and return what they say.  Raises OSError.
+    """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
 
     A table that a control cannot hold is not written; the report says why.
     """
     summary = summarise(campaign, estimation, extras)
-    offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, out / "tables", summary)]
-    summary = replace(summary, tables=offers)
-    document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
-    write_whole(out / "result.json", document + "\n")
-    write_report(summary, out / "report.html")
+    home = out / RECORD
+    live = home if home.exists() and home.samefile(campaign.path) else None
+    with result_set(out, live=live) as folder:
+        if live is None:
+            campaign.copy(folder / RECORD)
+        offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, folder / "tables", summary)]
+        summary = replace(summary, tables=offers)
+        document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        written(folder / "result.json", f"{document}\n".encode())
+        write_report(summary, folder / "report.html")
+        write_manifest(folder, record_state(campaign), summary.versions)
     return summary
+
+
+def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
+    """Write the files of an export into a folder as a set, with its manifest; raises OSError."""
+    manifest = f"manifest-{offered.controller}.json"
+    with result_set(out, manifest) as folder:
+        write_files(offered, folder)
+        write_manifest(folder, record, versions(), manifest)
 
 
 def write_report(summary: Summary, path: Path) -> None:
     """Write the report page; raises OSError."""
     from axiscal.report.page import render
 
-    write_whole(path, render(summary))
+    write_whole(path, render(summary).encode())
 
 
 def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summary) -> list[TableOffer]:
@@ -100,7 +115,7 @@ def write_files(offered: Export, folder: Path) -> None:
     """Write the files of an export with their README.txt; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**offered.files, "README.txt": offered.readme}.items():
-        write_whole(folder / name, text)
+        write_whole(folder / name, text.encode())
 
 
 def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float:
@@ -124,15 +139,3 @@ def _poses(box: Box) -> Array:
     low, high = np.array(box).T
     poses: Array = low + (high - low) * even_points(_POSES, len(low))
     return poses
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file so that it is there whole or not at all; raises OSError."""
-    draft = path.with_name(f".{path.name}.part")
-    try:
-        draft.write_text(text, encoding="utf-8", newline="\n")
-        os.replace(draft, path)
-    except OSError as failure:
-        with contextlib.suppress(OSError):
-            draft.unlink()
-        raise OSError(failure.errno, failure.strerror, str(path)) from None

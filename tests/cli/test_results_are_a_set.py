@@ -1,0 +1,203 @@
+"""What commands leave in a folder: a whole set with a manifest, or what was there; and nothing that is in the way."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli import outputs
+from axiscal.cli.app import run
+from axiscal.record import durable
+from axiscal.report import delivery
+from tests.generators.texts import machine_text
+
+CAMPAIGN = """machine = "machine.toml"
+compensation_active = false
+[target]
+readings = 4
+[[setups]]
+name = "along x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
+READINGS = "setup,X_mm,approach,value_um\nalong x,10,X+,1.5\nalong x,200,X+,2.5\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "machine.toml").write_text(machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    (tmp_path / "readings.csv").write_text(READINGS)
+    return tmp_path
+
+
+def complaint(capsys: pytest.CaptureFixture[str]) -> str:
+    return " ".join(capsys.readouterr().err.split())
+
+
+def agreed(out: Path, name: str = "manifest.json") -> dict[str, object]:
+    """Return the manifest of a folder after every file in it has been compared."""
+    manifest: dict[str, object] = json.loads((out / name).read_text())
+    files = manifest["files"]
+    assert isinstance(files, dict)
+    found = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    assert set(files) == found - {name, "campaign.axiscal"}
+    for file, digest in files.items():
+        assert hashlib.sha256((out / file).read_bytes()).hexdigest() == digest
+    return manifest
+
+
+def measured(folder: Path) -> Path:
+    """Return a record with two readings."""
+    assert run(["start", "campaign.toml", "mill.axiscal"]) == 0
+    for value in ("1 um", "2 um"):
+        assert run(["next", "mill.axiscal"]) == run(["record", "mill.axiscal", value]) == 0
+    return folder / "mill.axiscal"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "campaign.toml", "--source", "sim:3", "--out", "out"],
+        ["estimate", "campaign.toml", "readings.csv", "--out", "out"],
+    ],
+)
+def test_every_folder_of_results_has_a_manifest(folder: Path, words: list[str]) -> None:
+    assert run(words) == 0
+    manifest = agreed(folder / "out")
+    result = json.loads((folder / "out" / "result.json").read_text())
+    record = manifest["record"]
+    assert isinstance(record, dict)
+    assert {name: record[name] for name in ("event", "hash")} == result["record"]
+    with Campaign.open(folder / "out" / "campaign.axiscal", write=False) as campaign:
+        assert campaign.state.name == record["hash"]
+
+
+def test_an_export_has_a_manifest_and_takes_the_place_of_the_one_before(folder: Path) -> None:
+    measured(folder)
+    for _ in range(2):
+        assert run(["export", "mill.axiscal", "--to", "csv", "--out", "tables"]) == 0
+        agreed(folder / "tables", "manifest-csv.json")
+
+
+def test_what_somebody_else_put_there_stays(folder: Path) -> None:
+    (folder / "out").mkdir()
+    (folder / "out" / "notes.txt").write_text("mine")
+    measured(folder)
+    for _ in range(2):
+        assert run(["finish", "mill.axiscal", "--out", "out"]) == 0
+    assert (folder / "out" / "notes.txt").read_text() == "mine"
+    assert (folder / "out" / "manifest.json").exists()
+    assert run(["export", "mill.axiscal", "--to", "csv", "--out", "out"]) == 0
+    assert (folder / "out" / "result.json").exists()
+    assert not list((folder / "out").glob(".*"))
+
+
+def test_results_may_be_written_where_one_stands(folder: Path) -> None:
+    measured(folder)
+    assert run(["finish", "mill.axiscal", "--out", "."]) == 0
+    assert (folder / "manifest.json").exists()
+    assert (folder / "campaign.toml").read_text() == CAMPAIGN
+    assert Path.cwd() == folder
+    assert Path("report.html").exists()
+
+
+def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> None:
+    assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
+    assert run(["undo", "out/campaign.axiscal"]) == run(["undo", "out/campaign.axiscal"]) == 0
+    assert run(["next", "out/campaign.axiscal"]) == run(["record", "out/campaign.axiscal", "3 um"]) == 0
+    assert run(["finish", "out/campaign.axiscal", "--out", "out"]) == 0
+    agreed(folder / "out")
+
+
+def test_a_full_disk_leaves_the_earlier_results(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured(folder)
+    assert run(["finish", "mill.axiscal", "--out", "out"]) == 0
+    before = {path: path.read_bytes() for path in (folder / "out").rglob("*") if path.is_file()}
+
+    def full(path: Path, content: bytes) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(delivery, "written", full)
+    assert run(["finish", "mill.axiscal", "--out", "out"]) == 1
+    said = complaint(capsys)
+    assert "The results were not written: No space left on device" in said
+    assert "axiscal finish mill.axiscal --out out" in said
+    assert {path: path.read_bytes() for path in (folder / "out").rglob("*") if path.is_file()} == before
+    assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.parametrize("source", ["csv:nowhere.csv", "exec:./nothing-here", "nonsense"])
+def test_a_source_that_cannot_be_opened_leaves_nothing_in_the_way(folder: Path, source: str) -> None:
+    assert run(["run", "campaign.toml", "--source", source, "--out", "out"]) != 0
+    assert not (folder / "out").exists()
+    assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
+
+
+def test_a_run_that_ended_before_its_first_reading_is_begun_anew(folder: Path) -> None:
+    assert run(["run", "campaign.toml", "--source", "exec:false", "--out", "out"]) == 1
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 3"))
+    assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
+
+
+def test_an_estimate_that_failed_leaves_nothing_in_the_way(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(outputs, "deliver", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+        assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 1
+    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 0
+
+
+def test_a_start_that_cannot_be_planned_leaves_no_record(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(Campaign, "prepared", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert run(["start", "campaign.toml", "mill.axiscal"]) == 1
+    assert run(["start", "campaign.toml", "mill.axiscal"]) == 0
+
+
+def test_ctrl_c_says_whether_the_reading_was_kept(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = str(measured(folder))
+    assert run(["next", record]) == 0
+    capsys.readouterr()
+    moments = [
+        ("axiscal.campaign.campaign.Campaign._clock", "Nothing was added", 2),
+        ("axiscal.cli.record._doubt", "Reading 3 was kept", 3),
+    ]
+    for name, says, kept in moments:
+        with monkeypatch.context() as patched:
+            patched.setattr(name, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+            assert run(["record", record, "3 um"]) == 1
+        assert says in complaint(capsys)
+        with Campaign.open(record, write=False) as campaign:
+            assert len(campaign.state.readings) == kept
+
+
+def test_where_folders_cannot_change_places_at_once_they_do_one_after_the_other(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("axiscal.report.result_set.exchanged", lambda *_: False)
+    measured(folder)
+    for _ in range(2):
+        assert run(["finish", "mill.axiscal", "--out", "out"]) == 0
+        agreed(folder / "out")
+    assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
+
+
+def test_two_folders_change_places(tmp_path: Path) -> None:
+    if os.uname().sysname != "Linux":
+        pytest.skip("needs Linux's renameat2")
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / name).touch()
+    assert durable.exchanged(tmp_path / "a", tmp_path / "b")
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]

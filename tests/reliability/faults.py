@@ -1,0 +1,113 @@
+"""Faults at every call that changes a disk: the process is killed there, or the call fails, or writes a part.
+
+Work is done in a forked process, in which the functions of `os` that change files count their calls.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from axiscal.exceptions import AxiscalError
+from axiscal.record import durable
+from axiscal.report import result_set
+
+CALLS = ("write", "fsync", "fdatasync", "replace", "rename", "link", "unlink", "mkdir", "rmdir", "ftruncate")
+KILLED = 77
+_RAISED = 66
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """At which call, from 1, and how: kill, part (half is written, then a kill), full (ENOSPC) or broken (EIO)."""
+
+    at: int
+    how: str
+
+
+HOWS = ("kill", "part", "full", "broken")
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of the work: what it said before its end, and whether the fault was met."""
+
+    said: tuple[str, ...]
+    met: bool
+
+
+def faults(before: Path, folder: Path, work: Callable[[Path, Say], None]) -> Iterator[tuple[Fault, Outcome]]:
+    """Do the work in `folder`, each time begun as a copy of `before`, once for each fault; yield what it left there."""
+    for how in HOWS:
+        at, met = 0, True
+        while met:
+            at += 1
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(before, folder)
+            outcome = _worked(folder, work, Fault(at, how))
+            met = outcome.met
+            if met:
+                yield Fault(at, how), outcome
+
+
+def _worked(folder: Path, work: Callable[[Path, Say], None], fault: Fault) -> Outcome:
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        _child(folder, work, fault, writing)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        said = pipe.read().decode().splitlines()
+    os.waitpid(child, 0)
+    met = "met" in said
+    return Outcome(tuple(line for line in said if line != "met"), met)
+
+
+def _child(folder: Path, work: Callable[[Path, Say], None], fault: Fault, pipe: int) -> None:
+    write = os.write
+
+    def say(line: str) -> None:
+        write(pipe, f"{line}\n".encode())
+
+    try:
+        with _faulty(fault, say):
+            work(folder, say)
+    except (OSError, AxiscalError) as failure:
+        say(f"raised {type(failure).__name__}: {failure}")
+        os._exit(_RAISED)
+    os._exit(0)
+
+
+@contextmanager
+def _faulty(fault: Fault, say: Say) -> Iterator[None]:
+    count = 0
+
+    def counted(name: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        def called(*arguments: Any, **options: Any) -> Any:
+            nonlocal count
+            count += 1
+            if count != fault.at:
+                return call(*arguments, **options)
+            say("met")
+            if fault.how in ("full", "broken"):
+                code = errno.ENOSPC if fault.how == "full" else errno.EIO
+                raise OSError(code, os.strerror(code))
+            if fault.how == "part" and name == "write":
+                call(arguments[0], bytes(arguments[1])[: len(arguments[1]) // 2])
+            os._exit(KILLED)
+
+        return called
+
+    for name in CALLS:
+        setattr(os, name, counted(name, getattr(os, name)))
+    for module in (durable, result_set):
+        module.exchanged = counted("exchange", durable.exchanged)  # type: ignore[attr-defined]
+    yield

@@ -1,0 +1,81 @@
+"""Faults while results are written: whoever looks finds the earlier set or the new one, and the next try works."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from axiscal.report.result_set import MANIFEST, result_set, write_manifest
+from axiscal.report.summary import RecordState
+from tests.reliability.faults import Say, faults
+from tests.reliability.trial import Trial, scratch
+
+NAMES = ("result.json", "report.html", "tables/linuxcnc/X.comp", "tables/csv/X.csv")
+Content = Mapping[str, str]
+
+
+def write_set(folder: Path, age: str) -> None:
+    """Write results that tell their age."""
+    with result_set(folder) as inside:
+        for name in (*NAMES, f"tables/csv/{age}.csv"):
+            (inside / name).parent.mkdir(parents=True, exist_ok=True)
+            (inside / name).write_text(age)
+        write_manifest(inside, RecordState("mill.axiscal", 3, 64 * "0"), {"axiscal": age})
+
+
+def content(folder: Path) -> Content:
+    """Return the results in a folder, by name."""
+    found = (path for path in folder.rglob("*") if path.is_file() and path.name not in (MANIFEST, "mine.txt"))
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in found}
+
+
+def of_age(age: str) -> Content:
+    """Return what `write_set` writes."""
+    return dict.fromkeys((*NAMES, f"tables/csv/{age}.csv"), age)
+
+
+def alone(first: bool) -> Trial:
+    """Write results into a folder of their own, for the first time or over an earlier set."""
+    what = "faults while results are written" + (" for the first time" if first else " over an earlier set")
+    whole = ({}, of_age("new")) if first else (of_age("old"), of_age("new"))
+    return _tried(what, first, beside=False, allowed=whole)
+
+
+def with_others() -> Trial:
+    """Write results into a folder that holds a file of somebody: then it is the manifest that says what is whole."""
+    return _tried("the same in a folder with other files, by the manifest", False, beside=True, allowed=())
+
+
+def _tried(what: str, first: bool, beside: bool, allowed: tuple[Content, ...]) -> Trial:
+    def work(folder: Path, say: Say) -> None:
+        write_set(folder / "out", "new")
+        say("done")
+
+    def lost(folder: Path, said: tuple[str, ...]) -> bool:
+        out = folder / "out"
+        found = content(out) if out.exists() else {}
+        wrong = ("done" in said and found != of_age("new")) or bool(allowed and found not in allowed)
+        if beside:
+            wrong |= (out / MANIFEST).exists() and not _agrees(out)
+            wrong |= (out / "mine.txt").read_text() != "mine"
+        write_set(out, "again")
+        left = [path.name for path in (*folder.iterdir(), *out.iterdir()) if path.name.startswith(".")]
+        return wrong or content(out) != of_age("again") or bool(left)
+
+    with scratch() as top:
+        before = top / "before"
+        before.mkdir()
+        if not first:
+            write_set(before / "out", "old")
+        if beside:
+            (before / "out" / "mine.txt").write_text("mine")
+        outcomes = [lost(top / "now", outcome.said) for _, outcome in faults(before, top / "now", work)]
+    return Trial(what, len(outcomes), sum(outcomes))
+
+
+def _agrees(out: Path) -> bool:
+    """Whether all that the manifest names is of its age, and there."""
+    manifest = json.loads((out / MANIFEST).read_text())
+    age = manifest["versions"]["axiscal"]
+    return all((out / name).exists() and (out / name).read_text() == age for name in manifest["files"])

@@ -1,0 +1,29 @@
+"""What one kind of trial came to: a row of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+MEMORY = Path("/dev/shm")
+"""A disk in memory, where there is one: what a fault leaves does not depend on how long the disk is waited for."""
+
+
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """Yield an empty folder."""
+    with TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as name:
+        yield Path(name)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What was tried, how often, and how often something was lost, mixed or silent."""
+
+    what: str
+    tried: int
+    lost: int
+    detail: str = ""
