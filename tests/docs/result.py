@@ -67,7 +67,9 @@ class PlaneMap(Fields):
     position_unit: list[str] = Field(description="mm or deg, of each axis")
     value_unit: str = Field(description="um or urad")
     prior_std: list[list[float]] = Field(description="before any reading")
-    whole_mean: list[list[float]] = Field(description="with the curves of both axes, signs as they show at the tool")
+    whole_mean: list[list[float]] = Field(
+        description="with the curves of both axes as the tool shows them, its mean taken off"
+    )
     whole_std: list[list[float]] = Field(description="its whole standard deviation")
     from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
 

@@ -56,7 +56,7 @@ def _beginning(case: Case) -> str:
     setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in case.description.setups)
     target = case.description.target
     return (
-        f"{machine.name}, {machine.chain}: {len(machine.errors)} errors with {case.errors.size} unknowns.\n"
+        f"{machine.name}, {machine.chain}: {len(machine.error_names)} errors with {case.errors.size} unknowns.\n"
         f"Its hidden truth is made of measured curves (axiscal/demo/SOURCES.md). Set-ups:\n{setups}\n"
         f"Target: {micrometres(target.rms or 0.0)} RMS at the tool over the volume."
     )

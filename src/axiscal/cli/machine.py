@@ -69,7 +69,7 @@ def check(
     open_ones = (*questions(machine), *which_way(machine))
     if json:
         axes = [axis.name for axis in machine.axes]
-        errors = [*(error.name for error in machine.errors), *(plane.name for plane in machine.planes)]
+        errors = list(machine.error_names)
         say_document(
             {
                 "schema": "axiscal-machine/1",
@@ -81,7 +81,7 @@ def check(
             }
         )
         return
-    say(f"{machine.name}: {machine.chain}, {len(machine.errors) + len(machine.planes)} errors described.")
+    say(f"{machine.name}: {machine.chain}, {len(machine.error_names)} errors described.")
     for axis in machine.axes:
         side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
         say(f"  {axis.name:3} {axis.travel_text}, {side}")

@@ -44,6 +44,11 @@ class Machine:
         return names.index(axis_name)
 
     @property
+    def error_names(self) -> tuple[str, ...]:
+        """The names of all errors that are described, those of one axis first."""
+        return *(entry.name for entry in self.errors), *(entry.name for entry in self.planes)
+
+    @property
     def zero(self) -> tuple[float, ...]:
         """The pose called machine zero: every axis at 0, or at the end of its travel nearest to it, m or rad."""
         return tuple(min(max(0.0, axis.travel[0]), axis.travel[1]) for axis in self.axes)

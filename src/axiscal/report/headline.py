@@ -17,8 +17,7 @@ def conditions(case: Case) -> str:
     volume = "the part" if case.description.target.part is not None else "the volume"
     stated = any(setup.growth for setup in setups)
     warm = "at 20 degC where a set-up states its temperature" if stated else "as warm as when it was read"
-    count = len(machine.errors)
-    names = " ".join(entry.name for entry in machine.errors)
+    count, names = len(machine.error_names), " ".join(machine.error_names)
     tool = format_quantity(machine.tool, "mm", 4)
     return f"for a tool of {tool}, over {volume}, {warm}, of the {count} errors that are described ({names})"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jinja2 import Environment
 
-from axiscal.report import figures, gallery, headline, sentences, whiskers
+from axiscal.report import figures, gallery, headline, plane_maps, sentences, whiskers
 from axiscal.report.standalone import Drawings, environment, inlined
 from axiscal.report.summary import Summary
 
@@ -31,6 +31,7 @@ def render(summary: Summary) -> str:
         "draw": drawn.add,
         "groups": gallery.groups(summary.curves),
         "reversal_groups": gallery.groups(summary.reversals),
+        "planes": plane_maps.panels(summary),
         "scales": whiskers.scales(summary.constants),
         "accuracy": figures.accuracy(summary) if summary.history else None,
         "innovations": figures.innovations(summary),

@@ -13,8 +13,9 @@ from axiscal.report.digits import number, numbers
 class PlaneSummary:
     """One error of two axes over both; maps have a row for each position of the first axis.
 
-    mean, std, prior_std : of what the axes do together alone, rest included
-    whole_mean, whole_std : with the curves that each axis has alone in the same direction, signs as the tool moves
+    mean, std, prior_std : of what the axes do together alone, rest included; sign : +1 or -1, how the tool shows it
+    whole_mean, whole_std : with the curves that each axis has alone in the same direction, signs as the tool moves,
+        and their mean over the plane taken off
     """
 
     name: str
@@ -29,6 +30,7 @@ class PlaneSummary:
     whole_mean: Sequence[Sequence[float]]
     whole_std: Sequence[Sequence[float]]
     from_readings: float = 0.0
+    sign: float = 1.0
 
 
 def plane_json(plane: PlaneSummary) -> dict[str, Any]:

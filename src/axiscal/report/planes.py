@@ -32,7 +32,8 @@ def _plane(estimation: Banded, plane: PlaneError) -> PlaneSummary:
     poses = np.tile(np.array(errors.machine.zero), (_POSITIONS**2, 1))
     poses[:, list(plane.axes)] = np.stack([grid.ravel() for grid in np.meshgrid(*at, indexing="ij")], axis=1)
     own, whole = (_rows(errors, terms, poses) for terms in ([plane], _beside(errors, plane)))
-    sign = errors.machine.axes[plane.axis].sign
+    whole -= whole.mean(axis=0)  # where the zero lies is no shape
+    sign = float(errors.machine.axes[plane.axis].sign)
     rest = plane.rest**2
     beside = sum(term.rest**2 for term in _beside(errors, plane))
     prior = estimation.case.prior.factor[: errors.size]
@@ -51,6 +52,7 @@ def _plane(estimation: Banded, plane: PlaneError) -> PlaneSummary:
         prior_std=_map(before, unit),
         whole_mean=_map(whole @ mean, unit),
         whole_std=_map(_std(whole, belief.factor[: errors.size], beside), unit),
+        sign=sign,
         from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(before**2), 0.0, 1.0)),
     )
 
