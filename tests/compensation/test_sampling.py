@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
 from axiscal.belief import Belief
 from axiscal.compensation.conditional import mean_along
@@ -17,6 +18,7 @@ from axiscal.compensation.effect import Effect, effect_of_control, table_control
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.sampling import axis_tables, cross_tables, own_table
 from axiscal.compensation.table import CompensationTable
+from axiscal.compensation.uneven import closest
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
@@ -225,3 +227,36 @@ def test_a_spacing_that_does_not_divide_the_travel_is_refused() -> None:
     estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
     with pytest.raises(TableError, match=r"70 mm does not divide the 600 mm of X. 66\.6667 mm would"):
         axis_tables(estimate, spacing=0.07)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed: int) -> None:
+    """Straightness of X alone: the line through the table against scipy's spline at 5000 places, 16 points in both."""
+    text = machine_text("w-b-X-Y-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (0, 300)}, {"EYX": "10 um"}, curve=(13, 60))
+    estimate, _ = known(ErrorModel(machine_from_text(text)), seed)
+    knots, t = np.linspace(0, 0.6, 13), np.linspace(0, 0.6, 5000)
+    curve = CubicSpline(knots, estimate.mean[estimate.model.names["EYX"].columns], bc_type="natural")(t)
+    far = []
+    for uneven in (False, True):
+        (table,) = (table for table in cross_tables(estimate, most=16, uneven=uneven) if table.axis == "Y")
+        assert len(table.positions) <= 16
+        off = np.interp(t, table.positions, table.forward) - curve
+        far.append(np.ptp(off) / 2)  # but for a constant, which zeroing takes away
+    assert far[1] < 0.9 * far[0]
+    assert len(set(np.round(np.diff(table.positions), 9))) > 3
+
+
+def test_a_turn_closes_on_points_that_stand_anywhere() -> None:
+    estimate, _ = known(ErrorModel(load_machine("dmu60")), 4)
+    index = estimate.machine.index("C")
+    even, uneven = (own_table(estimate, index, np.linspace(0, 2 * np.pi, 25), each) for each in (False, True))
+    assert len(uneven.positions) <= 25
+    assert uneven.departure < even.departure
+    assert uneven.forward[0] == uneven.forward[-1]
+
+
+def test_no_even_table_is_left_for_a_worse_one() -> None:
+    """A straight line: nothing is gained, and the even points stay."""
+    at = np.linspace(0.0, 1.0, 101)
+    even = np.linspace(0.0, 1.0, 5)
+    assert closest(np.stack([at, 2 * at]), at, np.array([0.3]), even) is even

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from axiscal.compensation.conditional import mean_along, turned
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.table import CompensationTable
+from axiscal.compensation.uneven import closest, places
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -62,29 +63,37 @@ def axis_tables(
 
 
 def cross_tables(
-    estimate: Estimate, spacing: Spacing = None, most: int = _MOST_POINTS, multiple: float | None = None
+    estimate: Estimate,
+    spacing: Spacing = None,
+    most: int = _MOST_POINTS,
+    multiple: float | None = None,
+    uneven: bool = False,
 ) -> tuple[CompensationTable, ...]:
     """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
 
     Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
+    uneven : points may stand anywhere, and stand where the line is nearest to the curve
     """
     axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
     tables: list[CompensationTable] = []
     for over in axes:
         at = points(estimate.model, over, spacing, most, multiple)
         moved = [k for k in axes if k != over]
-        tables += _tables(estimate, moved, over, at) if moved else []
+        tables += _tables(estimate, moved, over, at, uneven) if moved else []
     return tuple(table for table in tables if _says_something(table))
 
 
-def own_table(estimate: Estimate, axis: int, positions: Array) -> CompensationTable:
-    """Return the table of an axis over its own position.  positions : (n,) m or rad, increasing."""
+def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = False) -> CompensationTable:
+    """Return the table of an axis over its own position.
+
+    positions : (n,) m or rad, increasing; uneven : as many may stand elsewhere between the first and the last
+    """
     hats = _hats(estimate, axis, positions)
     if estimate.machine.axes[axis].rotary:
         rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
     else:
         rows = _along(estimate, [axis], axis, hats)[0]
-    return _fitted(estimate, axis, axis, hats, rows)
+    return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
 
 
 def points(
@@ -133,11 +142,13 @@ def _has_errors(model: ErrorModel, axis: int) -> bool:
     return any(f.axis == axis for f in model.functions)
 
 
-def _tables(estimate: Estimate, moved: Sequence[int], over: int, positions: Array) -> list[CompensationTable]:
+def _tables(
+    estimate: Estimate, moved: Sequence[int], over: int, positions: Array, uneven: bool
+) -> list[CompensationTable]:
     hats = _hats(estimate, over, positions)
     rows = _along(estimate, moved, over, hats)
     seen = [(axis, own) for axis, own in zip(moved, rows, strict=True) if estimate.sees(own.mean(axis=0))]
-    return [_fitted(estimate, axis, over, hats, own) for axis, own in seen]
+    return [(_nearest if uneven else _fitted)(estimate, axis, over, hats, own) for axis, own in seen]
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> Array:
@@ -147,9 +158,23 @@ def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> A
 
 
 def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
-    knots = [f.basis.knots for f in estimate.model.functions if f.axis == over]
+    knots = _knots(estimate, over)
     closed = estimate.machine.axes[over].cyclic
-    return Hats.on(positions, np.concatenate(knots) if knots else positions, estimate.box[over], closed)
+    return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
+
+
+def _knots(estimate: Estimate, over: int) -> Array:
+    """Return where the errors of an axis have their knots, as often as they have them."""
+    return np.concatenate([np.zeros(0), *(f.basis.knots for f in estimate.model.functions if f.axis == over)])
+
+
+def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
+    """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
+    even, at = _fitted(estimate, axis, over, hats, curves), places(*hats.points[[0, -1]])
+    shown = hats.carried(at) @ (curves @ estimate.mean).T
+    other = _hats(estimate, over, closest(shown.T, at, _knots(estimate, over), hats.points))
+    found = _fitted(estimate, axis, over, other, hats.carried(other.nodes) @ curves)
+    return found if found.departure < even.departure else even
 
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:

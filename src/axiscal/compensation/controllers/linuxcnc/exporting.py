@@ -49,7 +49,7 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     estimate = _without(estimate, pivots.names(machine)) if lies else estimate
     new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
     own = tuple(over_turns(t, machine) for t in options.old.within().under_tables(new, machine, ROWS))
-    across = cross_tables(estimate, most=cross.POINTS)
+    across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
     across = options.old.across().under_tables(across, machine, cross.POINTS, even=True)
     over = tuple(t.averaged() for t in across)  # a lincurve has no direction
     offers = [

@@ -27,7 +27,7 @@ def one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
     fits = (ROWS - 1) // (sum(turns(axis)) + 1)
     if not axis.cyclic or len(table.positions) - 1 <= fits:
         return table
-    return own_table(estimate, estimate.machine.index(axis.name), np.linspace(*axis.travel, fits + 1))
+    return own_table(estimate, estimate.machine.index(axis.name), np.linspace(*axis.travel, fits + 1), uneven=True)
 
 
 def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
