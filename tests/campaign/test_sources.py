@@ -6,6 +6,7 @@ import json
 import math
 import shlex
 import sys
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -173,6 +174,67 @@ def test_a_line_that_nobody_asked_for_is_not_taken_for_the_next_answer(answering
     source._lines.put(source._lines.get(timeout=20))  # wait until the second line is there
     with pytest.raises(SourceError, match="without being asked"):
         source.read(REQUEST)
+
+
+FORKS = """
+import os, sys, time
+print("gone to the background", file=sys.stderr, flush=True)
+if os.fork() == 0:
+    print(os.getpid(), file=open(sys.argv[1], "w"), flush=True)
+    time.sleep(600)
+"""
+FLOODS = """
+import sys
+while True:
+    print("word " * 200, file=getattr(sys, sys.argv[1]))
+"""
+
+
+def script(opened: Opened, tmp_path: Path, text: str, argument: str) -> ExecSource:
+    path = tmp_path / "instrument.py"
+    path.write_text(text)
+    source = opened("exec:" + shlex.join([sys.executable, "-u", str(path), argument]))
+    assert isinstance(source, ExecSource)
+    return source
+
+
+def test_a_command_that_leaves_its_work_to_a_child_and_ends_is_noticed(opened: Opened, tmp_path: Path) -> None:
+    """The child keeps the pipes open: waiting for their end would last as long as a reading may."""
+    child = tmp_path / "child"
+    source = script(opened, tmp_path, FORKS, str(child))
+    with pytest.raises(SourceError, match=r"ended with status 0 before it answered.*gone to the background"):
+        source.read(REQUEST)
+    source.close()
+    while not child.exists() or not child.read_text().strip():
+        time.sleep(0.01)
+    for _ in range(1000):
+        if not Path(f"/proc/{child.read_text().strip()}").exists() or "Z" in _state(child):
+            break
+        time.sleep(0.01)
+    else:
+        pytest.fail("the child still runs")
+
+
+def _state(child: Path) -> str:
+    try:
+        return Path(f"/proc/{child.read_text().strip()}/stat").read_text().split()[2]
+    except OSError:
+        return "Z"
+
+
+@pytest.mark.parametrize("where", ["stdout", "stderr"])
+def test_a_flood_is_bounded(
+    where: str, opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(exec_source, "_PASSED", 5)
+    source = script(opened, tmp_path, FLOODS, where)
+    source._timeout = 1.0
+    for _ in range(2):
+        with pytest.raises(SourceError, match=r"without being asked|not a JSON object|has not answered"):
+            source.read(REQUEST)
+    assert source._lines.qsize() <= exec_source._AHEAD
+    source.close()
+    assert len(capsys.readouterr().err.splitlines()) <= 3 * 5
 
 
 def test_a_command_that_will_not_end_is_ended(

@@ -15,3 +15,25 @@ def test_start_loads_nothing_heavy(module: str) -> None:
     program = f"import sys, {module}; print([name for name in {HEAVY!r} if name in sys.modules])"
     loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
     assert loaded.strip() == "[]"
+
+
+STOPPED = """
+import sys
+wanted = sys.argv[1]
+class Stop:
+    def find_spec(self, name, path=None, target=None):
+        if name == wanted:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+import axiscal.cli
+sys.argv = ["axiscal", "status", "none.axiscal"]
+sys.exit(axiscal.cli.main())
+"""
+
+
+@pytest.mark.parametrize("module", ["axiscal.cli.app", "typer", "axiscal.cli.status", "axiscal.campaign.campaign"])
+def test_ctrl_c_while_the_program_is_loaded_is_as_clean_as_later(module: str) -> None:
+    run = subprocess.run([sys.executable, "-c", STOPPED, module], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout) == (1, "")
+    assert run.stderr.startswith("axiscal: Stopped by Ctrl-C")
+    assert "Traceback" not in run.stderr

@@ -49,6 +49,21 @@ def begun() -> Trial:
     return Trial("faults while a record is begun", len(outcomes), sum(outcomes))
 
 
+def read() -> Trial:
+    """Look at a record: the first call that would change the disk would end it, and none is made."""
+
+    def work(folder: Path, say: Say) -> None:
+        say(str(values(folder / NAME)))
+
+    with scratch() as top:
+        before = top / "before"
+        before.mkdir()
+        with Record.create(before / NAME, CREATED) as record:
+            record.append(recorded(1.0))
+        outcomes = [outcome for _, outcome in faults(before, top / "now", work)]
+    return Trial("calls that change the disk while a record is read", 1, len(outcomes))
+
+
 def written() -> Trial:
     """Add to a record, one reading, three at once, another, and copy it."""
 

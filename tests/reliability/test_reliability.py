@@ -12,6 +12,10 @@ def test_a_fault_while_a_record_is_begun_leaves_none_or_a_whole_one() -> None:
     assert record_faults.begun().lost == 0
 
 
+def test_reading_a_record_writes_nothing_so_that_a_full_or_read_only_disk_does_not_matter() -> None:
+    assert record_faults.read().lost == 0
+
+
 def test_a_fault_while_a_record_is_written_loses_nothing_acknowledged() -> None:
     trial = record_faults.written()
     assert (trial.lost, trial.tried > 40) == (0, True)

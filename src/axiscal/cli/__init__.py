@@ -12,6 +12,14 @@ def main() -> int:
 
         sys.stdout.write(f"axiscal {__version__}\n")
         return 0
-    from axiscal.cli.app import run
+    try:  # a signal may come while the program is still being loaded
+        from axiscal.cli.app import run
 
-    return run(sys.argv[1:])
+        return run(sys.argv[1:])
+    except KeyboardInterrupt:
+        sys.stderr.write("axiscal: Stopped by Ctrl-C before anything was done.\n")
+        return 1
+    finally:  # what is to be said has been said: a signal that comes now changes nothing
+        import signal
+
+        signal.signal(signal.SIGINT, signal.SIG_IGN)

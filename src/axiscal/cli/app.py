@@ -53,7 +53,7 @@ def run(arguments: Sequence[str]) -> int:
     except AxiscalError as failure:
         complain(str(failure))
     except KeyboardInterrupt:
-        complain("Stopped by Ctrl-C. Nothing that was recorded is lost.")
+        complain("Stopped by Ctrl-C. Nothing that was recorded is lost; give the command again.")
     except OSError as failure:
         place = f"{failure.filename}: " if failure.filename else ""
         complain(f"{place}{failure.strerror or failure}. Check the name, the permissions and the room on the disk.")

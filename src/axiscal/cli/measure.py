@@ -5,6 +5,7 @@ from __future__ import annotations
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.cli.arguments import OwnRecord
+from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say
 from axiscal.cli.second_thoughts import doubted, others_doubted
 from axiscal.cli.texts import accuracy_text, count_text, micrometres
@@ -38,7 +39,7 @@ def measure(record: OwnRecord) -> None:
     Example:
       axiscal measure mill.axiscal
     """
-    with Campaign.open(record) as campaign:
+    with opened_to_write(record) as campaign:
         prompt = _Prompt(campaign)
         try:
             while (asked := _question(campaign)) is not None and prompt.answered(Question.of(campaign, asked)):

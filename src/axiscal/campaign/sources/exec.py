@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections import deque
 from typing import IO, Any
 
@@ -28,6 +29,14 @@ GRACE = 2.0
 """Seconds that a command has to end by itself when no more readings are wanted."""
 LONGEST = 100_000
 """Characters in one answer."""
+_LOOK = 0.25
+"""Seconds between two looks whether the command still runs; any time that a person does not notice would do."""
+_AHEAD = 100
+"""Lines that are kept before they are wanted; one is right, and a flood is not to fill the memory."""
+_PASSED = 1000
+"""Lines of its stderr that are passed on for each reading; a flood is not to fill the terminal or its file."""
+_WORDS = 300
+"""Characters of each of its last words."""
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
@@ -44,18 +53,21 @@ class ExecSource:
     def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
         self._command, self._timeout = command, timeout
         self._process = _start(command)
-        self._lines: queue.Queue[str] = queue.Queue()
+        self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
         self._last_words: deque[str] = deque(maxlen=3)
+        self._wanted, self._passed = True, 0
         self._listeners = [self._listen(self._hear), self._listen(self._pass_on)]
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
+        self._passed = 0
         self._refuse_unasked()
         self._send(json.dumps(request.message(), ensure_ascii=False))
         return self._understood(self._next_line(), request)
 
     def close(self) -> None:
         """End the command: its input is closed, and if that does not move it, it is terminated."""
+        self._wanted = False
         with contextlib.suppress(OSError):
             _pipe(self._process.stdin).close()
         for farewell in (signal.SIGTERM, signal.SIGKILL):
@@ -65,6 +77,8 @@ class ExecSource:
             except subprocess.TimeoutExpired:
                 _signal(self._process, farewell)
         self._process.wait()
+        if any(listener.is_alive() for listener in self._listeners):  # it has left something behind that still runs
+            _signal(self._process, signal.SIGKILL)
         for listener in self._listeners:
             listener.join(GRACE)
 
@@ -76,21 +90,30 @@ class ExecSource:
     def _hear(self) -> None:
         with _pipe(self._process.stdout) as stream:
             while line := stream.readline(LONGEST + 1):
-                self._lines.put(line)
-        self._lines.put("")
+                self._heard(line)
+        self._heard("")
+
+    def _heard(self, line: str) -> None:
+        """Keep a line until it is wanted; whoever says more has to wait."""
+        while self._wanted:
+            with contextlib.suppress(queue.Full):
+                self._lines.put(line, timeout=_LOOK)
+                return
 
     def _pass_on(self) -> None:
         with _pipe(self._process.stderr) as stream:
-            for line in stream:
-                self._last_words.append(line.strip())
-                sys.stderr.write(line)
-                sys.stderr.flush()
+            while line := stream.readline(LONGEST + 1):
+                self._last_words.append(line.strip()[:_WORDS])
+                self._passed += 1
+                if self._passed <= _PASSED:
+                    sys.stderr.write(line)
+                    sys.stderr.flush()
 
     def _refuse_unasked(self) -> None:
         with contextlib.suppress(queue.Empty):
             line = self._lines.get_nowait()
             if not line:
-                raise self._died()
+                raise self._died(GRACE)
             raise self._failure(f"said {_quoted(line)} without being asked", "Answer each line with exactly one line")
 
     def _send(self, line: str) -> None:
@@ -99,23 +122,27 @@ class ExecSource:
             stream.write(line + "\n")
             stream.flush()
         except (OSError, ValueError):
-            raise self._died() from None
+            raise self._died(GRACE) from None
 
     def _next_line(self) -> str:
-        try:
-            line = self._lines.get(timeout=self._timeout)
-        except queue.Empty:
-            remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
-            raise self._failure(f"has not answered within {self._timeout:g} s", remedy) from None
-        if not line:
-            self._lines.put("")
-            raise self._died()
-        return line
+        until = time.monotonic() + self._timeout
+        while (left := until - time.monotonic()) > 0:
+            ended = self._process.poll() is not None  # looked at first: what it said before is in the pipe
+            with contextlib.suppress(queue.Empty):
+                line = self._lines.get(timeout=min(_LOOK, left))
+                if not line:
+                    self._lines.put("")
+                    raise self._died(GRACE)
+                return line
+            if ended:  # and something that it has started keeps its output open
+                raise self._died(_LOOK)
+        remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
+        raise self._failure(f"has not answered within {self._timeout:g} s", remedy)
 
-    def _died(self) -> SourceError:
+    def _died(self, patience: float) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(GRACE)
-        self._listeners[1].join(GRACE)
+            self._process.wait(patience)
+        self._listeners[1].join(patience)
         status = self._process.returncode
         ending = "closed its output" if status is None else f"ended with status {status}"
         words = f'; its last words were "{" / ".join(self._last_words)}"' if self._last_words else ""
