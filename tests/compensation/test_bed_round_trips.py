@@ -235,3 +235,16 @@ def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, capsy
     said = capsys.readouterr().err
     assert "a height map goes to klipper, marlin or reprapfirmware" in said
     assert "readings first" not in said
+
+
+def test_tables_say_that_they_leave_what_two_axes_do_together(tmp_path: Path) -> None:
+    """A mesh holds it and says nothing; tables of Z over X and over Y cannot."""
+    plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
+    record = estimated(tmp_path, klipper_file(X, Y, warped(X, Y)), "printer.cfg", planes=plane)
+    tables, mesh = exported(record, "csv")["README.txt"], exported(record, "klipper")["README.txt"]
+    found = re.search(r"what two axes do together \(EZXY: ([\d.]+) um RMS over the volume\)", tables)
+    assert found, tables
+    whole = warped(X, Y)
+    alone = whole - whole.mean(axis=0)[None] - whole.mean(axis=1)[:, None] + whole.mean()
+    assert float(found[1]) == pytest.approx(1e3 * np.std(alone), rel=0.5)
+    assert "two axes do together" not in mesh

@@ -8,12 +8,14 @@ import pytest
 from axiscal.accuracy import criterion
 from axiscal.accuracy.criterion import volume_root
 from axiscal.belief import Belief
+from axiscal.design.bound.row_curves import refuse_unless_polynomial
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments, whole_travel
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.exceptions import PlanError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -101,3 +103,9 @@ def test_the_exact_greedy_sequence_over_a_plane_is_the_published_one() -> None:
     rows = observation.rows(0, places, np.ones_like(places)).rows
     even = Belief(np.zeros(model.size), covariance).update(rows, np.zeros(9), np.full(9, 1e-3))
     assert criterion.value(even, root) == pytest.approx(GRID, abs=1e-6)
+
+
+def test_a_proof_is_refused_where_two_axes_act_together() -> None:
+    observation = Observation(ErrorModel(machine_from_text(SQUARE)), (probe(machine_from_text(SQUARE)),))
+    with pytest.raises(PlanError, match="two of its axes act together, EZXY"):
+        refuse_unless_polynomial(observation, 0)

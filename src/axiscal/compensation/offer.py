@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from axiscal.compensation.effect import Control, Effect, effect_of_control, tour
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.foreword import foreword
+from axiscal.compensation.planes_left import planes_left
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -87,7 +88,9 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
     unknown = unknown_rms(estimate, poses, approaches)
-    readme = _readme(controller, draft, effect, unknown, foreword(estimate, draft.control))
+    together = planes_left(estimate, draft.control, poses, approaches)
+    said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
+    readme = _readme(controller, said, effect, unknown, foreword(estimate, draft.control))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
 
 

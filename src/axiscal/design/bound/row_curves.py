@@ -84,6 +84,9 @@ def _why(observation: Observation, mounted: Setup) -> str:
         return "it is read on a chart, on which several axes go together"
     if mounted.station is not None:
         return f"a {mounted.instrument} looks another way at every place"
+    together = [plane.name for plane in observation.errors.planes if set(plane.axes) <= set(mounted.moves)]
+    if together and not any(term.angular for term in observation.errors.terms):
+        return f"two of its axes act together, {' and '.join(together)}"
     return "rotations act through lever arms"
 
 
