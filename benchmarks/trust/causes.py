@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.inference.contradiction import compared
+from axiscal.inference.contradiction import SURE, compared
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator
@@ -86,7 +86,8 @@ def cause_rows(machines: int, count: int) -> Iterator[str]:
     observation = axis()
     for name, attack in ATTACKS.items():
         found = [compared(observation, attacked(observation, seed, count, name)) for seed in range(machines)]
-        said = sum(each.contradicted for each in found) / machines
-        named = [each.explanations[0].family in attack.names for each in found if each.contradicted]
+        surely = [each for each in found if each.highest >= SURE]
+        said = len(surely) / machines
+        named = [each.explanations[0].family in attack.names for each in surely]
         right = f"{sum(named) / len(named):.0%}" if attack.names and named else "–"
         yield f"| {attack.words} | {said:.0%} | {right} |"

@@ -135,14 +135,21 @@ class Result(Fields):
     readings: int = Field(description="how many were taken")
     minutes: float = Field(description="machine time")
     stopped_because: str = Field(description="why the campaign ended, in words")
-    U_um: float = Field(
-        description="expanded uncertainty of the tool point in space over the volume: it is no farther off with 95 %"
+    verdict: Literal["holds", "widened", "contradicted", "unchecked"] = Field(
+        description="what the readings say of the model (docs/conventions.md, Verdicts)"
     )
-    U_axis_um: dict[str, float] = Field(description="the same along x, y and z of the workpiece frame")
-    U_worst_um: float = Field(description="the same in space at the worst place of the volume")
-    U_level: float = Field(description="the probability that they hold: 0.95")
-    k: float = Field(description="coverage factor, `U_um` over `rms_um`")
-    U_holds_for: str = Field(description="tool, volume, temperature and errors that they were evaluated for, in words")
+    verdict_words: str = Field(description="the same in a sentence")
+    U_um: float | None = Field(
+        description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; null "
+        "where contradicted"
+    )
+    U_axis_um: dict[str, float] | None = Field(description="the same along x, y and z of the workpiece frame")
+    U_worst_um: float | None = Field(description="the same in space at the worst place of the volume")
+    U_level: float | None = Field(description="the probability that they hold: 0.95")
+    k: float | None = Field(description="coverage factor, `U_um` over `rms_um`")
+    U_holds_for: str | None = Field(
+        description="tool, volume, temperature and errors that they were evaluated for, in words"
+    )
     rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")

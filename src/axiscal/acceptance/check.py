@@ -28,6 +28,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text
@@ -58,7 +59,7 @@ class Check:
     @classmethod
     def of(cls, campaign: Campaign, controller: str) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
-        estimation = campaign.concluded()
+        estimation = ruled(campaign.concluded())
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)

@@ -10,6 +10,7 @@ U in space solves mean over the poses of P(U²) = 0.95, U along an axis mean of 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ BAND = 1.96
 """Standard deviations of a normal to the edge of a band of that probability."""
 _WORST = 10
 """Poses of the largest trace among which the worst place is looked for: their U differ by 20 % at most."""
-_FARTHEST, _HALVINGS = 12.0, 60
+_FARTHEST, _HALVINGS = 12.0, 44
 """No U is farther than so many roots of the largest trace; halved so often, its bracket is rounding."""
 
 
@@ -61,28 +62,36 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_]) -> Expanded:
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (_reach(variances[:, [axis]]) for axis in range(3))
-    return Expanded(_reach(spectra[evenly]), (x, y, z), max(_reach(spectra[[each]]) for each in worst))
+    return Expanded(_reach(spectra[evenly]), (x, y, z), _largest(spectra[worst]))
+
+
+def _largest(spectra: Array) -> float:
+    """Return the largest distance of single poses."""
+    return float(_bisected(spectra, lambda squares: _within(spectra, squares), len(spectra)).max())
 
 
 def _reach(spectra: Array) -> float:
     """Return the distance U, m, within which the deviation lies with 95 %, over all poses.  spectra : (m, d) λ"""
-    largest = float(spectra.sum(axis=1).max(initial=0.0))
-    if largest == 0:
-        return 0.0
-    low, high = 0.0, _FARTHEST * float(np.sqrt(largest))
+    return float(_bisected(spectra, lambda squares: np.mean(_within(spectra, squares), keepdims=True), 1)[0])
+
+
+def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Array:
+    """Return the distances, (count,) m, whose squares share gives the level.  spectra : (m, d), for where to look"""
+    low = np.zeros(count)
+    high = np.full(count, _FARTHEST * float(np.sqrt(spectra.sum(axis=1).max(initial=0.0))))
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        within = float(np.mean(_within(spectra / largest, middle**2 / largest)))
-        low, high = (middle, high) if within < LEVEL else (low, middle)
+        short = share(middle**2) < LEVEL
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
     return high
 
 
-def _within(spectra: Array, square: float) -> Array:
-    """Return P(Σλ z² ≤ square) at each pose, (m,); 1 where nothing is left to vary."""
-    first, second, third = (factor * np.sum(spectra**power, axis=1) for power, factor in ((1, 1), (2, 2), (3, 8)))
-    open_ = third > 0
-    degrees = 8 * second[open_] ** 3 / third[open_] ** 2
-    at = (square - first[open_]) * np.sqrt(2 * degrees / second[open_]) + degrees
-    result = np.ones(len(spectra))
-    result[open_] = chi_square_share(degrees, np.maximum(at, 0.0))
-    return result
+def _within(spectra: Array, squares: Array) -> Array:
+    """Return P(Σλ z² ≤ square) at each pose, (m,); 1 where nothing is left to vary.  squares : (m,) or (1,)"""
+    largest = spectra.max(axis=1, initial=0.0)
+    still, scale = largest == 0, np.where(largest > 0, largest, 1.0)
+    relative = np.where(still[:, None], 1.0, spectra / scale[:, None])
+    first, second, third = (factor * np.sum(relative**n, axis=1) for n, factor in ((1, 1), (2, 2), (3, 8)))
+    degrees = 8 * second**3 / third**2
+    at = (squares / scale - first) * np.sqrt(2 * degrees / second) + degrees
+    return np.where(still, 1.0, chi_square_share(degrees, np.maximum(at, 0.0)))

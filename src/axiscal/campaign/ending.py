@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.units import to_unit
 
@@ -16,7 +17,6 @@ OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by 
 DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
 BUDGET = "time budget used"
 _HARDLY = 0.99
-_GROSS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,15 @@ def count_reached(target: Target, count: int) -> str | None:
 
 
 def accuracy_reached(target: Target, known: Estimation) -> str | None:
-    """Return in words which accuracy is reached; None where none is."""
+    """Return in words which accuracy is reached, by the verdict on what is known; None where none is."""
+    if _reached(target, known) is None:
+        return None
+    judged = ruled(known)
+    return _reached(target, judged) if ruling_of(judged).promises else DOES_NOT_FIT
+
+
+def _reached(target: Target, known: Estimation) -> str | None:
+    """Return which accuracy is reached by what is known."""
     now = known.accuracy
     factor = 1.0 if target.expanded is None else expanded_uncertainty(known).factor(now.rms)
     wanted = (
@@ -44,7 +52,7 @@ def accuracy_reached(target: Target, known: Estimation) -> str | None:
     )
     for name, limit, seen, whole, k in wanted:
         if limit is not None and seen <= now.attainable(limit / k):
-            return _unless_misfit(f"{name} target reached" + _unless_hidden(k * whole, limit), known)
+            return f"{name} target reached" + _unless_hidden(k * whole, limit)
     return None
 
 
@@ -57,11 +65,6 @@ def futile(target: Target, path: Sequence[Accuracy]) -> bool:
         return False
     before, now = path[-1 - FUTILE], path[-1]
     return now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
-
-
-def _unless_misfit(reached: str, known: Estimation) -> str:
-    """Return that a target is reached, unless the readings contradict the model by which it seems to be."""
-    return DOES_NOT_FIT if known.misfit() > _GROSS else reached
 
 
 def _unless_hidden(whole: float, target: float) -> str:

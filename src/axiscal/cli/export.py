@@ -18,7 +18,7 @@ from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.estimation.defence import defended
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.planning.vouched import vouched_words
@@ -108,10 +108,11 @@ def export(
     )
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        estimation = campaign.concluded()
+        estimation = ruled(campaign.concluded())
         options = informed(options, estimation.case.description, to)
         offered = registry.export(estimation.estimate(), to, options)
-        factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
+        ruling = ruling_of(estimation)
+        factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
         vouched = vouched_words(estimation.case, defended(estimation))
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, vouched, doubts, record_state(campaign))

@@ -7,11 +7,17 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
+<<<<<<< HEAD
 from axiscal.exceptions import AxiscalError, RecordError
+=======
+from axiscal.estimation.ruled import ruled
+from axiscal.exceptions import ReadingError
+>>>>>>> a8011d7 (Every estimate has a verdict: readings that contradict the model widen it by what explains them, or nothing is promised)
 from axiscal.report.delivery import deliver
 from axiscal.report.headline import first_lines
 from axiscal.report.summarising import Extras
 from axiscal.report.summary import Summary, result_json
+<<<<<<< HEAD
 
 
 def write_outputs(
@@ -24,9 +30,29 @@ def write_outputs(
     """
 
     summary = _delivered(campaign, out, extras or Extras(compared=True), again)
+=======
+from axiscal.report.verdict import NOT_KNOWN
+
+RECORD = "campaign.axiscal"
+
+
+def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
+    """Write tables, result and report of a finished campaign to a folder and print them.
+
+    Raises OSError, TableError; ReadingError, when all is written, where the readings contradict every explanation.
+    """
+    summary = deliver(campaign, ruled(campaign.concluded()), out, extras or Extras(compared=True))
+>>>>>>> a8011d7 (Every estimate has a verdict: readings that contradict the model widen it by what explains them, or nothing is promised)
     if as_json:
         say_document(result_json(summary))
-        return
+    else:
+        _tell(summary, out)
+    if summary.withheld:
+        remedy = "See the warnings for what was tried, take the readings again that stand out, or state what changed"
+        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the results written", out / RECORD)
+
+
+def _tell(summary: Summary, out: Path) -> None:
     say(
         f"{first_lines(summary)}\n"
         f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"

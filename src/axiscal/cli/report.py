@@ -10,6 +10,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord
 from axiscal.cli.printing import say
+from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import RecordError
 from axiscal.report.delivery import write_report
 from axiscal.report.summarising import Extras, summarise
@@ -30,7 +31,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.concluded(), Extras(files=[str(record)]))
+        summary = summarise(campaign, ruled(campaign.concluded()), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target)
     say(f"The report is in {target}.")

@@ -13,6 +13,7 @@ from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruled
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.record.events import Asked
@@ -52,7 +53,7 @@ def run_demo(
         if isinstance(first, Asked):
             planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
-        estimation = campaign.concluded()
+        estimation = ruled(campaign.concluded())
         extras = Extras(truth=truth, truth_check=truth_check(estimation, truth), compared=True)
         return deliver(campaign, estimation, out, extras)
 

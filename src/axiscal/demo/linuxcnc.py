@@ -28,6 +28,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -100,7 +101,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
             campaign.run(source, _unwatched)
         finally:
             source.close()
-        estimation, readings = campaign.concluded(), len(campaign.state.readings)
+        estimation, readings = ruled(campaign.concluded()), len(campaign.state.readings)
     tables = export(estimation.estimate(), "linuxcnc", options)
     write_files(tables, out / "tables" / name)
     return _verified(estimation, tables, truth, build, readings)

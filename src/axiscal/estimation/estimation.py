@@ -18,6 +18,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.map_grid import map_grid
+from axiscal.estimation.ruling import Ruling
 from axiscal.estimation.timed import Timed
 from axiscal.inference.fit import Fit
 from axiscal.inference.implausible import objection
@@ -46,6 +47,7 @@ class Estimation:
     fit : the scales, None where none were learnt; learnt_from : number of readings that they were learnt from
     banded : case and knowledge with the bands that are printed: they count that scales are only learnt
     accuracy : how well the machine is known, with these bands
+    ruling : what may be promised of it, where that was asked
     """
 
     stated: Case
@@ -60,6 +62,7 @@ class Estimation:
     banded: Banded
     accuracy: Accuracy
     stages: Stages
+    ruling: Ruling | None = None
 
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.inference.contrast import NO_CONTRAST, Contrast, contrast, explained_squares
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import drawn
 from axiscal.inference.scales import Kind, all_scales
@@ -26,7 +27,7 @@ from axiscal.measurement.departures import Departure, Family, departures
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution
+from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
 
 PRIOR: Mapping[Family, float] = MappingProxyType(
@@ -45,16 +46,18 @@ PRIOR: Mapping[Family, float] = MappingProxyType(
 MODEL = 0.40
 SIZES = 2.0 ** np.arange(7)
 """Standard deviations of a departure's size, in units of the noise."""
-_SIZE_WEIGHTS = np.array([0.26, 0.22, 0.18, 0.13, 0.10, 0.07, 0.04])
+SIZE_WEIGHTS = np.array([0.26, 0.22, 0.18, 0.13, 0.10, 0.07, 0.04])
 SURE = 20.0
 """Odds from which the model is taken to be contradicted: under it they are reached in one campaign of twenty."""
-_SCALES = 0.10
+FITS = 1e-3
+"""An explanation that makes readings so improbable explains nothing."""
+OTHER_SCALES = 0.10
 _FACTORS: Mapping[Kind, tuple[float, ...]] = MappingProxyType(
     {"noise": (1.0, 2.0, 5.0), "std": (1 / 3, 1.0, 3.0), "length": (0.4, 1.0, 2.5)}
 )
-_MOST, _FEW = 300, 120
+MOST, _FEW = 300, 120
 """Readings that are compared: of time, for it grows with their cube."""
-_FEWEST = 3
+FEWEST = 3
 """Fewer readings contradict nothing."""
 _MOST_LOG = 600.0
 """Below what overflows: more is certain."""
@@ -78,18 +81,21 @@ class Explanation(NamedTuple):
 class Comparison:
     """explanations : the likeliest first; evalue : E after all readings; highest : the largest E after any of them
 
-    scales : odds that the model's own scales are others
+    scales : odds that the model's own scales are others; contrast : the test for the end
+    fits : probability of a chi-square as large as the best explanation leaves, departures and other scales among them
     """
 
     explanations: tuple[Explanation, ...]
     evalue: float
     highest: float
     scales: float = 0.0
+    contrast: Contrast = NO_CONTRAST
+    fits: float = 1.0
 
     @property
     def contradicted(self) -> bool:
-        """Whether the readings contradict the model, at whatever time one looked."""
-        return self.highest >= SURE
+        """Whether the readings contradict the model, at whatever time one looked, or by the test for the end."""
+        return self.highest >= SURE or self.contrast.fires
 
     @property
     def caused(self) -> bool:
@@ -104,37 +110,64 @@ def compared(
 
     observation : before any cell is visited; prior : mean and covariance of the errors, where they are not as stated
     """
-    chosen = drawn(readings, _MOST)
-    if len(chosen) < _FEWEST:
+    chosen = drawn(readings, MOST)
+    if len(chosen) < FEWEST:
         return Comparison((), 1.0, 1.0)
     fitted = Fitted.of(observation, chosen, prior)
     lower = lower_root(fitted.covariance())
     possible = list(departures(observation, chosen))
     unit = float(np.sqrt(np.median(fitted.noise)))
-    columns = np.stack([_two(each.columns) for each in possible], axis=1)
-    y, parts = solution(lower, fitted.values), solution(lower, columns.reshape(len(columns), -1)).reshape(columns.shape)
+    y, parts = solution(lower, fitted.values), whitened(lower, possible)
     ends = np.flatnonzero(np.diff(fitted.reading, append=-1) != 0)
     shares = _shares(possible)
     ratios = _ratios(parts, y, unit, ends)
     along = ratios @ shares
     found = _explained(possible, parts, y, unit, shares * ratios[-1])
-    return Comparison(found, float(along[-1]), float(along.max()), _other_scales(observation, chosen, prior))
+    few = drawn(chosen, _FEW)
+    others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
+    fits = _fit_of(parts, y)
+    if fits < FITS:
+        fits = max(fits, _fit_with_other_scales(others, list(departures(observation, few))))
+    return Comparison(found, float(along[-1]), float(along.max()), _odds_of(others), contrast(parts, y), fits)
 
 
-def _other_scales(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None) -> float:
+def _odds_of(others: Evidence) -> float:
     """Return the odds of other scales than stated: noise, size and length of all errors by common factors."""
-    scales = all_scales(observation.errors.machine, observation.setups)
-    evidence = Evidence(observation, drawn(readings, _FEW), scales, prior)
-    gained = averaged_likelihood(evidence) - evidence.log_likelihood(np.zeros(len(scales)))
-    return _SCALES / MODEL * float(np.exp(min(gained, _MOST_LOG)))
+    gained = averaged_likelihood(others) - others.log_likelihood(np.zeros(len(others.scales)))
+    return OTHER_SCALES / MODEL * float(np.exp(min(gained, _MOST_LOG)))
+
+
+def _fit_with_other_scales(others: Evidence, possible: Sequence[Departure]) -> float:
+    """Return the probability of the chi-square at the likeliest of other scales, with the best departure or none."""
+    best = max(common_factors(others), key=others.log_likelihood)
+    lower = lower_root(others.covariance(best))
+    return _fit_of(whitened(lower, possible), solution(lower, others.values))
+
+
+def whitened(lower: Array, possible: Sequence[Departure]) -> Array:
+    """Return L⁻¹ b of each departure, (m, h, 2).  lower : L (m, m)"""
+    columns = np.stack([_two(each.columns) for each in possible], axis=1)
+    white: Array = solution(lower, columns.reshape(len(columns), -1)).reshape(columns.shape)
+    return white
+
+
+def common_factors(evidence: Evidence) -> list[Array]:
+    """Return the logarithms of the scales at common factors on noise, size and length, (27, n)."""
+    every = [dict(zip(_FACTORS, factors, strict=True)) for factors in product(*_FACTORS.values())]
+    return [np.array([np.log(factors.get(scale.kind, 1.0)) for scale in evidence.scales]) for factors in every]
 
 
 def averaged_likelihood(evidence: Evidence) -> float:
     """Return log p(y), averaged over common factors on noise, size and length."""
-    every = [dict(zip(_FACTORS, factors, strict=True)) for factors in product(*_FACTORS.values())]
-    logs = [np.array([np.log(factors.get(scale.kind, 1.0)) for scale in evidence.scales]) for factors in every]
-    found = np.array([evidence.log_likelihood(each) for each in logs])
+    found = np.array([evidence.log_likelihood(each) for each in common_factors(evidence)])
     return float(found.max() + np.log(np.mean(np.exp(found - found.max()))))
+
+
+def _fit_of(parts: Array, y: Array) -> float:
+    """Return the probability of a chi-square as large as what the best departure, or none, leaves of |y|²."""
+    whole = float(y @ y)
+    left = whole - float(explained_squares(parts, y).max(initial=0.0))
+    return max(chi_square_tail(len(y), whole), chi_square_tail(max(len(y) - parts.shape[2], 1), left))
 
 
 def _two(columns: Array) -> Array:
@@ -157,7 +190,7 @@ def _ratios(parts: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Arra
     own, across, others = (np.cumsum(product, axis=0)[ends] for product in (one * one, one * other, other * other))
     pull, second = (np.cumsum(part * y[:, None], axis=0)[ends] for part in (one, other))
     ratio = np.zeros_like(own)
-    for size, weight in zip(unit * SIZES, _SIZE_WEIGHTS, strict=True):
+    for size, weight in zip(unit * SIZES, SIZE_WEIGHTS, strict=True):
         a, b, c = 1 + size**2 * own, 1 + size**2 * others, size**2 * across
         determinant = a * b - c * c
         gained = size**2 * (b * pull**2 - 2 * c * pull * second + a * second**2) / determinant

@@ -30,6 +30,7 @@ class Evidence:
 
     observation : the stated model; scales : those that vary; what is not among them stays as stated
     prior : mean and covariance of the errors, where they are not the stated ones; then only noises and rests vary
+    noise : (m,) variances as stated; functions : the errors; axes : of the machine
     A reading of three numbers counts as three; m is the count of all numbers, `reading` (m,) the index of its reading.
     """
 
@@ -55,11 +56,12 @@ class Evidence:
             rows = self.rows[:, : len(prior[0])]
             self.values = self.values - rows @ prior[0]
             self._fixed = self._fixed + rows @ prior[1] @ rows.T
-        self._noise, self._std_stated = numbers.noise, numbers.std_stated
+        self.noise, self._std_stated = numbers.noise, numbers.std_stated
         self._owners = [readings[int(i)].setup for i in numbers.reading]
         self._terms, machine = observation.errors.terms, observation.machine
         entries: list[Entry] = [*machine.errors, *machine.planes]
         self._entries = {entry.name: entry for entry in entries}
+        self.functions, self.axes = observation.errors.functions, machine.axes
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -139,7 +141,7 @@ class Evidence:
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
-        variances: Array = self._noise * np.where(self._std_stated, 1.0, factors**2)
+        variances: Array = self.noise * np.where(self._std_stated, 1.0, factors**2)
         return variances
 
     def _gradient(self, pull: Array, logs: Array) -> Array:

@@ -33,13 +33,14 @@ class Fit:
     """The most probable scales.
 
     stated, found : log marginal likelihood as stated, and at the scales
-    widening : what it adds to the bands that other scales remain possible
+    widening : what it adds to the bands that other scales remain possible; possible : draws of these
     """
 
     scales: Scales
     stated: float
     found: float
     widening: Widening
+    possible: Mixture
 
     @property
     def gain(self) -> float:
@@ -76,7 +77,8 @@ def fit(
     )
     found = Scales(scales, tuple(np.exp(best)))
     likelihoods = evidence.log_likelihood(0 * best), evidence.log_likelihood(best)
-    return Fit(found, *likelihoods, widening(evidence, possible, _rests(observation, readings, scales, possible)))
+    wider = widening(evidence, possible, _rests(observation, readings, scales, possible))
+    return Fit(found, *likelihoods, wider, possible)
 
 
 def _rests(

@@ -22,7 +22,7 @@ from axiscal.inference.mixture import Mixture
 from axiscal.inference.scales import Kind, Scale
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.gaussian import lower_root, positive_root
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -50,7 +50,7 @@ def widening(evidence: Evidence, mixture: Mixture, rests: Mapping[str, float]) -
         each = _posterior(evidence, logs)
         moved = each.mean - mode.mean
         whole += weight * (each.covariance + np.outer(moved, moved))
-    return Widening(_positive_root(whole - mode.covariance, np.diag(whole)), rests, mixture.size)
+    return Widening(positive_root(whole - mode.covariance, np.diag(whole)), rests, mixture.size)
 
 
 def mean_squares(mixture: Mixture, scales: Sequence[Scale], kind: Kind) -> dict[str, float]:
@@ -64,12 +64,3 @@ def _posterior(evidence: Evidence, logs: Array) -> _Posterior:
     lower = lower_root(evidence.covariance(logs))
     half = solution(lower, rows @ prior)
     return _Posterior(half.T @ solution(lower, evidence.values), prior - half.T @ half)
-
-
-def _positive_root(difference: Array, variances: Array) -> Array:
-    """Return E with E Eᵀ the positive part of a difference of covariances, judged in units of `variances`."""
-    scale = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(difference / scale[:, None] / scale)
-    kept = values > 0
-    root: Array = scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
-    return root

@@ -19,6 +19,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.prediction import tcp_prediction
+from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.library.curve import Curve
@@ -43,7 +44,7 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     """
     description = campaign.description if isinstance(campaign, Case) else read_campaign(campaign, target_needed=False)
     at_hand = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
-    return Estimated(concluded(case_of(description), at_hand))
+    return Estimated(ruled(concluded(case_of(description), at_hand)))
 
 
 def _read(file: str | Path, description: CampaignDescription) -> tuple[Reading, ...]:
@@ -68,9 +69,15 @@ class Estimated(Mapping[str, Curve]):
         """The RMS standard deviation of the tool point over the volume, m."""
         return self.estimation.accuracy.rms
 
+    @property
+    def verdict(self) -> str:
+        """What the readings say of the model: holds, widened, contradicted or unchecked (docs/conventions.md)."""
+        return ruling_of(self.estimation).verdict
+
     def __getitem__(self, name: str) -> Curve:
         """Return one error; raises KeyError for a name that the machine has not."""
-        function, known = self.estimation.case.errors.names[name], self.estimation.knowledge.belief
+        wide = self.estimation.banded
+        function, known = wide.case.errors.names[name], wide.knowledge.belief
         mean, factor = known.mean[function.columns], known.factor[function.columns]
         unit = "urad" if function.angular else "um"
         at = self.machine.axes[function.axis].unit

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,8 @@ _OWN_SHARE, _QUARTER = 0.8, 0.25
 """Shares: bumps overlap a little, and a hump is half as wide as the travel."""
 _FELT = 1e-12
 """m/rad, 1, or rad/rad: rounding of a lever."""
+_POINTS = 400
+"""Points of an axis: a step is met to a four-hundredth of the travel."""
 _A_LINE = 3
 """So many readings tell a rate from a zero."""
 
@@ -78,6 +80,17 @@ class Departure:
     columns: Array
     place: float = 0.0
     function: int | None = None
+
+
+class Followed(NamedTuple):
+    """columns : of the error; coefficients : (k, r) of its spline; left : (r, r) mean products of what is left.
+
+    All None where only the readings suffer.
+    """
+
+    columns: slice | None
+    coefficients: Array | None
+    left: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +186,19 @@ def shape(family: Family, place: float, function: ErrorFunction, axis: Axis, at:
     width = _QUARTER * (high - low) if family == "reversal" else _spacing(function, axis)
     hump: Array = np.exp(-(((at - place) / width) ** 2))[:, None]
     return hump
+
+
+def followed(departure: Departure, functions: Sequence[ErrorFunction], axes: Sequence[Axis]) -> Followed:
+    """Return what splines follow of a departure of size 1 over the travel, by least squares, and what they leave."""
+    if departure.function is None:
+        return Followed(None, None, None)
+    function = functions[departure.function]
+    axis = axes[function.axis]
+    at = axis.travel[0] + axis.length * (np.arange(_POINTS) + 0.5) / _POINTS
+    values, rows = shape(departure.family, departure.place, function, axis, at), function.basis.rows(at)
+    coefficients: Array = np.asarray(np.linalg.lstsq(rows, values, rcond=None)[0])
+    left = values - rows @ coefficients
+    return Followed(function.columns, coefficients, left.T @ left / _POINTS)
 
 
 def _spacing(function: ErrorFunction, axis: Axis) -> float:

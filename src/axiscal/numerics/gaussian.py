@@ -233,3 +233,12 @@ def _triangle(stacked: Array) -> Array:
     """Return R, upper triangular, with RᵀR = stackedᵀ stacked."""
     result: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
     return result
+
+
+def positive_root(difference: Array, variances: Array) -> Array:
+    """Return E with E Eᵀ the positive part of a difference of covariances, judged in units of `variances`, (n,)."""
+    scale = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(difference / scale[:, None] / scale)
+    kept = values > 0
+    root: Array = scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
+    return root

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator
 
 from axiscal.error_model.iso230 import words
-from axiscal.estimation.case import Case
+from axiscal.estimation.believed import with_sides
 from axiscal.estimation.estimation import Estimation
-from axiscal.inference.contradiction import Comparison, Explanation, compared
+from axiscal.inference.contradiction import SURE, Comparison, Explanation
 from axiscal.measurement.place_texts import reading_unit
-from axiscal.measurement.reading import Reading
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding
 from axiscal.units import to_unit
@@ -29,41 +28,26 @@ _MOST = 15
 """Powers of ten of the odds: more are said as so many."""
 
 
-def trusted(estimation: Estimation) -> list[Reading]:
-    """Return the readings that are believed."""
-    doubted = {doubt.reading for doubt in estimation.outliers}
-    return [reading for index, reading in enumerate(estimation.readings) if index not in doubted]
-
-
-def with_sides(estimation: Estimation) -> list[Reading]:
-    """Return those of them of which it is told from which side an axis with a reversal came: a reversal is no drift."""
-    return [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
-
-
-def _side_known(reading: Reading, case: Case) -> bool:
-    """Whether what a reading repeats is not another side of a reversal."""
-    moves = case.description.setup(reading.setup).moves
-    return all(reading.approach[axis] != 0 for axis in case.errors.reversing.intersection(moves))
-
-
-def explained(estimation: Estimation) -> Comparison:
-    """Return how the departures compare with the model as it was learnt, by the readings that are believed."""
-    return compared(estimation.case.observation, with_sides(estimation), estimation.case.inherited)
-
-
 def contradictions(estimation: Estimation, found: Comparison) -> Iterator[Finding]:
     """Yield one sentence for the likeliest cause, if the readings contradict the model; nothing if they do not."""
     if not found.caused:
         return
     first, *others = found.explanations
-    odds = min(math.floor(math.log10(max(found.highest, 1.0))), _MOST)
     what, remedy = _described(first, estimation)
-    text = f"The readings contradict the model (odds of 10^{odds} to 1 at least): {what}; {remedy}."
+    text = f"The readings contradict the model ({_how_surely(found)}): {what}; {remedy}."
     near = [_described(each, estimation)[0] for each in others if each.odds >= _AS_LIKELY * first.odds]
     if near:
         text += f" About as likely: {'; or '.join(near)}."
     owner = first.owner if first.owner in estimation.case.errors.names else None
     yield Finding(_CODES.get(first.family, "lack-of-fit"), owner, text)
+
+
+def _how_surely(found: Comparison) -> str:
+    """Return by which odds, or by which chance where the odds are less than those that are acted on."""
+    if found.highest >= SURE:
+        odds = min(math.floor(math.log10(found.highest)), _MOST)
+        return f"odds of 10^{odds} to 1 at least"
+    return "chance does so in less than one campaign of twenty"
 
 
 def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:

@@ -29,6 +29,7 @@ from axiscal.report.headline import effect_words
 from axiscal.report.result_set import RECORD, result_set, write_manifest
 from axiscal.report.summarising import Extras, record_state, summarise
 from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer, result_json
+from axiscal.report.verdict import NOT_KNOWN
 from axiscal.units import to_unit
 
 CONTROLLERS = ("linuxcnc", "csv")
@@ -75,7 +76,8 @@ def write_report(summary: Summary, path: Path) -> None:
 
 def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summary) -> list[TableOffer]:
     """Write the files for one control and return what they hold and leave, or why there are none."""
-    factor, warnings = summary.expanded.factor, [warning.text for warning in summary.warnings]
+    factor = None if summary.withheld else summary.expanded.factor
+    warnings = [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
     try:
         options = informed(ExportOptions(), estimation.case.description, controller)
@@ -95,13 +97,16 @@ def effect_of(offered: Export) -> TableEffect:
 
 
 def introduced(
-    offered: Export, factor: float, vouched: str, warnings: Sequence[str], record: RecordState | None
+    offered: Export, factor: float | None, vouched: str, warnings: Sequence[str], record: RecordState | None
 ) -> Export:
     """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
 
-    factor : k of the expanded uncertainty; vouched : what the readings can vouch for, in words
+    factor : k of the expanded uncertainty, None where nothing is promised
+    vouched : what the readings can vouch for, in words
     """
-    expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
+    expected = f"WHAT TO EXPECT IS {NOT_KNOWN[:9].upper()}{NOT_KNOWN[9:]}."
+    if factor is not None:
+        expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
     text = offered.readme.replace("\nThese files hold ", f"\n{expected}\n{vouched}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"

@@ -8,9 +8,11 @@ import numpy as np
 
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.undescribed import undescribed
+from axiscal.estimation.believed import trusted, with_sides
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import changes
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.misfit import Misfit, misfits
@@ -20,7 +22,7 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
-from axiscal.report.contradictions import contradictions, explained, trusted, with_sides
+from axiscal.report.contradictions import contradictions
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.report.wide_bands import wide_bands
@@ -56,7 +58,7 @@ def residual_check(estimation: Estimation) -> ResidualCheck | None:
 
 def findings(estimation: Estimation) -> list[Finding]:
     """Return the warnings of an estimate: where something explains what does not fit, that, and not its symptoms."""
-    compared = explained(estimation)
+    compared = ruling_of(estimation).comparison
     symptoms = [] if compared.caused else [*_scales(estimation), *_misfit(estimation)]
     return [
         *_unobservable(estimation),

@@ -32,6 +32,8 @@ def expanded_words(summary: Summary) -> str:
 
 def table_lines(summary: Summary) -> Sequence[str]:
     """Return for each control what is to be expected with its files loaded."""
+    if summary.withheld:
+        return []
     effects = {offer.controller: offer.effect for offer in summary.tables if offer.effect is not None}
     return [effect_words(name, effect, summary.expanded.factor) for name, effect in effects.items()]
 
@@ -45,10 +47,12 @@ def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
 
 def first_lines(summary: Summary) -> str:
     """Return the same for a terminal."""
+    if summary.withheld:
+        return summary.verdict_words
     found = summary.expanded
     lines = [
         f"U = {found.space:.3g} um in space ({LEVEL:.0%}, k = {found.factor:.2f}), {found.conditions}.",
         f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
         f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
     ]
-    return "\n".join([*lines, summary.vouched.words, *table_lines(summary)])
+    return "\n".join([*lines, summary.verdict_words, summary.vouched.words, *table_lines(summary)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from jinja2 import Environment
 
 from axiscal.report import figures, gallery, headline, plane_maps, sentences, whiskers
@@ -25,7 +27,7 @@ _GLYPHS = "●■◆▲✚✖▼⬟★⬢"
 
 def render(summary: Summary) -> str:
     """Return the report as one self-contained HTML page; raises SummaryError for figures that are not finite."""
-    drawn = Drawings()
+    drawn, known = Drawings(), math.inf if summary.withheld else 1.0
     values = {
         "s": summary,
         "draw": drawn.add,
@@ -42,9 +44,9 @@ def render(summary: Summary) -> str:
         "occasion": sentences.occasion(summary),
         "holds_for": headline.expanded_words(summary),
         "table_lines": [line.replace(" um", "\u00a0µm") for line in headline.table_lines(summary)],
-        "u_target": sentences.target_text(summary.expanded.space, summary.target_u_um),
-        "rms_target": sentences.target_text(summary.rms_um, summary.target_rms_um),
-        "worst_target": sentences.target_text(summary.worst_um, summary.target_worst_um),
+        "u_target": sentences.target_text(known * summary.expanded.space, summary.target_u_um),
+        "rms_target": sentences.target_text(known * summary.rms_um, summary.target_rms_um),
+        "worst_target": sentences.target_text(known * summary.worst_um, summary.target_worst_um),
         "glyphs": _GLYPHS,
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
         **inlined(),

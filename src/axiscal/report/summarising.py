@@ -14,6 +14,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
+from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
@@ -39,6 +40,7 @@ from axiscal.report.summary import (
     TruthCheck,
     Uncertainty,
 )
+from axiscal.report.verdict import verdict_words
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -74,6 +76,9 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         usual = traditional(case, len(campaign.state.readings)).rms
         pairs = zip(rows, usual, strict=True)
         rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
+    ruling = ruling_of(estimation)
+    if ruling.verdict == "widened":
+        rows[-1] = _with_figures(rows[-1], estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
         title=f"Calibration of {description.machine.name}",
@@ -109,6 +114,8 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
+        verdict=ruling.verdict,
+        verdict_words=verdict_words(ruling),
     )
 
 
@@ -124,6 +131,12 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated))
+
+
+def _with_figures(row: HistoryRow, estimation: Estimation) -> HistoryRow:
+    """Return a row of the history with the standard uncertainties of an estimation."""
+    now = estimation.accuracy
+    return replace(row, rms_um=to_unit(now.rms, "um"), worst_um=to_unit(now.worst, "um"))
 
 
 def record_state(campaign: Campaign) -> RecordState:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from axiscal.accuracy.expanded import LEVEL
+from axiscal.estimation.ruling import VerdictWord
 from axiscal.planning.vouched import Vouched
 from axiscal.report.digits import number, numbers
 from axiscal.report.plane_summary import PlaneSummary, plane_json
@@ -253,6 +254,13 @@ class Summary:
     versions: Mapping[str, str] = field(default_factory=dict)
     files: Sequence[str] = ()
     record: RecordState | None = None
+    verdict: VerdictWord = "holds"
+    verdict_words: str = ""
+
+    @property
+    def withheld(self) -> bool:
+        """Whether no accuracy is promised."""
+        return self.verdict == "contradicted"
 
 
 def result_json(summary: Summary) -> dict[str, Any]:
@@ -263,7 +271,9 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "readings": summary.readings,
         "minutes": number(summary.minutes, "minutes"),
         "stopped_because": summary.stopped_because,
-        **_expanded(summary.expanded),
+        "verdict": summary.verdict,
+        "verdict_words": summary.verdict_words,
+        **_expanded(summary),
         "rms_um": number(summary.rms_um, "rms_um"),
         "worst_um": number(summary.worst_um, "worst_um"),
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
@@ -277,7 +287,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "observability": list(summary.observability),
         "rejected": [_rejection(rejection) for rejection in summary.rejected],
         "warnings": [{"code": w.code, "error": w.error, "text": w.text} for w in summary.warnings],
-        "tables": [_table(offer, summary.expanded.factor) for offer in summary.tables],
+        "tables": [_table(offer, summary) for offer in summary.tables],
         "versions": dict(sorted(summary.versions.items())),
         **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
     }
@@ -305,7 +315,10 @@ def _targets(summary: Summary) -> dict[str, Any]:
     return found
 
 
-def _expanded(found: Uncertainty) -> dict[str, Any]:
+def _expanded(summary: Summary) -> dict[str, Any]:
+    if summary.withheld:
+        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for"))
+    found = summary.expanded
     x, y, z = numbers(found.axes, "U_axis_um", 3)
     return {
         "U_um": number(found.space, "U_um"),
@@ -356,8 +369,8 @@ def _constant(constant: ConstantSummary) -> dict[str, Any]:
     }
 
 
-def _table(offer: TableOffer, factor: float) -> dict[str, Any]:
-    found = offer.effect
+def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
+    found, factor = offer.effect, summary.expanded.factor
     return {
         "controller": offer.controller,
         "file": offer.file if found is not None else None,
@@ -365,7 +378,7 @@ def _table(offer: TableOffer, factor: float) -> dict[str, Any]:
         "before_um": None if found is None else number(found.before, "before_um of a table"),
         "after_um": None if found is None else number(found.after, "after_um of a table"),
         "expected_um": None if found is None else number(found.expected, "expected_um of a table"),
-        "U_um": None if found is None else number(factor * found.expected, "U_um of a table"),
+        "U_um": None if found is None or summary.withheld else number(factor * found.expected, "U_um of a table"),
         "left_out": offer.left_out,
     }
 

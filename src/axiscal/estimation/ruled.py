@@ -1,0 +1,118 @@
+"""Sixth stage: whether the readings contradict the model, what explains them then, and what may be promised.
+
+    known = ruled(concluded(case, readings))
+    known.ruling.verdict
+
+Rules in this order: `contradicted` where the test fires and the likeliest explanation itself fits with p < 0.001, or
+the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
+were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.accuracy.expanded import Expanded, expanded
+from axiscal.belief import Belief
+from axiscal.estimation.bands import Banded
+from axiscal.estimation.believed import with_sides
+from axiscal.estimation.defence import Defence, defended
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.ruling import Ruling, VerdictWord
+from axiscal.inference.averaging import Average, average
+from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
+from axiscal.inference.fit import drawn
+from axiscal.inference.terms import evidence_of
+from axiscal.measurement.departures import departures
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+GROSS = 5.0
+"""So many times as much as the model says: no band of it means anything."""
+_VOUCHED = 1.25
+"""A promise that the readings can vouch for within so much of itself is checked."""
+_BELIEVED, _TELLING = 0.5, 5
+"""No explanation is believed by half, and there are readings enough to tell a factor on the variance."""
+
+
+def ruling_of(known: Estimation) -> Ruling:
+    """Return the verdict on an estimation, found now where it was not asked before."""
+    found = known.ruling or ruled(known).ruling
+    assert found is not None
+    return found
+
+
+@one_thread()
+def ruled(known: Estimation) -> Estimation:
+    """Return what is known with the verdict, and where that is `widened` with means and bands of the mixture."""
+    readings, defence = with_sides(known), defended(known)
+    if len(readings) < FEWEST:
+        comparison = Comparison((), 1.0, 1.0)
+        return replace(known, ruling=Ruling("unchecked", comparison, _expanded(known.banded), defence.u_def))
+    comparison = compared(known.case.observation, readings, known.case.inherited)
+    mixture = _average(known, readings)
+    verdict = _verdict(known, comparison, defence)
+    factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
+    wide = _mixed(known, mixture, verdict, factor)
+    figures = _larger(_expanded(known.banded), _expanded(wide))
+    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor)
+    if verdict != "widened":
+        return replace(known, ruling=ruling)
+    return replace(known, ruling=ruling, banded=wide, accuracy=wide.case.yardstick.measure(wide.knowledge.belief))
+
+
+def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> VerdictWord:
+    if known.misfit() > GROSS or (comparison.contradicted and comparison.fits < FITS):
+        return "contradicted"
+    if comparison.contradicted:
+        return "widened"
+    return "unchecked" if defence.u_def > _VOUCHED * defence.promise else "holds"
+
+
+def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
+    observation, prior = known.case.observation, known.case.inherited
+    evidence, terms = evidence_of(observation, readings, known.fit, prior)
+    return average(evidence, list(departures(observation, drawn(readings, MOST))), terms)
+
+
+def _mixed(known: Estimation, mixture: Average, verdict: VerdictWord, factor: float) -> Banded:
+    """Return case and knowledge with the moments of the mixture; its mean where the model's is not believed."""
+    case = known.banded.case
+    rests = {f.name: float(np.hypot(f.rest, np.sqrt(mixture.rests.get(f.name, 0.0)))) for f in case.errors.functions}
+    wider = case.with_rests(rests)
+    moved, added = (mixture.moved, mixture.about_mixture) if verdict == "widened" else (None, mixture.about_model)
+    observation = replace(known.banded.knowledge.observation, errors=wider.errors)
+    return Banded(wider, Knowledge(observation, _belief(known.knowledge.belief, moved, added, factor)))
+
+
+def _belief(belief: Belief, moved: Array | None, added: Array, factor: float) -> Belief:
+    """Return the belief with its first coefficients moved, E Eᵀ added, and all variances times a factor."""
+    mean, covariance, size = belief.mean.copy(), belief.covariance, len(added)
+    covariance[:size, :size] += added @ added.T
+    if moved is not None:
+        mean[:size] += moved
+    return Belief(mean, factor * (covariance + covariance.T) / 2)
+
+
+def _inflation(known: Estimation, comparison: Comparison, mixture: Average) -> float:
+    """Return Birge's factor where no explanation is believed, 1 where one is."""
+    odds = [each.odds for each in comparison.explanations]
+    believed = max([mixture.model, *(each / (1.0 + sum(odds)) for each in odds)])
+    degrees = sum(each.degrees for each in known.innovations)
+    if believed > _BELIEVED or degrees < _TELLING:
+        return 1.0
+    return max(1.0, sum(each.chi_square for each in known.innovations) / degrees)
+
+
+def _expanded(wide: Banded) -> Expanded:
+    return expanded(wide.case.yardstick, wide.knowledge.belief)
+
+
+def _larger(first: Expanded, second: Expanded) -> Expanded:
+    x, y, z = (max(pair) for pair in zip(first.axes, second.axes, strict=True))
+    return Expanded(max(first.space, second.space), (x, y, z), max(first.worst, second.worst))

@@ -1,0 +1,39 @@
+"""The verdict on an estimate, and what it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from axiscal.accuracy.expanded import Expanded
+from axiscal.inference.contradiction import Comparison
+
+VerdictWord = Literal["holds", "widened", "contradicted", "unchecked"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Ruling:
+    """verdict : in one word
+
+        contradicted  the readings contradict every explanation that was tried: nothing is promised
+        widened       they contradict the model; what explains them is averaged over, in means and bands
+        unchecked     they could not have shown what would make the promise much too good
+        holds         they could have contradicted it, and did not
+
+    comparison : of the departures with the model; expanded : what may be promised, never less than the model does
+    vouched : U_def, what the readings can vouch for, standard uncertainty, m
+    model : the share of the belief that the model as it is holds, other scales among it, 0 to 1
+    inflated : the factor on the variances of the last resort (Birge), 1 where it is not needed
+    """
+
+    verdict: VerdictWord
+    comparison: Comparison
+    expanded: Expanded
+    vouched: float
+    model: float = 1.0
+    inflated: float = 1.0
+
+    @property
+    def promises(self) -> bool:
+        """Whether an accuracy may be said at all."""
+        return self.verdict != "contradicted"
