@@ -7,17 +7,13 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
-<<<<<<< HEAD
-from axiscal.exceptions import AxiscalError, RecordError
-=======
 from axiscal.estimation.ruled import ruled
-from axiscal.exceptions import ReadingError
->>>>>>> a8011d7 (Every estimate has a verdict: readings that contradict the model widen it by what explains them, or nothing is promised)
+from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.report.delivery import deliver
 from axiscal.report.headline import first_lines
 from axiscal.report.summarising import Extras
 from axiscal.report.summary import Summary, result_json
-<<<<<<< HEAD
+from axiscal.report.verdict import NOT_KNOWN
 
 
 def write_outputs(
@@ -26,30 +22,18 @@ def write_outputs(
     """Write record, tables, result and report of a finished campaign to a folder and print them.
 
     again : what to do after a failure, by default another `finish`
-    Raises RecordError, TableError; AxiscalError after Ctrl-C.
+    Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all is written, where the readings
+    contradict every explanation.
     """
 
     summary = _delivered(campaign, out, extras or Extras(compared=True), again)
-=======
-from axiscal.report.verdict import NOT_KNOWN
-
-RECORD = "campaign.axiscal"
-
-
-def write_outputs(campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None) -> None:
-    """Write tables, result and report of a finished campaign to a folder and print them.
-
-    Raises OSError, TableError; ReadingError, when all is written, where the readings contradict every explanation.
-    """
-    summary = deliver(campaign, ruled(campaign.concluded()), out, extras or Extras(compared=True))
->>>>>>> a8011d7 (Every estimate has a verdict: readings that contradict the model widen it by what explains them, or nothing is promised)
     if as_json:
         say_document(result_json(summary))
     else:
         _tell(summary, out)
     if summary.withheld:
         remedy = "See the warnings for what was tried, take the readings again that stand out, or state what changed"
-        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the results written", out / RECORD)
+        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the results written", out)
 
 
 def _tell(summary: Summary, out: Path) -> None:
@@ -69,7 +53,7 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
     try:
-        return deliver(campaign, campaign.concluded(), out, extras)
+        return deliver(campaign, ruled(campaign.concluded()), out, extras)
     except OSError as failure:
         what = f"The results were not written: {failure.strerror or failure}"
         remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
