@@ -102,6 +102,10 @@ class RecordError(InputError):
     """A campaign record that cannot be opened, or a step that does not fit its state."""
 
 
+class OvertakenError(RecordError):
+    """A step that was meant for a state of the record in which it is no longer."""
+
+
 class SourceError(InputError):
     """A source of readings that died, stalled or answered nonsense."""
 

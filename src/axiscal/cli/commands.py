@@ -18,6 +18,7 @@ _FILES = {
     "plan": "plan",
     "start": "start",
     "measure": "measure",
+    "serve": "serve",
     "next": "next_reading",
     "record": "record",
     "undo": "undo",

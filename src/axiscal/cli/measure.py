@@ -7,20 +7,18 @@ from axiscal.campaign.ending import Ended
 from axiscal.cli.arguments import OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say
-from axiscal.cli.second_thoughts import doubted, others_doubted
 from axiscal.cli.texts import accuracy_text, count_text, micrometres
-from axiscal.cli.undo import taken_back
 from axiscal.exceptions import AxiscalError
 from axiscal.guide.answers import Value, Word, answer
+from axiscal.guide.expectation import BAND, SURPRISING
+from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.progress import Progress
-from axiscal.guide.question import Question, way_text
+from axiscal.guide.question import Question
+from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.taking_back import take_back
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
-_BAND = 2.0
-"""Standard deviations about the expectation that are shown; a matter of taste."""
-_SURPRISING = 4.0
-"""Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
 _HELP = """\
   -1.7           keep a reading, in the unit that is shown; a decimal comma does as well
   0.0021 mm      keep a reading in another unit
@@ -97,7 +95,7 @@ class _Prompt:
         if typed.action == "pause":
             return False
         if typed.action == "undo":
-            say(f"  {taken_back(self.campaign)[0]}")
+            say(f"  {take_back(self.campaign).sentence}")
             return True
         if typed.action == "skip":
             self.campaign.skip(typed.text or input("  why can it not be taken? "))
@@ -109,7 +107,7 @@ class _Prompt:
     def _keep(self, typed: Value, question: Question) -> bool | None:
         vouched = False
         surprise = question.expected.surprise(typed.values)
-        if surprise >= _SURPRISING:
+        if surprise >= SURPRISING:
             say(f"  That is {surprise:.1f} standard deviations from what is expected, {_expected(question)}.")
             word = input("  Type k to keep it, v to keep it and vouch for it, Enter to read again: ").strip().lower()
             if word not in ("k", "v"):
@@ -126,14 +124,8 @@ class _Prompt:
 
 
 def _mounting(question: Question) -> str:
-    setup = question.setup
-    moves = f"; it reads while {question.go.split(' = ')[0]} moves" if question.go.count("=") == 1 else ""
-    lines = [f'\nSet-up "{setup.name}": mount the {setup.instrument}, reading {way_text(setup)}{moves}.']
-    lines += [f"  park      {question.parked}"] if question.parked else []
-    lines += [f"  go to     {question.go}"] if question.go else []
-    if any(unknown.name.startswith("zero") for unknown in setup.unknowns):
-        lines.append("  then      set its display to zero there; the zero need not be exact")
-    return "\n".join(lines)
+    steps = [f"  {name:<9} {what}" for name, what in mount_steps(question)]
+    return "\n".join([f'\nSet-up "{question.setup.name}": {mount_sentence(question)}.', *steps])
 
 
 def _headline(campaign: Campaign, question: Question) -> str:
@@ -161,7 +153,7 @@ def _shown(question: Question) -> str:
 
 def _expected(question: Question) -> str:
     pairs = zip(question.expected.mean, question.expected.std, strict=True)
-    return ", ".join(f"{_plain(m, question.unit)} ± {_plain(_BAND * s, question.unit)}" for m, s in pairs) + (
+    return ", ".join(f"{_plain(m, question.unit)} ± {_plain(BAND * s, question.unit)}" for m, s in pairs) + (
         f" {question.unit}"
     )
 

@@ -12,8 +12,9 @@ from axiscal.cli.leaving import Stand
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.second_thoughts import doubted, others_doubted
-from axiscal.cli.texts import asked_text, next_text, question_document
+from axiscal.cli.texts import next_text, question_document
+from axiscal.guide.question import asked_text
+from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading

@@ -5,7 +5,8 @@ from __future__ import annotations
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, asked_text, count_text, question_text
+from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.guide.question import asked_text
 from axiscal.units import format_quantity, to_unit
 
 

@@ -6,7 +6,7 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.guide.question import coming_text, go_text, parked_text, touch_text, way_text
-from axiscal.measurement.place_texts import place_text, reading_unit
+from axiscal.measurement.place_texts import reading_unit
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -37,13 +37,6 @@ def next_text(campaign: Campaign, asked: Asked | Ended) -> str:
     if isinstance(asked, Ended):
         return f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {campaign.path} --out DIR"
     return question_text(campaign, asked)
-
-
-def asked_text(campaign: Campaign, asked: Asked) -> str:
-    """Return which reading was asked for: 'reading 7 in "laser" at X = 120 mm'."""
-    setup = campaign.description.setup(asked.place.setup)
-    where = place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
-    return f'reading {asked.reading} in "{setup.name}" at {where}'
 
 
 def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,11 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+
+BAND = 2.0
+"""Standard deviations about the expectation that are shown; a matter of taste."""
+SURPRISING = 4.0
+"""Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -28,8 +34,13 @@ class Expectation:
 
 def expectation(known: Estimation, place: Place) -> Expectation:
     """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
+    return expectations(known, [place])[0]
+
+
+def expectations(known: Estimation, places: Sequence[Place]) -> tuple[Expectation, ...]:
+    """Return what the readings so far say of the next one, wherever it may be, each by itself."""
     case, knowledge = known.banded
-    values = INSTRUMENTS[case.description.setup(place.setup).instrument].values
-    blank = Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1))
-    (innovation,) = block(knowledge, [blank], np.zeros(1)).innovations
-    return Expectation(-np.atleast_1d(innovation.value), np.atleast_1d(innovation.std))
+    values = {setup.name: INSTRUMENTS[setup.instrument].values for setup in case.description.setups}
+    blanks = [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * (values[p.setup] - 1)) for p in places]
+    innovations = block(knowledge, blanks, np.zeros(len(blanks))).innovations
+    return tuple(Expectation(-np.atleast_1d(each.value), np.atleast_1d(each.std)) for each in innovations)

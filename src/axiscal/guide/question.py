@@ -92,3 +92,10 @@ def touch_text(campaign: Campaign, asked: Asked) -> str:
     tip = frames(machine, np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
     return f"ball {ball.name} of {setup.artefact.name}: {way}"
+
+
+def asked_text(campaign: Campaign, asked: Asked) -> str:
+    """Return which reading was asked for: 'reading 7 in "laser" at X = 120 mm'."""
+    setup = campaign.description.setup(asked.place.setup)
+    where = place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
+    return f'reading {asked.reading} in "{setup.name}" at {where}'

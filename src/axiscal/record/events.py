@@ -263,6 +263,8 @@ class Folding:
         if not self._undo or self._undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
         step = self._undo.pop()
+        if self._pending is not None:
+            self._plan.insert(0, self._pending.place)  # it was asked for and never taken
         if isinstance(step.event, Recorded):
             self._readings.pop()
         elif isinstance(step.event, Skipped):

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.record.alone import HeldError, alone
 from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
 from axiscal.record.events import Created, Event, EventOrderError, Folding, State, Stored
@@ -119,7 +119,7 @@ class Record:
             self._refuse_moved(handle)
             self._catch_up()
             if after is not None and self._mark.last != after:
-                raise RecordError(
+                raise OvertakenError(
                     "Another process has written to this record in the meantime",
                     "Look at it with `axiscal status`, then give the command again",
                     self.path,

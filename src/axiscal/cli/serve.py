@@ -1,0 +1,30 @@
+"""`axiscal serve`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import OwnRecord
+from axiscal.cli.printing import say
+from axiscal.web.serving import serve_record
+
+
+def serve(
+    record: OwnRecord,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, show_default=False, help="Port; default: any that is free.")
+    ] = 0,
+) -> None:
+    """Take the readings of a campaign on a page in the browser, until Ctrl-C.
+
+    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
+    `axiscal measure` beside them, may be open at once: each reading is on the disk before the next one is asked for.
+
+    \b
+    Example:
+      axiscal serve mill.axiscal
+    """
+    serve_record(record, port, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept."))
+    say("Ended; every reading is kept.")

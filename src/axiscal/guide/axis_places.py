@@ -1,0 +1,42 @@
+"""Where each axis is to stand for a reading, and from which side it comes there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.measurement.place_texts import shown_coordinate
+from axiscal.record.events import Asked
+
+
+@dataclass(frozen=True, slots=True)
+class AxisPlace:
+    """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
+
+    changed : whether it stood elsewhere at the reading before, or there was none
+    side : "+" where it comes from below, "-" from above, "" where that does not matter
+    """
+
+    axis: str
+    value: float
+    unit: str
+    moves: bool
+    changed: bool
+    side: str
+
+
+def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
+    """Return where the axes are to stand, in chain order."""
+    setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
+    before = readings[-1].pose if readings else None
+    return tuple(
+        AxisPlace(
+            axis=axis.name,
+            value=shown_coordinate(asked.place.pose[k], axis),
+            unit=axis.unit,
+            moves=k in setup.moves,
+            changed=before is None or before[k] != asked.place.pose[k],
+            side={1: "+", -1: "-"}.get(asked.place.approach[k], ""),
+        )
+        for k, axis in enumerate(campaign.description.machine.axes)
+    )

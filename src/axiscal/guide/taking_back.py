@@ -1,0 +1,48 @@
+"""What `undo` would take back, and what it has taken back, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.guide.question import asked_text
+from axiscal.measurement.place_texts import reading_text
+from axiscal.record.events import Recorded, Skipped
+
+
+@dataclass(frozen=True, slots=True)
+class TakenBack:
+    """kind : "recorded", "skipped" or "finished"; what : the same in words; number : of the reading; left : readings"""
+
+    kind: str
+    what: str
+    number: int | None
+    left: int
+
+    @property
+    def sentence(self) -> str:
+        """What was taken back and what is kept."""
+        return f"Took back {self.what}; {self.left} {'reading is' if self.left == 1 else 'readings are'} kept."
+
+
+def take_back(campaign: Campaign) -> TakenBack:
+    """Take back the last reading, skip or finish, and return that; raises RecordError if there is none."""
+    what, number = last_step(campaign)
+    kind = type(campaign.undo().event).__name__.lower()
+    return TakenBack(kind, what, number, len(campaign.state.readings))
+
+
+def last_step(campaign: Campaign) -> tuple[str, int | None]:
+    """Return what would be taken back, "" where there is nothing, and the number of its reading."""
+    state, description = campaign.state, campaign.description
+    if not state.undo:
+        return "", None
+    event = state.undo[-1].event
+    if isinstance(event, Recorded):
+        index, reading = len(state.readings) - 1, state.readings[-1]
+        setup = description.setup(reading.setup)
+        return reading_text(description.machine.axes, setup, reading, index), reading.number
+    if isinstance(event, Skipped):
+        asked = state.skipped[-1].asked
+        return f"the skip of {asked_text(campaign, asked)}", asked.reading
+    return "the end", None

@@ -1,0 +1,1 @@
+"""The operator's page: the guide and the campaign in a browser on the same computer, over a versioned JSON API."""

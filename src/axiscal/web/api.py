@@ -1,0 +1,166 @@
+"""The routes: the page, its two files, and the JSON API, version 1."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from functools import partial
+from importlib import resources
+from typing import Annotated, TypeVar
+
+from pydantic import Field, ValidationError
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import Route
+
+from axiscal.exceptions import AxiscalError, OvertakenError
+from axiscal.web.counter import Counter
+from axiscal.web.desk import Desk, SurprisingError
+from axiscal.web.guard import Guard, Pass
+from axiscal.web.problems import document, problem
+from axiscal.web.shapes import (
+    TEXT,
+    DoneShape,
+    KeepRequest,
+    Shape,
+    SkipRequest,
+    StepRequest,
+)
+
+ROOT = "/api/1"
+_FILES = {
+    "page.css": "text/css",
+    "page.js": "text/javascript",
+    "pictures.js": "text/javascript",
+    "icon.svg": "image/svg+xml",
+}
+_LONGEST = 25.0
+"""s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
+_Answer = Callable[[Request], Awaitable[Response]]
+_Body = TypeVar("_Body", bound=Shape)
+
+
+class WaitQuery(Shape):
+    """Wait until the state has another version than `seen`, at most `wait` seconds."""
+
+    seen: Annotated[int, Field(ge=0)] = 0
+    wait: Annotated[float, Field(ge=0, le=_LONGEST, allow_inf_nan=False)] = 0.0
+
+
+class TypedQuery(Shape):
+    """A text as it is typed."""
+
+    text: Annotated[str, Field(max_length=TEXT)]
+
+
+def application(counter: Counter, admitted: Pass) -> Guard:
+    """Return the whole page behind its guard."""
+    api = _Api(counter)
+    steps = {"readings": api.keep, "skips": api.skip, "undo": api.undo, "next": api.go_on, "finish": api.finish}
+    routes = [
+        Route("/", partial(_file, "page.html", "text/html"), methods=["GET"]),
+        *(Route(f"/{name}", partial(_file, name, kind), methods=["GET"]) for name, kind in _FILES.items()),
+        Route("/report.html", api.report, methods=["GET"]),
+        Route(f"{ROOT}/state", api.state, methods=["GET"]),
+        Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
+        *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
+    ]
+    app = Starlette(routes=routes, exception_handlers={HTTPException: _not_here}, lifespan=_watching(counter))
+    app.router.redirect_slashes = False
+    return Guard(app, admitted)
+
+
+class _Api:
+    """What the routes answer."""
+
+    def __init__(self, counter: Counter) -> None:
+        self._counter = counter
+
+    async def state(self, request: Request) -> Response:
+        return await _asked(WaitQuery, dict(request.query_params), self._state)
+
+    async def _state(self, query: WaitQuery) -> Response:
+        return document(await self._counter.newer(query.seen, query.wait))
+
+    async def typed(self, request: Request) -> Response:
+        return await _asked(TypedQuery, dict(request.query_params), self._typed)
+
+    async def _typed(self, query: TypedQuery) -> Response:
+        return document(self._counter.read(query.text))
+
+    async def keep(self, request: Request) -> Response:
+        return await self._step(KeepRequest, request, lambda r: partial(_keep, r))
+
+    async def skip(self, request: Request) -> Response:
+        return await self._step(SkipRequest, request, lambda r: lambda desk: desk.skip(r.after, r.reason))
+
+    async def undo(self, request: Request) -> Response:
+        return await self._step(StepRequest, request, lambda r: lambda desk: desk.undo(r.after))
+
+    async def go_on(self, request: Request) -> Response:
+        return await self._step(StepRequest, request, lambda r: lambda desk: desk.go_on(r.after))
+
+    async def finish(self, request: Request) -> Response:
+        return await self._step(StepRequest, request, lambda r: lambda desk: desk.finish(r.after))
+
+    async def report(self, request: Request) -> Response:
+        """The report, which allows its own scripts by their hashes and asks for nothing."""
+        file = self._counter.report
+        if not file.is_file() or file.resolve().parent.parent != self._counter.folder.resolve():
+            return problem(404, "missing", "There is no report yet")
+        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
+
+    async def _step(
+        self, kind: type[_Body], request: Request, step: Callable[[_Body], Callable[[Desk], str]]
+    ) -> Response:
+        async def done(body: _Body) -> Response:
+            said = await self._counter.do(step(body))
+            return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+
+        return await _asked(kind, await request.body(), done)
+
+
+def _keep(request: KeepRequest, desk: Desk) -> str:
+    return desk.keep(request.after, request.text, keep=request.keep, vouch=request.vouch)
+
+
+async def _asked(
+    kind: type[_Body], given: bytes | dict[str, str], answer: Callable[[_Body], Awaitable[Response]]
+) -> Response:
+    """Answer what was asked if it has the right form; turn every refusal into a document."""
+    try:
+        body = kind.model_validate_json(given) if isinstance(given, bytes) else kind.model_validate(given)
+        return await answer(body)
+    except ValidationError as failure:
+        first = failure.errors(include_url=False, include_input=False, include_context=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
+    except SurprisingError as failure:
+        return problem(409, "surprising", str(failure), failure.surprise)
+    except OvertakenError as failure:
+        return problem(409, "overtaken", str(failure))
+    except AxiscalError as failure:
+        return problem(422, "refused", str(failure))
+
+
+async def _file(name: str, kind: str, request: Request) -> Response:
+    return Response(resources.files("axiscal.web").joinpath("static", name).read_bytes(), media_type=kind)
+
+
+async def _not_here(request: Request, failure: Exception) -> Response:
+    status = failure.status_code if isinstance(failure, HTTPException) else 500
+    code, said = ("method", "This cannot be done here") if status == 405 else ("missing", "There is nothing here")
+    return problem(status, code, said)
+
+
+def _watching(counter: Counter) -> Callable[[Starlette], AbstractAsyncContextManager[None]]:
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        watch = asyncio.create_task(counter.watch())
+        yield
+        watch.cancel()
+
+    return lifespan

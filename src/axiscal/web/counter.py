@@ -1,0 +1,120 @@
+"""Between many browsers and the one desk: steps wait in a row, new states are handed to all who wait for them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Self, TypeVar
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.numerics.threads import one_thread
+from axiscal.web.desk import Desk
+from axiscal.web.shapes import StateShape, TypedShape
+
+LOOKS = 0.25
+"""s between looks at the record: what others write is shown within a second."""
+_Result = TypeVar("_Result")
+
+
+class Counter:
+    """One record, open on a thread of its own; made by `open`.
+
+    state : the newest document, that a page is shown at once
+    """
+
+    def __init__(self, desk: Desk, thread: ThreadPoolExecutor) -> None:
+        self._desk, self._thread = desk, thread
+        self.state, self._news = desk.state, asyncio.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._ending = False
+
+    @classmethod
+    def open(cls, record: Path) -> Self:
+        """Return the counter of a record; raises RecordError if that is none."""
+        thread = ThreadPoolExecutor(1, thread_name_prefix="campaign")
+        early: list[StateShape] = []
+        desk = thread.submit(_opened, record, early.append).result()
+        counter = cls(desk, thread)
+        desk.publish = counter._publish
+        return counter
+
+    @property
+    def report(self) -> Path:
+        """The file of the report, where there is one."""
+        return self._desk.results / "report.html"
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the record."""
+        return self._desk.campaign.path.absolute().parent
+
+    async def do(self, step: Callable[[Desk], str]) -> str:
+        """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
+        said = await self._run(step)
+        self._later(Desk.think)
+        return said
+
+    def read(self, text: str) -> TypedShape:
+        """Return what a typed text would mean; needs no thread, because nothing changes."""
+        return self._desk.read(text)
+
+    async def watch(self) -> None:
+        """Look at the record again and again, for what others write."""
+        self._loop = asyncio.get_running_loop()
+        await self._run(Desk.think)
+        while True:
+            await asyncio.sleep(LOOKS)
+            await self._run(Desk.look)
+
+    async def newer(self, seen: int, wait: float) -> StateShape:
+        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
+        clock = asyncio.get_running_loop().time
+        deadline = clock() + wait
+        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
+            news = self._news
+            try:
+                await asyncio.wait_for(news.wait(), left)
+            except TimeoutError:
+                break
+        return self.state
+
+    def end(self) -> None:
+        """Let nobody wait any longer: the server is about to end."""
+        self._ending = True
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._take, self.state)
+
+    def close(self) -> None:
+        """Close the record."""
+        self._thread.submit(self._desk.campaign.close).result()
+        self._thread.shutdown()
+
+    async def _run(self, step: Callable[[Desk], _Result]) -> _Result:
+        return await asyncio.get_running_loop().run_in_executor(self._thread, partial(_held, step, self._desk))
+
+    def _later(self, step: Callable[[Desk], None]) -> None:
+        self._thread.submit(_held, step, self._desk)
+
+    def _publish(self, state: StateShape) -> None:
+        """Take a new state from the campaign's thread."""
+        if self._loop is None:
+            self.state = state
+        else:
+            self._loop.call_soon_threadsafe(self._take, state)
+
+    def _take(self, state: StateShape) -> None:
+        news, self._news, self.state = self._news, asyncio.Event(), state
+        news.set()
+
+
+@one_thread()
+def _opened(record: Path, publish: Callable[[StateShape], None]) -> Desk:
+    return Desk(Campaign.open(record), publish)
+
+
+@one_thread()
+def _held(step: Callable[[Desk], _Result], desk: Desk) -> _Result:
+    return step(desk)

@@ -1,0 +1,201 @@
+"""The desk: one open campaign, the steps that a page may ask of it, and the state that all pages are shown.
+
+Everything here runs on one thread. A step says which state it answers; where the record has moved on since, it is
+refused, so that no reading is taken for the answer to another question.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Ended
+from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
+from axiscal.guide.answers import Value, answer
+from axiscal.guide.expectation import SURPRISING
+from axiscal.guide.question import Question, asked_text
+from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.taking_back import take_back
+from axiscal.record.events import Asked
+from axiscal.units import to_unit
+from axiscal.web.documents import Shown, state_shape
+from axiscal.web.known_so_far import KnownSoFar
+from axiscal.web.shapes import StateShape, TypedShape
+
+Publisher = Callable[[StateShape], None]
+
+
+class SurprisingError(ReadingError):
+    """A reading so far from what is expected that it is asked about before it is kept.
+
+    surprise : in standard deviations
+    """
+
+    def __init__(self, surprise: float) -> None:
+        self.surprise = surprise
+        super().__init__(
+            f"That is {surprise:.1f} standard deviations from what is expected",
+            "Read again, or say that it is to be kept",
+        )
+
+
+class Desk:
+    """One campaign and what is shown of it.
+
+    publish : called with every new state but the first
+    """
+
+    def __init__(self, campaign: Campaign, publish: Publisher) -> None:
+        self.campaign, self.publish = campaign, publish
+        self._question: Question | None = None
+        self._ended: str | None = None
+        self._trouble = ""
+        self._minds: list[str] = []
+        self._before: frozenset[int] | None = None
+        self._course = KnownSoFar(campaign)
+        self._version = 0
+        self.state = self._renewed()
+
+    @property
+    def results(self) -> Path:
+        """The folder for the results, beside the record."""
+        return self.campaign.path.with_suffix("").with_name(f"{self.campaign.path.stem}-results")
+
+    def look(self) -> None:
+        """Show what others have written to the record since."""
+        try:
+            moved = self._moved_on()
+        except AxiscalError as failure:  # such as a record that has been moved away
+            if self._trouble != str(failure):
+                self._trouble = str(failure)
+                self.publish(self.state.model_copy(update={"trouble": self._trouble, "version": self._next_version()}))
+            return
+        if moved:
+            self._show(minds=[])
+
+    def think(self) -> None:
+        """Do what the next question need not wait for: second thoughts on the last reading, and how it all went."""
+        minds = [] if self._before is None else others_doubted(self.campaign, self._before)
+        self._before = None
+        self.campaign.concluded()  # the next reading is compared with it
+        if self._course.completed() or minds:
+            self._show(minds=[*self._minds, *minds])
+
+    def read(self, text: str) -> TypedShape:
+        """Return what a typed text would mean for the question that is open."""
+        question = self._question
+        if question is None or not text.strip():
+            return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
+        try:
+            values = _value(text, question).values
+        except AxiscalError as failure:
+            return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
+        surprise = question.expected.surprise(values)
+        shown = [float(to_unit(float(each), question.unit)) for each in values]
+        sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
+        return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
+
+    def keep(self, after: int, text: str, *, keep: bool = False, vouch: bool = False) -> str:
+        """Keep a reading of what is asked; raises SurprisingError where nobody has confirmed a strange one."""
+        self._refuse_overtaken(after)
+        asked = self.campaign.open_question()
+        question = self._question or Question.of(self.campaign, asked)
+        typed = _value(text, question)
+        surprise = question.expected.surprise(typed.values)
+        if surprise >= SURPRISING and not (keep or vouch):
+            raise SurprisingError(surprise)
+        before = doubted(self.campaign)
+        value, *others = (float(each) for each in typed.values)
+        kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
+        self._before = before
+        self._show(minds=[])
+        return f"Kept reading {kept.number}; it is on the disk."
+
+    def skip(self, after: int, reason: str) -> str:
+        """Note that the reading asked for cannot be taken."""
+        self._refuse_overtaken(after)
+        skipped = self.campaign.skip(reason)
+        self._show(minds=[])
+        return f"Skipped {asked_text(self.campaign, skipped)}; the plan is made anew around it."
+
+    def undo(self, after: int) -> str:
+        """Take back the last reading, skip or end."""
+        self._refuse_overtaken(after)
+        taken = take_back(self.campaign)
+        self._show(minds=[])
+        return taken.sentence
+
+    def go_on(self, after: int) -> str:
+        """Ask for one more reading although a target is reached."""
+        self._refuse_overtaken(after)
+        asked = self.campaign.next(beyond=True)
+        self._show(minds=[])
+        return f"Nothing more to ask: {asked.because}." if isinstance(asked, Ended) else "One more."
+
+    def finish(self, after: int) -> str:
+        """End the campaign and write its results into the folder beside the record."""
+        from axiscal.report.delivery import deliver  # pictures and tables, which no question waits for
+        from axiscal.report.result_set import RECORD
+        from axiscal.report.summarising import Extras
+
+        self._refuse_overtaken(after)
+        self.campaign.refuse_other(self.results / RECORD)
+        self.campaign.finish()
+        deliver(self.campaign, self.campaign.concluded(), self.results, Extras(compared=True))
+        self._show(minds=[])
+        return f"Ended. Report, figures and tables are in {self.results.name}."
+
+    def _refuse_overtaken(self, after: int) -> None:
+        if self._moved_on():
+            self._show(minds=[])
+        if self.campaign.state.last != after:
+            what = "The record has moved on in the meantime, in another window or program: nothing was done"
+            raise OvertakenError(what, "Look at what is asked now, then do it again if it is still right")
+
+    def _moved_on(self) -> bool:
+        """Take in what others have written since, and return whether that was anything."""
+        before = self.campaign.state.last
+        return self.campaign.looked_at_again().last != before
+
+    def _show(self, minds: list[str]) -> None:
+        self._minds = minds
+        self.state = self._renewed()
+        self.publish(self.state)
+
+    def _renewed(self) -> StateShape:
+        self._question, self._ended, self._trouble = self._asked()
+        course, version = self._course.moments(), self._next_version()
+        shown = Shown(self._question, self._ended, self._trouble, self._minds, course, version)
+        return state_shape(self.campaign, shown, self.results)
+
+    def _next_version(self) -> int:
+        self._version += 1
+        return self._version
+
+    def _asked(self) -> tuple[Question | None, str | None, str]:
+        """Return what is asked now, why nothing is, and what is in the way."""
+        if self.campaign.state.finished is not None:
+            return None, None, ""
+        try:
+            asked = self._next()
+        except AxiscalError as failure:
+            return None, None, str(failure)
+        if isinstance(asked, Ended):
+            return None, asked.because, ""
+        return Question.of(self.campaign, asked), None, ""
+
+    def _next(self) -> Asked | Ended:
+        """Return what is asked; another program may be asking at the same moment."""
+        try:
+            return self.campaign.next()
+        except OvertakenError:
+            self.campaign.looked_at_again()
+            return self.campaign.next()
+
+
+def _value(text: str, question: Question) -> Value:
+    typed = answer(text, question.setup)
+    if not isinstance(typed, Value):
+        raise ReadingError(f'"{text.strip()}" is no reading', "Type the number that the instrument shows")
+    return typed

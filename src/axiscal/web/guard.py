@@ -1,0 +1,165 @@
+"""The guard before the page: only this computer, only who knows the token, only our own page, nothing large.
+
+A page from elsewhere that is open in the same browser can reach the port. It is stopped by its Host where it has
+renamed itself (rebinding), by its Origin where it posts, and by the cookie, which browsers keep from other sites.
+"""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from axiscal.web.problems import problem
+
+LARGEST = 64 * 1024
+"""Bytes of a request's body; what a person types is far smaller."""
+_TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+_HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """Who may come in: the port we listen on, and the token that was printed at the start."""
+
+    port: int
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES), repr=False)
+
+    @property
+    def address(self) -> str:
+        """The address to open, the token in it."""
+        return f"http://127.0.0.1:{self.port}/?token={self.token}"
+
+    @property
+    def hosts(self) -> tuple[str, str]:
+        """The names under which we answer."""
+        return f"127.0.0.1:{self.port}", f"localhost:{self.port}"
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """The origins of our own page."""
+        return tuple(f"http://{host}" for host in self.hosts)
+
+    @property
+    def cookie(self) -> str:
+        """The name of our cookie: all ports of a computer share theirs."""
+        return f"axiscal-{self.port}"
+
+    def holds(self, token: str) -> bool:
+        """Whether a token is ours, found in a time that tells nothing of it."""
+        return hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode())
+
+
+class Guard:
+    """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer."""
+
+    def __init__(self, app: ASGIApp, admitted: Pass) -> None:
+        self._app, self._admitted = app, admitted
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+
+        async def answered(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                self._dress(scope, headers, MutableHeaders(scope=message))
+            await send(message)
+
+        refusal = self._refusal(scope, headers)
+        if refusal is not None:
+            await problem(*refusal)(scope, receive, answered)
+            return
+        body = await _body(receive)
+        if body is None:
+            await problem(413, "large", f"A request may have {LARGEST} bytes")(scope, receive, answered)
+            return
+        await self._app(scope, _replayed(body, receive), answered)
+
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str, str] | None:
+        """Return status, code and sentence of what is wrong; None where nothing is."""
+        ours, origin = self._admitted, headers.get("origin")
+        if headers.getlist("host") not in ([host] for host in ours.hosts):
+            return 400, "host", "This page answers under http://127.0.0.1 only"
+        if origin is not None and origin not in ours.origins:
+            return 403, "forbidden", "This request comes from another page"
+        if self._bears(headers):
+            return None
+        if not (self._knows_cookie(headers) or _carries(scope, ours)):
+            return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
+        if scope["method"] not in ("GET", "HEAD") and origin is None:
+            return 403, "forbidden", "This request does not say from which page it comes"
+        return None
+
+    def _bears(self, headers: Headers) -> bool:
+        scheme, _, token = headers.get("authorization", "").partition(" ")
+        return scheme.lower() == "bearer" and self._admitted.holds(token)
+
+    def _knows_cookie(self, headers: Headers) -> bool:
+        try:
+            jar = SimpleCookie(headers.get("cookie", ""))
+        except CookieError:
+            return False
+        return self._admitted.cookie in jar and self._admitted.holds(jar[self._admitted.cookie].value)
+
+    def _dress(self, scope: Scope, asked: Headers, answer: MutableHeaders) -> None:
+        for name, value in _HEADERS.items():
+            answer[name] = value
+        answer.setdefault("Content-Security-Policy", _POLICY)
+        if _carries(scope, self._admitted) and self._refusal(scope, asked) is None:
+            answer["Set-Cookie"] = f"{self._admitted.cookie}={self._admitted.token}; Path=/; HttpOnly; SameSite=Strict"
+
+
+def _carries(scope: Scope, admitted: Pass) -> bool:
+    """Whether a request for the page has the token in its address."""
+    if scope["path"] != "/" or scope["method"] not in ("GET", "HEAD"):
+        return False
+    (token,) = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[:1]
+    return admitted.holds(token)
+
+
+async def _body(receive: Receive) -> bytes | None:
+    """Return the body of a request, None where it is too large; what comes after that is not read."""
+    parts: list[bytes] = []
+    size = 0
+    while True:
+        message = await receive()
+        if message["type"] != "http.request":
+            return b"".join(parts)
+        parts.append(message.get("body", b""))
+        size += len(parts[-1])
+        if size > LARGEST:
+            return None
+        if not message.get("more_body", False):
+            return b"".join(parts)
+
+
+def _replayed(body: bytes, receive: Receive) -> Receive:
+    """Return what gives a body that has been read, and then what comes after it."""
+    given = False
+
+    async def again() -> Message:
+        nonlocal given
+        if given:
+            return await receive()
+        given = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return again

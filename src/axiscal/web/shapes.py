@@ -1,0 +1,201 @@
+"""What goes over the wire: the JSON documents of the API, version 1. Lengths in µm, angles in µrad, minutes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+TEXT = 2000
+"""Characters of a text that a person types; a matter of taste."""
+After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
+
+
+class Shape(BaseModel):
+    """A document: complete, with no other keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class CoordinateShape(Shape):
+    """Where one axis stands; side "+" is from below, "-" from above."""
+
+    axis: str
+    value: float
+    unit: str
+    moves: bool
+    changed: bool
+    side: Literal["+", "-", ""]
+
+
+class ExpectedShape(Shape):
+    """What one number of the reading is expected to be: mean, and half of the band that is shown."""
+
+    mean: float
+    half: float
+
+
+class StepShape(Shape):
+    """One thing to do."""
+
+    name: str
+    what: str
+
+
+class QuestionShape(Shape):
+    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`."""
+
+    number: int
+    setup: str
+    instrument: str
+    mount: bool
+    mount_sentence: str
+    mounting: list[StepShape]
+    places: list[CoordinateShape]
+    touch: str
+    sign: str
+    unit: str
+    expected: list[ExpectedShape]
+
+
+class ReadingShape(Shape):
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
+
+    number: int
+    setup: str
+    place: str
+    values: list[float]
+    unit: str
+    at: str
+    doubted: bool
+
+
+class AccuracyShape(Shape):
+    """RMS and worst standard uncertainty."""
+
+    rms_um: float
+    worst_um: float
+
+
+class ProgressShape(Shape):
+    """How far the campaign is."""
+
+    taken: int
+    coming: int
+    minutes: float
+    left_minutes: float
+    before: AccuracyShape
+    now: AccuracyShape
+    promised: AccuracyShape
+    target_rms_um: float | None
+    target_worst_um: float | None
+
+
+class MomentShape(Shape):
+    """How well the machine was known after so many minutes."""
+
+    minutes: float
+    rms_um: float
+
+
+class DotShape(Shape):
+    """A reading in the picture of its set-up: at a coordinate, or in the order of taking; what was expected then."""
+
+    at: float
+    number: int
+    value: float
+    mean: float
+    half: float
+    doubted: bool
+    same_side: bool
+
+
+class PictureShape(Shape):
+    """What is being measured: readings along the axis that moves with the band expected there, or in their order.
+
+    at, mean, half : the band; dots : one list for each number of a reading; next : where the next one is taken
+    """
+
+    kind: Literal["along", "order"]
+    setup: str
+    axis: str
+    axis_unit: str
+    unit: str
+    at: list[float]
+    mean: list[float]
+    half: list[float]
+    dots: list[list[DotShape]]
+    next: float
+
+
+class StateShape(Shape):
+    """All that the page shows. `last` names the state of the record, `version` this document."""
+
+    document: Literal["axiscal-page/1"] = "axiscal-page/1"
+    version: int
+    last: int
+    machine: str
+    record: str
+    progress: ProgressShape
+    question: QuestionShape | None
+    ended: str | None
+    finished: str | None
+    trouble: str
+    readings: list[ReadingShape]
+    undo: str
+    minds: list[str]
+    picture: PictureShape | None
+    history: list[MomentShape]
+    results: str
+
+
+class KeepRequest(Shape):
+    """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
+
+    keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
+    """
+
+    after: After
+    text: Annotated[str, Field(max_length=TEXT)]
+    keep: bool = False
+    vouch: bool = False
+
+
+class SkipRequest(Shape):
+    """The reading asked for cannot be taken."""
+
+    after: After
+    reason: Annotated[str, Field(max_length=TEXT)]
+
+
+class StepRequest(Shape):
+    """A step that needs no more words."""
+
+    after: After
+
+
+class TypedShape(Shape):
+    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it."""
+
+    values: list[float]
+    surprise: float
+    surprising: bool
+    sentence: str
+
+
+class DoneShape(Shape):
+    """A step that was done, in words, and the state after it."""
+
+    sentence: str
+    state: StateShape
+
+
+class ProblemShape(Shape):
+    """A step that was not done: a code for programs, a sentence for people.
+
+    problem : "overtaken", "surprising", "refused", "malformed", "forbidden", "host", "missing", "method", "large"
+    """
+
+    problem: str
+    sentence: str
+    surprise: float | None = None

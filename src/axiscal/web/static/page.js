@@ -1,0 +1,300 @@
+// The dialogue: shows the newest state, sends what is typed, and says which state that answers.
+import { drawCourse, drawPicture, shown, strip, unitText } from "/pictures.js";
+
+const ROOT = "/api/1";
+const find = (id) => document.getElementById(id);
+let state = null;
+let mounted = sessionStorage.getItem("mounted") ?? "";
+let asked = "";
+let sending = ""; // a reading that is on its way
+let turn = Promise.resolve();
+
+history.replaceState(null, "", "/"); // the token stays in the cookie alone
+
+function text(id, words) {
+  find(id).textContent = words;
+}
+
+function show(id, visible) {
+  find(id).hidden = !visible;
+}
+
+function element(name, words, kind) {
+  const made = document.createElement(name);
+  made.textContent = words;
+  if (kind) made.className = kind;
+  return made;
+}
+
+function hear(words, alarm = false) {
+  text("heard", words);
+  find("heard").className = alarm ? "alarm" : "";
+}
+
+async function call(path, body) {
+  const asking = body === undefined ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(ROOT + path, asking);
+  return { ok: answer.ok, status: answer.status, document: await answer.json() };
+}
+
+// A step on the record, after those that are under way: what went wrong is said, and nothing that was typed is lost.
+function step(path, body) {
+  const answered = { after: state.last, ...body };
+  turn = turn.then(() => sent(path, answered));
+  return turn;
+}
+
+async function sent(path, body) {
+  try {
+    const done = await call(path, body);
+    if (done.ok) render(done.document.state);
+    return done;
+  } catch {
+    return { ok: false, document: { problem: "away", sentence: "axiscal does not answer; nothing was recorded. Is it still running?" } };
+  }
+}
+
+function number(value) {
+  return String(Number(value.toFixed(6))).replace("-", "−");
+}
+
+function renderLine() {
+  const p = state.progress, end = p.taken + p.coming;
+  text("machine", state.machine);
+  document.title = `${state.machine} · axiscal`;
+  text("count", state.question ? `${p.taken + 1} of ${end}` : `${p.taken} taken`);
+  text("minutes", `${shown(p.minutes, 0)} done` + (p.coming ? `, ${p.left_minutes < 1 ? "less than 1" : `about ${shown(p.left_minutes, 0)}`} left` : ""));
+  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (p.coming ? `, ${shown(p.promised.rms_um)} expected` : ""));
+  const goals = [p.target_rms_um === null ? "" : `${shown(p.target_rms_um)} µm RMS`, p.target_worst_um === null ? "" : `${shown(p.target_worst_um)} µm worst`];
+  text("target", goals.filter(Boolean).join(", ") || "as described");
+}
+
+function renderPlaces(question) {
+  const go = find("go"), moving = question.places.filter((c) => c.moves);
+  go.replaceChildren();
+  go.className = moving.length > 1 ? "several" : "";
+  for (const c of moving) {
+    const line = element("p", "", c.changed ? "changed" : "");
+    line.append(element("span", c.axis, "axis"), element("span", number(c.value)), element("small", c.unit));
+    if (c.side) line.append(element("span", c.side === "+" ? "→ from below" : "← from above", "side"));
+    go.append(line);
+  }
+  const parked = question.places.filter((c) => !c.moves).map((c) => `${c.axis} ${number(c.value)} ${c.unit}`);
+  text("parked", parked.length ? `parked: ${parked.join(" · ")}` : "");
+  text("touch", question.touch);
+  show("touch", question.touch !== "");
+}
+
+function expectWords(question) {
+  const ranges = question.expected.map((e) => `${shown(e.mean)} ± ${shown(e.half)}`);
+  return `expected: ${ranges.join(", ")} ${unitText(question.unit)}`;
+}
+
+function drawStrips(values = [], surprising = false) {
+  find("strips").replaceChildren();
+  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit));
+}
+
+function renderQuestion() {
+  const question = state.question;
+  const key = question ? `${question.number} ${question.setup} ${JSON.stringify(question.places)}` : "";
+  const mounting = question !== null && question.mount && mounted !== question.setup;
+  show("task", question !== null && !mounting);
+  show("mount", mounting);
+  if (question === null) { asked = ""; return; }
+  if (!question.mount) mounted = question.setup;
+  text("mount-title", `Set-up “${question.setup}”`);
+  text("mount-sentence", `${question.mount_sentence[0].toUpperCase()}${question.mount_sentence.slice(1)}.`);
+  find("mount-steps").replaceChildren(...question.mounting.flatMap((s) => [element("dt", s.name), element("dd", s.what)]));
+  text("setup", question.setup);
+  text("instrument", question.instrument);
+  renderPlaces(question);
+  text("sign", question.sign);
+  text("unit", unitText(question.unit));
+  text("expect", expectWords(question));
+  if (key !== asked) newQuestion(key);
+  if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
+}
+
+// What was typed for another reading must not be sent for this one.
+function newQuestion(key) {
+  const left = find("field").value.trim();
+  if (left && asked && left !== sending) hear(`Not kept: “${left}” was typed for the reading before, which has been answered in another window.`, true);
+  find("field").value = "";
+  asked = key;
+  show("doubt", false);
+  show("skip-form", false);
+  drawStrips();
+  if (!find("task").hidden) find("field").focus();
+}
+
+function renderKept() {
+  find("latest").replaceChildren(...state.readings.map((r) => {
+    const row = document.createElement("tr");
+    const values = r.values.map((v) => shown(v, 2)).join("  ");
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place + (r.doubted ? " (not relied on)" : "")), element("td", clock(r.at)));
+    return row;
+  }));
+  const last = state.readings[0];
+  text("saved", last ? `reading ${last.number} on disk ${clock(last.at)}` : "nothing recorded yet");
+  find("minds").replaceChildren(...state.minds.map((m) => element("li", m)));
+}
+
+function clock(at) {
+  return at ? new Date(at).toLocaleTimeString("en-GB") : "";
+}
+
+function renderEnd() {
+  const over = state.question === null;
+  show("end", over);
+  if (!over) return;
+  const done = state.finished !== null;
+  text("end-title", done ? "The campaign has ended" : state.ended ? "Nothing more to measure" : "There is no next reading");
+  text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
+  show("report", done && state.results !== "");
+  show("finish", !done || state.results === "");
+  show("more", !done);
+}
+
+function render(newer) {
+  if (state !== null && newer.version <= state.version) return;
+  state = newer;
+  show("trouble", state.trouble !== "");
+  text("trouble", state.trouble);
+  renderLine();
+  renderQuestion();
+  renderKept();
+  renderEnd();
+  find("undo").disabled = state.undo === "";
+  find("undo").title = state.undo;
+  find("skip").disabled = find("stop").disabled = state.question === null;
+  drawAll();
+  if (document.activeElement === document.body || document.activeElement.offsetParent === null) home();
+  document.body.dataset.version = state.version;
+}
+
+function drawAll() {
+  drawPicture(find("picture"), find("picture-words"), state.picture, state.readings[0]?.number);
+  drawCourse(find("course"), find("course-words"), state.history, state.progress);
+}
+
+async function follow() {
+  for (;;) {
+    try {
+      const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`);
+      if (newest.ok) render(newest.document);
+      else throw new Error(newest.document.sentence);
+    } catch (failure) {
+      show("trouble", true);
+      text("trouble", failure instanceof TypeError ? "axiscal does not answer. Start axiscal serve again and open the address it prints." : failure.message);
+      await new Promise((resolve) => setTimeout(resolve, 1000));
+    }
+  }
+}
+
+async function record(how = {}) {
+  const typed = find("field").value.trim();
+  if (!typed || state === null) return;
+  const meant = how.keep || how.vouch ? null : await understood(typed);
+  if (meant?.sentence) {
+    refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
+    return;
+  }
+  sending = typed;
+  const done = await step("/readings", { text: typed, ...how });
+  sending = "";
+  if (done.ok) hear(done.document.sentence);
+  else refuse(done.document);
+}
+
+function refuse(problem) {
+  hear(problem.sentence, true);
+  show("doubt", problem.problem === "surprising");
+  if (problem.problem === "surprising") find("again").focus();
+  else find("field").focus();
+}
+
+async function plain(path, body = {}) {
+  if (state === null) return null;
+  const pressed = document.activeElement;
+  const done = await step(path, body);
+  hear(done.document.sentence, !done.ok);
+  if (find("task").hidden) { text("trouble", done.ok ? "" : done.document.sentence); show("trouble", !done.ok); }
+  if ([pressed, document.body].includes(document.activeElement)) home(); // unless the person has gone elsewhere
+  return done;
+}
+
+// The place where the hands of the person are.
+function home() {
+  const first = ["field", "stands", "finish"].map(find).find((e) => e.offsetParent !== null);
+  first?.focus();
+}
+
+// What a text means to the program; null where it does not answer.
+async function understood(typed) {
+  try {
+    const { ok, document: meant } = await call(`/typed?text=${encodeURIComponent(typed)}`);
+    return ok ? meant : null;
+  } catch {
+    return null;
+  }
+}
+
+async function preview() {
+  const typed = find("field").value;
+  if (!typed.trim()) { drawStrips(); return; }
+  const meant = await understood(typed);
+  if (meant === null || typed !== find("field").value || state.question === null) return;
+  drawStrips(meant.values, meant.surprising);
+  hear(meant.surprising ? meant.sentence : "", meant.surprising);
+}
+
+function asksForReason(visible) {
+  show("skip-form", visible);
+  if (visible) find("reason").focus();
+  else home();
+}
+
+function asksToStop(visible) {
+  const p = state.progress;
+  text("stop-words", `Now ${shown(p.now.rms_um)} µm RMS; with the ${p.coming} readings to come, in about ${shown(p.left_minutes, 0)} minutes, ${shown(p.promised.rms_um)} µm.`);
+  show("stopping", visible);
+  if (visible) find("not-stop").focus();
+  else home();
+}
+
+function on(id, kind, act) {
+  find(id).addEventListener(kind, (event) => { event.preventDefault(); act(); });
+}
+
+on("form", "submit", () => record());
+on("again", "click", () => { show("doubt", false); find("field").select(); find("field").focus(); });
+on("keep", "click", async () => { await record({ keep: true }); home(); });
+on("vouch", "click", async () => { await record({ vouch: true }); home(); });
+on("undo", "click", () => plain("/undo"));
+on("skip", "click", () => asksForReason(true));
+on("not-skip", "click", () => asksForReason(false));
+on("skip-form", "submit", async () => {
+  const done = await plain("/skips", { reason: find("reason").value });
+  if (done?.ok) find("reason").value = "";
+});
+on("stop", "click", () => asksToStop(true));
+on("not-stop", "click", () => asksToStop(false));
+on("really", "click", async () => { show("stopping", false); await plain("/finish"); });
+on("finish", "click", () => plain("/finish"));
+on("more", "click", () => plain("/next"));
+on("stands", "click", () => {
+  mounted = state.question.setup;
+  sessionStorage.setItem("mounted", mounted);
+  renderQuestion();
+  drawStrips();
+  find("field").focus();
+});
+find("field").addEventListener("input", () => { show("doubt", false); preview(); });
+addEventListener("resize", () => {
+  if (state === null) return;
+  drawAll();
+  if (state.question) preview();
+});
+
+follow();

@@ -1,0 +1,147 @@
+// Pictures drawn from numbers, as SVG; no text becomes markup.
+const SVG = "http://www.w3.org/2000/svg";
+
+function put(parent, name, attributes, text) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text !== undefined) element.textContent = text;
+  parent.append(element);
+  return element;
+}
+
+export function shown(value, digits = 1) {
+  const text = value.toFixed(Math.abs(value) < 100 ? digits : 0);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}
+
+export function unitText(unit) {
+  return { um: "µm", urad: "µrad", deg: "°" }[unit] ?? unit;
+}
+
+// The expectation of one number, its band, and what is typed.
+export function strip(place, expected, value, far, unit) {
+  const width = Math.max(260, place.clientWidth), height = 46, middle = 16;
+  const svg = put(place, "svg", { viewBox: `0 0 ${width} ${height}` });
+  const half = Math.max(expected.half, 1e-9), span = 2.5 * half;
+  const x = (v) => width / 2 + (Math.max(-1, Math.min(1, (v - expected.mean) / span)) * (width - 60)) / 2;
+  put(svg, "rect", { class: "band", x: x(expected.mean - half), y: middle - 11, width: x(expected.mean + half) - x(expected.mean - half), height: 22, rx: 3 });
+  put(svg, "line", { class: "frame", x1: 20, x2: width - 20, y1: middle, y2: middle });
+  for (const at of [expected.mean - half, expected.mean, expected.mean + half])
+    put(svg, "text", { x: x(at), y: 42, "text-anchor": "middle" }, shown(at) + (at === expected.mean ? ` ${unitText(unit)}` : ""));
+  if (value === undefined) return;
+  const beyond = Math.abs(value - expected.mean) > span;
+  const mark = { class: far ? "typed far" : "typed" };
+  if (!beyond) put(svg, "circle", { ...mark, cx: x(value), cy: middle, r: 8 });
+  else {
+    const side = value > expected.mean ? 1 : -1, tip = x(value) + side * 12;
+    put(svg, "path", { ...mark, d: `M${tip} ${middle}l${-side * 18} -11v22z` });
+  }
+}
+
+function ticks(low, high, count) {
+  const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((n) => n * power).find((s) => s >= raw);
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(Number((k * step).toPrecision(12)));
+  return found;
+}
+
+// Axes of a picture; returns where numbers stand in it.
+function frame(place, height, across, up, labels) {
+  const width = Math.max(260, place.clientWidth);
+  const svg = put(place, "svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": labels.all });
+  const left = 52, right = 22, top = 18, bottom = 36;
+  const x = (v) => left + ((v - across[0]) / (across[1] - across[0])) * (width - left - right);
+  const y = (v) => height - bottom - ((v - up[0]) / (up[1] - up[0])) * (height - top - bottom);
+  for (const v of ticks(...up, 4)) {
+    put(svg, "line", { class: "grid", x1: left, x2: width - right, y1: y(v), y2: y(v) });
+    put(svg, "text", { x: left - 6, y: y(v) + 4, "text-anchor": "end" }, String(v).replace("-", "−"));
+  }
+  for (const v of ticks(...across, 6).filter((v) => labels.whole !== true || Number.isInteger(v)))
+    put(svg, "text", { x: x(v), y: height - bottom + 16, "text-anchor": "middle" }, String(v).replace("-", "−"));
+  put(svg, "line", { class: "frame", x1: left, x2: width - right, y1: height - bottom, y2: height - bottom });
+  put(svg, "text", { x: (left + width - right) / 2, y: height - 4, "text-anchor": "middle" }, labels.across);
+  put(svg, "text", { x: 4, y: 12 }, labels.up);
+  return { svg, x, y, bottom: height - bottom, top, left, right: width - right };
+}
+
+function range(values) {
+  const low = Math.min(...values), high = Math.max(...values), margin = 0.08 * (high - low) || 1;
+  return [low - margin, high + margin];
+}
+
+function line(x, y, xs, ys) {
+  return xs.map((v, n) => `${n ? "L" : "M"}${x(v).toFixed(1)} ${y(ys[n]).toFixed(1)}`).join("");
+}
+
+function dots(at, dots, latest) {
+  for (const dot of dots) {
+    const kind = ["dot", dot.same_side ? "" : "other", dot.doubted ? "doubted" : "", dot.number === latest ? "latest" : ""].join(" ");
+    const circle = put(at.svg, "circle", { class: kind, cx: at.x(dot.at), cy: at.y(dot.value), r: dot.number === latest ? 6 : 4.5 });
+    put(circle, "title", {}, `reading ${dot.number}: ${shown(dot.value)}`);
+  }
+}
+
+function along(place, picture, latest) {
+  const high = picture.mean.map((m, n) => m + picture.half[n]), low = picture.mean.map((m, n) => m - picture.half[n]);
+  const values = picture.dots[0].map((dot) => dot.value);
+  const near = picture.at.reduce((best, v, n) => (Math.abs(v - picture.next) < Math.abs(picture.at[best] - picture.next) ? n : best), 0);
+  const focus = range([...values, ...picture.mean, high[near], low[near]]);
+  const reach = [Math.min(...picture.at), Math.max(...picture.at)];
+  const labels = { across: `${picture.axis}, ${unitText(picture.axis_unit)}`, up: unitText(picture.unit), all: `Readings of ${picture.setup} along ${picture.axis}` };
+  const at = frame(place, 300, reach, focus, labels);
+  const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
+  const outline = line(at.x, held, [...picture.at, ...[...picture.at].reverse()], [...high, ...low.reverse()]);
+  put(at.svg, "path", { class: "band", d: `${outline}Z` });
+  put(at.svg, "path", { class: "mean", d: line(at.x, held, picture.at, picture.mean) });
+  put(at.svg, "line", { class: "next", x1: at.x(picture.next), x2: at.x(picture.next), y1: at.top, y2: at.bottom });
+  dots(at, picture.dots[0], latest);
+}
+
+function inOrder(place, picture, latest) {
+  const several = picture.dots.length > 1;
+  picture.dots.forEach((row, number) => {
+    const values = row.map((dot) => dot.value);
+    if (!values.length) return;
+    const focus = range(values), across = [0.5, Math.max(picture.next, 8) + 0.5];
+    const up = several ? `${"xyz"[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
+    const labels = { across: several && number < 2 ? "" : "readings of this set-up, in their order", up, whole: true, all: `Readings of ${picture.setup} in their order` };
+    const at = frame(place, several ? 150 : 280, across, focus, labels);
+    const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
+    const width = Math.min(18, (0.6 * (at.right - at.left)) / (across[1] - across[0]));
+    for (const dot of row) {
+      const top = held(dot.mean + dot.half), bottom = held(dot.mean - dot.half);
+      put(at.svg, "rect", { class: "band", x: at.x(dot.at) - width / 2, width, y: top, height: Math.max(1, bottom - top) });
+    }
+    put(at.svg, "line", { class: "next", x1: at.x(picture.next), x2: at.x(picture.next), y1: at.top, y2: at.bottom });
+    dots(at, row.map((dot) => ({ ...dot, same_side: true })), latest);
+  });
+}
+
+export function drawPicture(place, words, picture, latest) {
+  place.replaceChildren();
+  words.textContent = "";
+  if (!picture) return;
+  const empty = picture.kind === "order" && !picture.dots[0].length;
+  words.textContent = picture.kind === "along"
+    ? `Readings of ${picture.setup} along ${picture.axis}, and what is expected there ± 2 standard deviations; the dashed line is the next place`
+    : `Readings of ${picture.setup}; bars: what was expected before each, ± 2 standard deviations${empty ? ". None yet" : ""}`;
+  if (picture.kind === "along") along(place, picture, latest);
+  else inOrder(place, picture, latest);
+}
+
+export function drawCourse(place, words, history, progress) {
+  place.replaceChildren();
+  words.textContent = "";
+  if (!history.length) return;
+  const end = { minutes: progress.minutes + progress.left_minutes, rms: progress.promised.rms_um };
+  const all = [...history.map((m) => m.rms_um), end.rms, ...(progress.target_rms_um === null ? [] : [progress.target_rms_um])];
+  words.textContent = "Accuracy (RMS) against minutes of machine time; dotted: what the plan will reach" + (progress.target_rms_um === null ? "" : "; dashed: the target");
+  const labels = { across: "minutes", up: "µm", all: "Accuracy against minutes" };
+  const at = frame(place, 240, [0, Math.max(1, 1.03 * end.minutes)], [0, 1.08 * Math.max(...all)], labels);
+  if (progress.target_rms_um !== null) put(at.svg, "line", { class: "target", x1: at.left, x2: at.right, y1: at.y(progress.target_rms_um), y2: at.y(progress.target_rms_um) });
+  put(at.svg, "path", { class: "mean", d: line(at.x, at.y, history.map((m) => m.minutes), history.map((m) => m.rms_um)) });
+  const now = { minutes: progress.minutes, rms: progress.now.rms_um };
+  if (progress.coming) put(at.svg, "path", { class: "forecast", d: line(at.x, at.y, [now.minutes, end.minutes], [now.rms, end.rms]) });
+  put(at.svg, "circle", { class: "dot latest", cx: at.x(now.minutes), cy: at.y(now.rms), r: 6 });
+}

@@ -1,0 +1,118 @@
+"""`axiscal serve` as a program of its own, and requests to it word for word."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+CAMPAIGN = """\
+machine = "one-axis"
+[target]
+readings = 4
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+noise = "0.5 um"
+"""
+PATIENCE = 60.0
+"""s: for an answer on a busy computer."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the server says to one request."""
+
+    status: int
+    headers: dict[str, str]
+    body: bytes
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The body as a JSON document."""
+        decoded: dict[str, Any] = json.loads(self.body)
+        return decoded
+
+
+@dataclass(frozen=True)
+class Served:
+    """A server that runs: its address with the token, its record, its process."""
+
+    address: str
+    record: Path
+    process: int
+
+    @property
+    def port(self) -> int:
+        """The port it listens on."""
+        return int(re.findall(r":(\d+)/", self.address)[0])
+
+    @property
+    def token(self) -> str:
+        """The token that it printed."""
+        return self.address.rpartition("=")[2]
+
+    def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
+        """Return the answer to a request with just these headers beside Host; `_` in a name stands for `-`."""
+        line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        try:
+            line.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+            for name, value in ({"Host": f"127.0.0.1:{self.port}"} | headers).items():
+                line.putheader(name.replace("_", "-"), value.encode())
+            if body is not None:
+                line.putheader("Content-Length", str(len(body)))
+            line.endheaders(body)
+            answer = line.getresponse()
+            found = {name.lower(): value for name, value in answer.getheaders()}
+            return Answer(answer.status, found, answer.read())
+        finally:
+            line.close()
+
+    def call(self, path: str, **body: Any) -> Answer:
+        """Return the answer to a program that has the token: a POST where there is a body."""
+        bearer = {"Authorization": f"Bearer {self.token}"}
+        if not body:
+            return self.ask("GET", f"/api/1/{path}", None, **bearer)
+        return self.ask("POST", f"/api/1/{path}", json.dumps(body).encode(), **bearer)
+
+    def state(self) -> dict[str, Any]:
+        """Return what the page shows."""
+        return self.call("state").document
+
+
+def started(folder: Path, campaign: str = CAMPAIGN) -> Path:
+    """Return the record of a campaign that has been started in a folder."""
+    (folder / "campaign.toml").write_text(campaign)
+    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
+    subprocess.run(start, cwd=folder, check=True, capture_output=True)
+    return folder / "mill.axiscal"
+
+
+@contextmanager
+def served(record: Path) -> Iterator[Served]:
+    """Serve a record until the end of the block; it then ends by Ctrl-C with status 0."""
+    command = [sys.executable, "-m", "axiscal.cli", "serve", str(record)]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert process.stdout is not None
+    try:
+        words = process.stdout.readline().split()
+        assert words[:1] == ["Open"], process.communicate(timeout=PATIENCE)
+        yield Served(words[1], record, process.pid)
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=PATIENCE)
+        assert (process.returncode, complaint) == (0, "")
+    finally:
+        process.kill()
+        process.communicate()

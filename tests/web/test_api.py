@@ -1,0 +1,139 @@
+"""The steps of a campaign over HTTP, looked at from outside: what is kept is what is on the disk."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from tests.web.served import Served, served, started
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[Served]:
+    """A campaign of four readings that is served."""
+    with served(started(tmp_path)) as running:
+        yield running
+
+
+def kept(page: Served) -> list[float]:
+    """Return the readings on the disk, um."""
+    with Campaign.open(page.record, write=False) as campaign:
+        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
+
+
+def command(page: Served, *words: str) -> None:
+    """Do another command on the same record."""
+    subprocess.run(
+        [sys.executable, "-m", "axiscal.cli", *words], cwd=page.record.parent, check=True, capture_output=True
+    )
+
+
+def test_a_whole_campaign_over_the_api(page: Served) -> None:
+    state = page.state()
+    assert state["question"]["sign"] == "+ where the tool stands too far towards +x, seen from the workpiece"
+    assert (state["question"]["mount"], state["progress"]["taken"], state["progress"]["coming"]) == (True, 0, 4)
+    for text in ("-1,7", "0.0005 mm", "0.4", "1.1"):
+        done = page.call("readings", after=page.state()["last"], text=text)
+        assert done.status == 200, done.document
+    assert kept(page) == [-1.7, 0.5, 0.4, 1.1]
+    state = page.state()
+    assert (state["question"], state["ended"]) == (None, "4 readings taken")
+    assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
+    assert page.call("finish", after=state["last"]).status == 200
+    assert (page.record.parent / "mill-results" / "report.html").is_file()
+    report = page.ask("GET", "/report.html", Authorization=f"Bearer {page.token}")
+    assert (report.status, b"<html" in report.body) == (200, True)
+    assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")
+
+
+def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_is_lost(page: Served) -> None:
+    seen = page.state()["last"]
+    assert page.call("readings", after=seen, text="1.5").status == 200
+    late = page.call("readings", after=seen, text="2.5")
+    assert (late.status, late.document["problem"]) == (409, "overtaken")
+    assert kept(page) == [1.5]
+    for path in ("undo", "next", "finish"):
+        assert page.call(path, after=seen).status == 409
+    assert page.call("skips", after=seen, reason="late").status == 409
+
+
+def test_of_many_answers_at_once_one_is_kept(page: Served) -> None:
+    seen, answers = page.state()["last"], []
+
+    def send(text: str) -> None:
+        answers.append((page.call("readings", after=seen, text=text).status, text))
+
+    senders = [threading.Thread(target=send, args=(f"{n}",)) for n in range(8)]
+    for sender in senders:
+        sender.start()
+    for sender in senders:
+        sender.join()
+    won = [float(text) for status, text in answers if status == 200]
+    assert [status for status, _ in answers if status != 200] == [409] * 7
+    assert kept(page) == won
+
+
+def test_who_waits_is_told_of_a_reading_from_another_program(page: Served) -> None:
+    first = page.state()
+    version = first["version"]
+    told: list[dict[str, Any]] = []
+
+    def wait() -> None:
+        seen = version
+        while not told or not told[-1]["readings"]:
+            told.append(page.call(f"state?seen={seen}&wait=20").document)
+            seen = told[-1]["version"]
+
+    waiter = threading.Thread(target=wait)
+    waiter.start()
+    command(page, "record", "mill.axiscal", "2.5 um")
+    waiter.join(timeout=60)
+    assert told[-1]["readings"][0]["values"] == [2.5]
+    assert told[-1]["question"]["number"] == 2
+    assert page.call("readings", after=first["last"], text="1").document["problem"] == "overtaken"
+    assert page.call("readings", after=told[-1]["last"], text="1").status == 200
+    assert kept(page) == [2.5, 1.0]
+
+
+def test_a_surprising_reading_is_kept_only_when_it_is_confirmed(page: Served) -> None:
+    page.call("readings", after=page.state()["last"], text="1")
+    last = page.state()["last"]
+    asked = page.call("readings", after=last, text="400")
+    assert (asked.status, asked.document["problem"]) == (409, "surprising")
+    assert asked.document["surprise"] > 4
+    assert kept(page) == [1.0]
+    assert page.call("readings", after=last, text="400", vouch=True).status == 200
+    assert kept(page) == [1.0, 400.0]
+
+
+def test_undo_and_skip_go_back_and_around(page: Served) -> None:
+    place = page.state()["question"]["places"]
+    page.call("readings", after=page.state()["last"], text="1")
+    assert page.call("undo", after=page.state()["last"]).status == 200
+    assert (kept(page), page.state()["question"]["places"]) == ([], place)
+    assert page.call("skips", after=page.state()["last"], reason=" ").document["problem"] == "refused"
+    assert page.call("skips", after=page.state()["last"], reason="the beam is blocked").status == 200
+    assert page.state()["question"]["places"] != place
+
+
+def test_what_is_typed_is_understood_before_it_is_sent(page: Served) -> None:
+    meant = page.call("typed?text=0%2C0021%20mm").document
+    assert (meant["values"], meant["surprising"], meant["sentence"]) == ([pytest.approx(2.1)], False, "")
+    assert page.call("typed?text=99%20mm").document["surprising"]
+    assert "no word known here" in page.call("typed?text=twelve").document["sentence"]
+
+
+def test_a_record_that_went_away_is_said(page: Served) -> None:
+    state = page.state()
+    page.record.rename(page.record.with_name("gone.axiscal"))
+    refused = page.call("readings", after=state["last"], text="1")
+    assert refused.status in (409, 422)
+    assert "mill.axiscal" in refused.document["sentence"]
+    page.record.with_name("gone.axiscal").rename(page.record)

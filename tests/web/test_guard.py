@@ -1,0 +1,135 @@
+"""Nobody but the person at this computer reaches the campaign, whatever is sent to the port."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.web.served import Served, served, started
+
+HOSTS = ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost", "[::1]:{port}", "127.0.0.2:{port}", "0.0.0.0:{port}"]
+HOSTS += ["127.0.0.1.evil.example:{port}", "localhost.:{port}", "evil.example:{port}", "127.0.0.1:{port}@evil.example"]
+HOSTS += ["", " ", "127.1:{port}", "2130706433:{port}", "127.0.0.1:{port}/", "127.0.0.1:0{port}"]
+HOSTS += [f"{n}.rebind.example:{{port}}" for n in range(84)]
+_STEPS = ["..", "%2e%2e", "..%2f", "%2e%2e%2f", "..%5c", "..\\", "%c0%ae%c0%ae", "....//", "%252e%252e%252f", ".%00."]
+_GOALS = ["etc/passwd", "mill.axiscal", "page.py", "mill.axiscal%00.css", "\\\\host\\share\\file"]
+_ROOTS = ["/", "/report.html/", "/page.css/", "/api/1/"]
+TRAVERSALS = [f"{root}{step}/{goal}" for root in _ROOTS for step in _STEPS for goal in _GOALS]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A campaign that is served."""
+    with served(started(tmp_path_factory.mktemp("guarded"))) as running:
+        yield running
+
+
+def cookie(page: Served) -> str:
+    """Return the cookie that a browser has after opening the address."""
+    first = page.ask("GET", f"/?token={page.token}")
+    assert first.status == 200
+    return first.headers["set-cookie"].partition(";")[0]
+
+
+def test_it_listens_on_the_loopback_alone(page: Served) -> None:
+    listening = [line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+    assert next(each for each in listening if each.endswith(f":{page.port:04X}")).startswith("0100007F")
+    sixth = Path("/proc/net/tcp6")
+    assert not sixth.is_file() or f":{page.port:04X} " not in sixth.read_text()
+
+
+def test_a_page_that_renamed_itself_is_refused(page: Served) -> None:
+    assert len(HOSTS) >= 100
+    for host in HOSTS:
+        answer = page.ask("GET", f"/?token={page.token}", Host=host.format(port=page.port))
+        assert answer.status == 400, host
+        assert "set-cookie" not in answer.headers
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/page.js", "/api/1/state", "/report.html"])
+def test_nothing_is_shown_without_the_token(page: Served, path: str) -> None:
+    answer = page.ask("GET", path)
+    assert (answer.status, answer.document["problem"]) == (403, "forbidden")
+    assert "set-cookie" not in answer.headers
+
+
+def test_the_token_is_long_and_the_cookie_is_for_our_page_alone(page: Served) -> None:
+    assert len(page.token) * 6 >= 128
+    given = page.ask("GET", f"/?token={page.token}").headers["set-cookie"]
+    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= {part.strip() for part in given.split(";")}
+    assert page.ask("GET", "/api/1/state", Cookie=cookie(page)).status == 200
+    assert page.ask("GET", "/api/1/state", Cookie=cookie(page)[:-1]).status == 403
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1", ""])
+def test_another_page_cannot_post(page: Served, origin: str) -> None:
+    last = page.state()["last"]
+    body = json.dumps({"after": last, "text": "1"}).encode()
+    headers = {"Cookie": cookie(page), "Origin": origin.format(port=page.port)}
+    assert page.ask("POST", "/api/1/readings", body, **headers).status == 403
+    assert page.ask("POST", "/api/1/readings", body, Cookie=cookie(page)).status == 403
+    assert page.state()["last"] == last
+
+
+def test_no_path_leads_to_another_file(page: Served) -> None:
+    assert len(TRAVERSALS) == 200
+    for path in TRAVERSALS:
+        assert page.ask("GET", path, Cookie=cookie(page)).status == 404, path
+
+
+def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
+    known = cookie(page)
+    for path in ("/", "/page.css", "/api/1/state", "/nothing"):
+        policy = page.ask("GET", path, Cookie=known).headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+    html = page.ask("GET", "/", Cookie=known).body.decode()
+    assert "<script>" not in html
+    assert re.search(r"\son\w+=", html) is None
+    assert "style=" not in html
+
+
+def test_a_large_body_is_refused(page: Served) -> None:
+    answer = page.ask("POST", "/api/1/readings", b"x" * 100_000, Authorization=f"Bearer {page.token}")
+    assert (answer.status, answer.document["problem"]) == (413, "large")
+
+
+def test_two_hundred_requests_that_never_end_do_not_stop_the_others(page: Served) -> None:
+    slow = [socket.create_connection(("127.0.0.1", page.port)) for _ in range(200)]
+    try:
+        for line in slow:
+            line.sendall(b"GET / HTTP/1.1\r\nHost: 127")
+        assert page.state()["machine"] == "One axis"
+    finally:
+        for line in slow:
+            line.close()
+
+
+ODD = st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.lists(st.integers())
+BODIES = st.dictionaries(st.sampled_from(["after", "text", "reason", "keep", "else"]), ODD).map(json.dumps)
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.sampled_from(["readings", "skips", "undo", "next", "state", "typed", "", "x"]),
+    st.sampled_from(["GET", "POST", "PUT", "DELETE", "HEAD", "OPTIONS"]),
+    st.binary(max_size=200) | BODIES.map(str.encode),
+)
+def test_no_request_is_a_fault_of_the_server(page: Served, path: str, method: str, body: bytes) -> None:
+    answer = page.ask(method, f"/api/1/{path}", body, Authorization=f"Bearer {page.token}")
+    assert answer.status < 500
+    if answer.status >= 400 and method != "HEAD":
+        assert answer.document["sentence"]
+
+
+@pytest.mark.parametrize("query", ["seen=x", "wait=1e9", "wait=nan", "seen=-1", "else=1", "seen=" + "9" * 5000])
+def test_a_query_without_sense_is_refused_in_words(page: Served, query: str) -> None:
+    answer = page.ask("GET", f"/api/1/state?{query}", Authorization=f"Bearer {page.token}")
+    assert (answer.status, answer.document["problem"]) == (422, "malformed")

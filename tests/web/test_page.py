@@ -1,0 +1,199 @@
+"""The page in Debian's Chromium: a campaign by keyboard alone, at three sizes, nothing cut and nothing overlapping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from tests.web.browser import Browser, Page
+from tests.web.served import CAMPAIGN, served, started
+
+SIZES = [(390, 844), (768, 1024), (1400, 900)]
+HOSTILE = "<img src=x onerror=alert(1)>\"&'</script><svg/onload=alert(2)>"
+SHOWN = "(id => { const e = document.getElementById(id); return e !== null && e.offsetParent !== null; })"
+FAULTS = """(() => {
+  const found = [], width = document.documentElement.clientWidth;
+  if (document.documentElement.scrollWidth > width) found.push("the page is wider than the window");
+  const shown = [...document.querySelectorAll("button,input,h1,h2,p,dd,dt,td,label,li,figcaption,svg,#unit")]
+    .filter(e => e.offsetParent !== null || e instanceof SVGElement)
+    .filter(e => e.textContent.trim() || e.matches("input,svg"));
+  const name = e => `${e.tagName} ${e.id} "${e.textContent.trim().slice(0, 30)}"`;
+  for (const e of shown) {
+    const box = e.getBoundingClientRect();
+    if (box.left < -0.5 || box.right > width + 0.5) found.push(`outside: ${name(e)}`);
+    if (!e.matches("svg,input") && e.scrollWidth > e.clientWidth + 1 && e.clientWidth) found.push(`cut: ${name(e)}`);
+  }
+  for (let a = 0; a < shown.length; a += 1) for (let b = a + 1; b < shown.length; b += 1) {
+    if (shown[a].contains(shown[b]) || shown[b].contains(shown[a])) continue;
+    const one = shown[a].getBoundingClientRect(), two = shown[b].getBoundingClientRect();
+    const across = Math.min(one.right, two.right) - Math.max(one.left, two.left);
+    const down = Math.min(one.bottom, two.bottom) - Math.max(one.top, two.top);
+    if (across > 1 && down > 1) found.push(`overlapping: ${name(shown[a])} and ${name(shown[b])}`);
+  }
+  for (const text of document.querySelectorAll("figure svg text")) {
+    const box = text.getBoundingClientRect(), whole = text.ownerSVGElement.getBoundingClientRect();
+    const [left, right] = [box.left - whole.left, whole.right - box.right];
+    if (Math.min(left, right, box.top - whole.top, whole.bottom - box.bottom) < -1)
+      found.push(`cut in the picture: ${text.textContent}`);
+  }
+  return found;
+})()"""
+PALE = """(() => {
+  const part = c => { const s = c / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; };
+  const parsed = text => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+  const behind = e => { for (; e; e = e.parentElement) { const c = parsed(getComputedStyle(e).backgroundColor);
+    if (c.length < 4 || c[3] > 0) return c; } return [255, 255, 255]; };
+  const found = [];
+  for (const e of document.querySelectorAll("body *")) {
+    const written = [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim());
+    if (e.offsetParent === null || e.disabled || !written) continue;
+    const [one, two] = [light(parsed(getComputedStyle(e).color)), light(behind(e))].sort((a, b) => b - a);
+    const ratio = (one + 0.05) / (two + 0.05);
+    if (ratio < 4.5) found.push(`${e.tagName} ${e.id} "${e.textContent.trim().slice(0, 30)}" ${ratio.toFixed(2)}`);
+  }
+  return found;
+})()"""
+"""Texts with less contrast than 4.5 to 1 (WCAG 2.2, 1.4.3)."""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """Chromium."""
+    with Browser(tmp_path_factory.mktemp("chromium")) as running:
+        yield running
+
+
+def kept(record: Path) -> list[float]:
+    """Return the readings on the disk, um."""
+    with Campaign.open(record, write=False) as campaign:
+        return [round(reading.value * 1e6, 6) for reading in campaign.state.readings]
+
+
+def focus(page: Page) -> str:
+    """Return the name of what has the focus."""
+    return str(page.value("document.activeElement.id"))
+
+
+def tab_to(page: Page, goal: str) -> None:
+    """Press Tab until the focus is there."""
+    for _ in range(20):
+        if focus(page) == goal:
+            return
+        page.press("Tab")
+    raise AssertionError(f"no way to {goal} by keyboard; at {focus(page)}")
+
+
+def looked_at(page: Page) -> None:
+    """Check what is shown at every size, light and dark, and that everything that can be pressed has a name."""
+    for width, height in SIZES:
+        page.resize(width, height)
+        assert page.value(FAULTS) == [], (width, height)
+    for dark in (True, False):
+        page.shade(dark=dark)
+        assert page.value(PALE) == [], dark
+    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+    pressed = [n for n in nodes if n.get("role", {}).get("value") in ("button", "textbox", "link", "image")]
+    assert pressed
+    assert [n for n in pressed if not n.get("ignored") and not n.get("name", {}).get("value")] == []
+
+
+def type_reading(page: Page, text: str) -> None:
+    """Type a reading with Enter behind it, as soon as it is asked for."""
+    page.until("document.activeElement.id === 'field' && document.getElementById('field').value === ''")
+    number = page.value("document.getElementById('count').textContent")
+    page.type(text)
+    page.press("Enter")
+    page.until(f"document.getElementById('count').textContent !== '{number}'")
+
+
+@pytest.mark.chromium
+def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path)
+    page = browser.page(1400, 900)
+    with served(record) as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'stands'")
+        assert "token" not in page.value("location.href + document.referrer")
+        looked_at(page)
+        page.press("Enter")
+        type_reading(page, "-1,7")
+        page.until("/reading 1 on disk [0-9:]{8}/.test(document.getElementById('saved').textContent)")
+        looked_at(page)
+        page.type("400")
+        page.press("Enter")
+        page.until(f"{SHOWN}('doubt')")
+        looked_at(page)
+        assert focus(page) == "again"
+        page.press("Enter")
+        assert (focus(page), kept(record)) == ("field", [-1.7])
+        page.type("0.5")
+        page.press("Enter")
+        page.until("document.getElementById('count').textContent === '3 of 4'")
+        tab_to(page, "undo")
+        page.press("Enter")
+        page.until("document.getElementById('count').textContent === '2 of 4'")
+        assert kept(record) == [-1.7]
+        tab_to(page, "skip")
+        page.press("Enter")
+        page.until("document.activeElement.id === 'reason'")
+        looked_at(page)
+        page.type("the beam is blocked")
+        page.press("Enter")
+        for text in ("0.4", "1.1", "0.2"):
+            type_reading(page, text)
+        page.until("document.activeElement.id === 'finish'")
+        looked_at(page)
+        page.press("Enter")
+        page.until(f"{SHOWN}('report')")
+        looked_at(page)
+        assert page.complaints() == []
+    assert kept(record) == [-1.7, 0.4, 1.1, 0.2]
+    assert (tmp_path / "mill-results" / "report.html").is_file()
+
+
+@pytest.mark.chromium
+def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path)
+    one, two = browser.page(1400, 900), browser.page(768, 1024)
+    with served(record) as server:
+        for page in (one, two):
+            page.open(server.address)
+            page.until("document.activeElement.id === 'stands'")
+            page.press("Enter")
+        two.type("9.9")
+        type_reading(one, "-1.7")
+        two.until("document.getElementById('count').textContent === '2 of 4'")
+        assert "9.9" in two.value("document.getElementById('heard').textContent")
+        assert two.value("document.getElementById('field').value") == ""
+        type_reading(two, "0.5")
+        one.until("document.getElementById('count').textContent === '3 of 4'")
+        looked_at(two)
+        assert one.complaints() + two.complaints() == []
+    assert kept(record) == [-1.7, 0.5]
+
+
+@pytest.mark.chromium
+def test_what_people_write_is_text_and_nothing_else(browser: Browser, tmp_path: Path) -> None:
+    name = HOSTILE.replace("\\", "\\\\").replace('"', '\\"')
+    record = started(tmp_path, CAMPAIGN.replace('name = "laser"', f'name = "{name}"'))
+    page = browser.page(390, 844)
+    with served(record) as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'stands'")
+        page.press("Enter")
+        tab_to(page, "skip")
+        page.press("Enter")
+        page.type(HOSTILE)
+        page.press("Enter")
+        page.until("document.getElementById('heard').textContent.startsWith('Skipped')")
+        page.type(HOSTILE)
+        page.press("Enter")
+        page.until("document.getElementById('heard').className === 'alarm'")
+        assert HOSTILE in page.value("document.getElementById('setup').textContent")
+        assert page.value("document.querySelectorAll('img, script:not([src]), [onload], [onerror]').length") == 0
+        looked_at(page)
+        assert page.complaints() == []
