@@ -27,8 +27,8 @@ def turned(letter: str, angle: float) -> Array:
 def tool_matrix(machine: Machine, pose: Array) -> Array:
     """Return where the tool is in the workpiece frame, (4, 4): third column from tip to spindle, last one the tip."""
     result = np.eye(4)
-    for axis, at in zip(machine.axes, pose, strict=True):
-        letter = axis.name[0]
+    for axis, shown in zip(machine.axes, pose, strict=True):
+        letter, at = axis.name[0], -shown if axis.counting == "reversed" else shown
         if axis.rotary:
             about = np.array(axis.origin)
             result = result @ shifted(about) @ turned(letter, at) @ shifted(-about)

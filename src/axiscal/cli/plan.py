@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.accuracy.as_one import seen_as_one
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
@@ -190,6 +191,7 @@ def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
     vouched = vouched_words(case, vouched_by_plan(case, made))
     lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
+    lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
     short = not_to_the_letter(case, limits, made)
     return "\n".join(lines if short is None else [*lines, f"Mind: {short}"])
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.accuracy.alignment import Alignment, sampled_moments
+from axiscal.accuracy.as_one import seen_as_one
 from axiscal.accuracy.part import POSES
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
@@ -180,7 +181,7 @@ class Case:
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
         """What no allowed reading can see, in words."""
-        return hidden(self.errors, self.yardstick.unseen, self.yardstick.moments)
+        return (*seen_as_one(self.yardstick), *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""

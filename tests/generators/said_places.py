@@ -1,0 +1,147 @@
+"""What the text of a campaign says of where each set-up is read, checked by matrices of the tests' own.
+
+Read from the TOML itself: nothing of how the program reads it, and nothing of its charts, is used here.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from axiscal.machine import Machine
+from axiscal.measurement.place import Place
+from axiscal.numerics import Array
+from tests.generators.kinematics import in_travel, stem, tip
+
+_NEAR = 1e-9
+_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180}
+_WAYS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+_PLANES = {"xy": "z", "yz": "x", "zx": "y"}
+
+
+def number(text: str) -> float:
+    """Return a quantity in m or rad."""
+    found = re.fullmatch(r"\s*([-+0-9.eE]+)\s*([a-zµ]+)\s*", text)
+    assert found, text
+    return float(found[1]) * _UNITS[found[2].replace("µ", "u")]
+
+
+def spot(texts: list[str]) -> Array:
+    return np.array([number(text) for text in texts])
+
+
+def way(value: Any) -> Array:
+    if isinstance(value, str):
+        return (-1.0 if value.startswith("-") else 1.0) * np.array(_WAYS[value.lstrip("+-")], dtype=float)
+    given = np.array(value, dtype=np.float64)
+    return np.asarray(given / np.linalg.norm(given), dtype=np.float64)
+
+
+class Said:
+    """What a campaign says.  Its machine is of the kind whose axes count as ISO 841 says."""
+
+    def __init__(self, text: str, machine: Machine) -> None:
+        self.machine = machine
+        campaign = tomllib.loads(text)
+        self.setups = {table["name"]: table for table in campaign["setups"]}
+        self.artefacts = {table["name"]: table for table in campaign.get("artefacts", [])}
+
+    def holds(self, place: Place) -> str:
+        """Assert that a reading can be taken where it is asked for; return by which rule it is held."""
+        table, pose = self.setups[place.setup], np.array(place.pose)
+        assert in_travel(self.machine, pose), place
+        self._sides(place, pose)
+        self._reach(table, pose)
+        for key, rule in (
+            ("along", self._line),
+            ("length", self._bar),
+            ("artefact", self._ball),
+            ("range", self._seen),
+        ):
+            if key in table:
+                rule(table, pose)
+                return key
+        self._parked(table, pose)
+        return "axes"
+
+    def _sides(self, place: Place, pose: Array) -> None:
+        """Room to come from the planned side, of every axis that has one of its own."""
+        if "artefact" in self.setups[place.setup] or self.setups[place.setup].keys() & {"along", "length"}:
+            return  # linear axes follow: the ways there are looked at as a whole
+        for axis, at, side in zip(self.machine.axes, pose, place.approach, strict=True):
+            assert side == 0 or axis.travel[0] - _NEAR <= at - side * axis.overrun <= axis.travel[1] + _NEAR, place
+
+    def _reach(self, table: Mapping[str, Any], pose: Array) -> None:
+        half = number(table["base"]) / 2 if "base" in table else 0.0
+        for name in table.get("moves", []) if half else []:
+            axis = self.machine.axis(name)
+            at = pose[self.machine.index(name)]
+            assert axis.travel[0] - _NEAR <= at - half <= at + half <= axis.travel[1] + _NEAR, table["name"]
+        for name, (low, high) in table.get("reach", {}).items():
+            assert number(low) - _NEAR <= pose[self.machine.index(name)] <= number(high) + _NEAR, table["name"]
+        for name, step in table.get("raster", {}).items():
+            if name in {axis.name for axis in self.machine.axes}:
+                at = pose[self.machine.index(name)] / number(step)
+                assert abs(at - round(at)) < 1e-6, (table["name"], name, at)
+
+    def _line(self, table: Mapping[str, Any], pose: Array) -> None:
+        first, last = (spot(end) for end in table["along"])
+        off, along = tip(self.machine, pose) - first, (last - first) / np.linalg.norm(last - first)
+        assert np.linalg.norm(off - (off @ along) * along) < _NEAR
+        assert -_NEAR <= off @ along <= np.linalg.norm(last - first) + _NEAR
+
+    def _bar(self, table: Mapping[str, Any], pose: Array) -> None:
+        centre = spot(table["station"]) if "station" in table else next(iter(self._balls(table).values()))
+        bar = tip(self.machine, pose) - centre
+        assert abs(np.linalg.norm(bar) - number(table["length"])) < _NEAR
+        plane = table.get("plane")
+        if plane is not None:
+            normal = way(_PLANES[plane]) if isinstance(plane, str) else np.cross(way(plane[0]), way(plane[1]))
+            assert abs(bar @ normal) < _NEAR
+        self._within_cone(table, pose, bar / np.linalg.norm(bar))
+
+    def _balls(self, table: Mapping[str, Any]) -> dict[str, Array]:
+        artefact = self.artefacts[table["artefact"]]
+        chosen = table.get("ball", list(artefact["balls"]))
+        chosen = [chosen] if isinstance(chosen, str) else chosen
+        return {name: spot(artefact["balls"][name]) for name in chosen}
+
+    def _ball(self, table: Mapping[str, Any], pose: Array) -> None:
+        at = tip(self.machine, pose)
+        assert min(float(np.linalg.norm(at - ball)) for ball in self._balls(table).values()) < _NEAR
+        self._within_cone(table, pose, way(self.artefacts[table["artefact"]].get("free", "z")))
+        if table["instrument"] != "rtest":  # it comes from 50 mm off
+            back = number(table.get("retract", "50 mm"))
+            lifted = self._with_tip(pose, at + back * stem(self.machine, pose))
+            assert in_travel(self.machine, lifted)
+
+    def _with_tip(self, pose: Array, point: Array) -> Array:
+        """Return the pose with the linear axes where the tool point is at a place, by differences of the matrices."""
+        slides = [k for k, axis in enumerate(self.machine.axes) if not axis.rotary]
+        base = tip(self.machine, pose)
+        ways = np.stack([tip(self.machine, pose + np.eye(len(pose))[k]) - base for k in slides], axis=1)
+        moved = pose.copy()
+        moved[slides] += np.linalg.solve(ways, point - base)
+        return moved
+
+    def _within_cone(self, table: Mapping[str, Any], pose: Array, free: Array) -> None:
+        cone = number(self.artefacts.get(table.get("artefact", ""), {}).get("cone", "100 deg"))
+        assert math.acos(float(np.clip(stem(self.machine, pose) @ free, -1, 1))) <= cone + 1e-6
+
+    def _seen(self, table: Mapping[str, Any], pose: Array) -> None:
+        far = float(np.linalg.norm(spot(table["station"]) - tip(self.machine, pose)))
+        near, most = (number(text) for text in table["range"])
+        assert near - _NEAR <= far <= most + _NEAR
+
+    def _parked(self, table: Mapping[str, Any], pose: Array) -> None:
+        moves = table.get("moves", [axis.name for axis in self.machine.axes])
+        for axis, at in zip(self.machine.axes, pose, strict=True):
+            if axis.name not in moves:
+                stated = table.get("park", {}).get(axis.name)
+                wanted = sum(axis.travel) / 2 if stated is None else number(stated)
+                assert at == wanted or abs(at - wanted) < _NEAR

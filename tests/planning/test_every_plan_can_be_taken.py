@@ -1,0 +1,105 @@
+"""What a plan, the next reading, or a renewed plan of any example asks for can be taken as its text says."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.case import Case
+from axiscal.exceptions import PlanError
+from axiscal.machine import builtin_names, load_machine
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.planning.next_readings import placed
+from axiscal.planning.planner import next_places
+from axiscal.planning.proposal import Thoroughness, proposed
+from tests.generators.kinematics import in_travel, tip
+from tests.generators.said_places import Said
+
+ROOT = Path(__file__).resolve().parents[2]
+FILES = sorted(
+    path
+    for folder in ("src/axiscal/demo", "tests/scenarios/campaigns", "examples")
+    for path in (ROOT / folder).rglob("*.toml")
+    if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE) and path.parent.name != "refusals"
+)
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+
+
+def blocks() -> list[tuple[str, str]]:
+    """Return the whole campaigns that the pages print, with where each stands."""
+    found = []
+    for page in PAGES:
+        for number, text in enumerate(re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)):
+            if re.search(r"^machine = ", text, re.MULTILINE) and "[[setups]]" in text:
+                found.append((f"{page.name} {number}", text))
+    return found
+
+
+_FEW = 4
+"""Readings of a plan: every one of more would be held to the same rules."""
+CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks()
+
+
+def described(name: str, text: str) -> CampaignDescription:
+    machine = tomllib.loads(text)["machine"]
+    beside = ROOT / name if (ROOT / name).is_file() else None
+    if machine in builtin_names() or beside is None:
+        return campaign_from_texts(text, name, load_machine(machine).text, machine)
+    path = beside.parent / machine
+    return campaign_from_texts(text, name, path.read_text(encoding="utf-8"), str(path))
+
+
+def plans(case: Case) -> list[tuple[Place, ...]]:
+    """Return what is asked for at first, what while measuring, and what after some readings with a part of it left."""
+    first = placed(case, proposed(case, Limits(readings=_FEW), Thoroughness(candidates=60)).plan)
+    coming = next_places(case, case.knowledge, ())
+    taken = [_read(case, place) for place in coming[:2]]
+    renewed = next_places(case, case.knowledge.read(taken), taken, left=coming[2:])
+    return [first, coming, renewed]
+
+
+def _read(case: Case, place: Place) -> Reading:
+    """Return a reading of nothing: where others are to be taken does not depend on its value."""
+    values = INSTRUMENTS[case.description.setup(place.setup).instrument].values
+    return Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1), time=0.0)
+
+
+@pytest.mark.parametrize(("name", "text"), CAMPAIGNS, ids=[name for name, _ in CAMPAIGNS])
+def test_every_reading_of_an_example_can_be_taken(name: str, text: str) -> None:
+    campaign = described(name, text)
+    if any(setup.lacks for setup in campaign.setups):
+        with pytest.raises(PlanError):
+            proposed(Case(campaign), Limits(readings=1), Thoroughness(candidates=50))
+        return
+    said = Said(text, campaign.machine)
+    short = replace(campaign, target=replace(campaign.target, readings=_FEW, rms=None, worst=None, expanded=None))
+    for places in plans(Case(short)):
+        assert places
+        for place in places:
+            said.holds(place)
+        _ways_hold(campaign, places)
+
+
+def _ways_hold(campaign: CampaignDescription, places: tuple[Place, ...]) -> None:
+    """Assert that ways in touch stay in the travels, and as near to the ball or centre as the places."""
+    for before, after in pairwise(places):
+        setup = campaign.setup(after.setup)
+        if setup.chart is None or setup.contact != "held" or before.setup != after.setup:
+            continue
+        start, stop = setup.chart.places(np.array([before.pose, after.pose]))
+        legs = setup.chart.between(start, stop)
+        centre = np.array(setup.station) if setup.length else tip(campaign.machine, np.array(after.pose))
+        for a, b in pairwise(legs if legs is not None else []):
+            for pose in setup.chart.poses(a + np.linspace(0, 1, 40)[:, None] * (b - a)):
+                assert in_travel(campaign.machine, pose)
+                assert abs(np.linalg.norm(tip(campaign.machine, pose) - centre) - (setup.length or 0.0)) < 1e-9
