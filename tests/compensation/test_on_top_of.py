@@ -210,8 +210,11 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
     ]:
         with pytest.raises(TableError, match=message):
             exported("linuxcnc", file)
-    with pytest.raises(TableError, match="old compensation of marlin cannot be read"):
-        exported("marlin", OldFile("x", "M421 I0 J0 Z0"))
+    with pytest.raises(TableError, match="old compensation of isg cannot be read"):
+        exported("isg", OldFile("volcomp.csv", "X EXX"))
+    for text, message in [("G28", "no M421, M425 or M852"), ("M421 I1 J1 Z0", "2 x 2 points has 1 values")]:
+        with pytest.raises(TableError, match=message):
+            exported("marlin", OldFile("x.gcode", text))
     with pytest.raises(InputError, match="as the control saved them"):
         exported("sinumerik", OldFile("AX_EEC.INI", "nonsense"))
     (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
@@ -362,10 +365,37 @@ def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) ->
     names = {"fanuc": FANUC, "heidenhain": COM}
     options = ExportOptions(template=names.get(controller), mesh=7)
     made = export(known(), controller, options)
-    files = [OldFile(name, text) for name, text in made.files.items() if name != "skew.gcode"]
+    files = [OldFile(name, text) for name, text in made.files.items()]
     old = loaded(controller, known().machine, replace(options, old_files=tuple(files))).control(known().machine)
     rng = np.random.default_rng(9)
     poses = rng.uniform([0.0, 0.0, 0.0], [0.3, 0.2, 0.1], (200, 3))
     ways = np.where(rng.uniform(size=(200, 3)) > 0.5, 1.0, -1.0)
     assert np.max(np.abs(made.control(poses, ways))) > 5e-6
     assert old(poses, ways) == pytest.approx(made.control(poses, ways), abs=1e-9)
+
+
+def test_marlin_gets_old_and_new_together() -> None:
+    """As M503 answers: a backlash of 10 um in X, and a tilted mesh of 3 x 3 points, which stays one of 3 x 3."""
+    tilted = {(i, j): 0.02 * i - 0.01 * j for i in range(3) for j in range(3)}
+    nodes = "".join(f"echo:  M421 I{i} J{j} Z{height:.3f}\n" for (i, j), height in tilted.items())
+    old = f"echo:; Backlash:\necho:  M425 F1 S0 X0.010\necho:  M852 I0 J0 K0\n{nodes}"
+    plain = marlin_of(exported("marlin", mesh=3).files["axiscal.gcode"])
+    above = marlin_of(exported("marlin", OldFile("m503.txt", old)).files["axiscal.gcode"])
+    assert above["X"] == pytest.approx(plain.get("X", 0.0) + 0.010, abs=1e-4)
+    assert {node: above[node] - plain[node] for node in tilted} == pytest.approx(tilted, abs=2e-4)
+    assert len(above) == len(tilted) + 1
+
+
+def marlin_of(text: str) -> dict[object, float]:
+    """Return backlash by axis and heights by node, mm."""
+    play = {axis: float(value) for axis, value in re.findall(r"([XYZ])([\d.]+)", "".join(re.findall("M425.*", text)))}
+    nodes = re.findall(r"M421 I(\d+) J(\d+) Z(-?[\d.]+)", text)
+    return {**play, **{(int(i), int(j)): float(height) for i, j, height in nodes}}
+
+
+def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
+    """What lies beside the tables, notes and manifest, is none of them."""
+    (tmp_path / "X.comp").write_text(comp(0))
+    (tmp_path / "README.txt").write_text("X")
+    (tmp_path / "manifest-linuxcnc.json").write_text("{}")
+    assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]

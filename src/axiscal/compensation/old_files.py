@@ -14,7 +14,8 @@ _SECTION = re.compile(r"\[(\w+)\]")
 _KEY = re.compile(r"(\w+)\s*=\s*([^#;]*)")
 _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d+)")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
-_OTHERS = {"README.txt"}
+_OTHERS = re.compile(r"README\.txt|manifest.*\.json")
+"""Files of an export that no control loads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ def _named(name: str, folder: Path) -> Iterator[OldFile]:
     if given and not path.exists():
         yield OldFile(given[2], _text(folder / given[2]), given[1])
     elif path.is_dir():
-        found = sorted(each for each in path.iterdir() if each.is_file() and each.name not in _OTHERS)
+        found = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
         if not found:
             raise TableError("there is no file in this folder", "name the old compensation", path)
         yield from (OldFile(str(each), _text(each)) for each in found)

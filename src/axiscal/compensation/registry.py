@@ -39,6 +39,7 @@ IMPORTERS = {
     "heidenhain": "heidenhain",
     "klipper": "klipper",
     "linuxcnc": "linuxcnc.importing",
+    "marlin": "marlin",
     "reprapfirmware": "reprapfirmware",
     "sinumerik": "sinumerik.importing",
 }

@@ -71,14 +71,14 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
 
 
 def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-    """Return the mesh and the skew that a printer.cfg has saved; raises ReadingError, TableError."""
+    """Return the mesh and the skew that a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""
     meshes, skew = list[Mesh](), Skew()
     for file in files:
         text = TextFile(file.name, tuple(file.text.splitlines()))
         meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
         found = {plane.lower(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
-        skew = Skew(**found) if found else skew
-        if not found and not is_mesh(text):
+        skew = Skew(**found) if found else read_skew(file.text) if _PLANE.search(file.text) else skew
+        if not found and not _PLANE.search(file.text) and not is_mesh(text):
             remedy = "give the printer.cfg with its saved block"
             raise TableError("no mesh and no skew is saved here", remedy, file.name)
     return Loaded(meshes=tuple(meshes), skew=skew)

@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from axiscal.compensation.effect import Control
 from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.loaded import Loaded
+from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.offer import Draft
+from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew, skew_control, skew_of
-from axiscal.compensation.surface import Mesh, height_seen, held_words, mesh_control, mesh_of, sum_of, with_height
+from axiscal.compensation.surface import (
+    Mesh,
+    height_seen,
+    held_words,
+    mesh_control,
+    mesh_of,
+    plane_axes,
+    sum_of,
+    with_height,
+)
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
+_COMMAND = re.compile(r"(M(?:421|425|852) .*)")
+_NODE = re.compile(r"M421 I(\d+) J(\d+)")
 _WORD = re.compile(r"([A-Z])(-?[\d.]+)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _LEFT = (
@@ -31,8 +46,9 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     """Return the file; raises TableError."""
     estimate = with_height(estimate)
     machine = estimate.machine
-    mesh = mesh_of(estimate, options.mesh) if height_seen(estimate) else None
-    skew, play = skew_of(estimate), backlash(estimate)
+    old = options.old
+    mesh = old.under_mesh(mesh_of(estimate, _points(options))) if height_seen(estimate) else None
+    skew, play = old.under_skew(skew_of(estimate)), _summed(backlash(estimate), old)
     text = write(mesh, skew, play)
     held_mesh, held_skew, held_play = read(text, mesh)
     held, wanted = (
@@ -48,6 +64,59 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     notes = _notes(mesh, skew, play)
     said = f"{'; '.join(parts)}."
     return Draft(files, held, wanted, resolution, (), said, _LEFT, notes, tried=False, about=estimate)
+
+
+def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError.
+
+    Where a mesh has its points is built into the firmware: they are taken to span the travels of X and Y.
+    """
+    meshes, skew, play = list[Mesh](), Skew(), dict[str, float]()
+    for file in files:
+        commands = [found[1] for line in file.text.splitlines() if (found := _COMMAND.search(line))]
+        found_mesh, found_skew, found_play = read("\n".join(commands), _built("\n".join(commands), machine))
+        if found_mesh is None and not found_skew.seen and not found_play:
+            what = "there is no M421, M425 or M852 in this file"
+            raise TableError(what, "send M503, and save what Marlin answers", file.name)
+        meshes += [found_mesh] if found_mesh else []
+        skew, play = found_skew if found_skew.seen else skew, play | found_play
+    lookups = (lookup for axis, value in play.items() for lookup in _both_ways(machine, axis, value))
+    return Loaded(tuple(lookups), tuple(meshes), skew)
+
+
+def _built(text: str, machine: Machine) -> Mesh | None:
+    """Return the points that commands fill, over the travels; raises TableError for a mesh with holes."""
+    nodes = {(int(i), int(j)) for i, j in _NODE.findall(text)}
+    if not nodes:
+        return None
+    wide, high = (max(node[side] for node in nodes) + 1 for side in (0, 1))
+    if len(nodes) < wide * high or min(wide, high) < 2:
+        what = f"the mesh of {wide} x {high} points has {len(nodes)} values"
+        raise TableError(what, "give the whole answer to M503, or send M420 S1 first")
+    x, y, _ = plane_axes(machine)
+    across, along = (np.linspace(*machine.axes[axis].travel, count) for axis, count in ((x, wide), (y, high)))
+    return Mesh(across, along, np.zeros((high, wide)))
+
+
+def _both_ways(machine: Machine, axis: str, play: float) -> Iterator[Lookup]:
+    at = np.array(machine.axis(axis).travel)
+    yield from (Lookup(axis, axis, at, np.full(2, side * play / 2), side) for side in (1, -1))
+
+
+def _points(options: ExportOptions) -> int | None:
+    """Return the points of a mesh along each side: the firmware was built for those of an old one."""
+    for mesh in options.old.meshes if options.mesh is None else ():
+        if len(mesh.x) == len(mesh.y):
+            return len(mesh.x)
+    return options.mesh
+
+
+def _summed(play: Mapping[str, float], old: Loaded) -> dict[str, float]:
+    """Return the lost motion of each axis with what was made up for already."""
+    total = dict(play)
+    for lookup in old.lookups:
+        total[lookup.axis] = total.get(lookup.axis, 0.0) + lookup.direction * float(lookup.added[0])
+    return total
 
 
 def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
@@ -116,7 +185,7 @@ def read(text: str, built: Mesh | None) -> tuple[Mesh | None, Skew, dict[str, fl
         if command == "M852":
             skew = Skew(*(values.get(letter) for letter in _SKEW.values()))
         elif command == "M425":
-            share = values.pop("F")
+            share = values.pop("F", 1.0)
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
         elif command == "M421" and heights is not None:
             heights[int(values["J"]), int(values["I"])] = values["Z"]
