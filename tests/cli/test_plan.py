@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -242,3 +243,33 @@ def test_a_target_out_of_reach_is_said_at_once(
     assert run(["plan", str(campaign), "--target", "5 um"]) == 1
     said = " ".join(capsys.readouterr().err.split())
     assert "Another set-up would help. What cannot be seen" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--readings", "1000000"], "a plan of 1,000,000 readings is not made: at most 1,000"),
+        (["--budget", "1e9 h"], "time for 100 times the 1,000 readings"),
+        (["--readings", "3", "--candidates", "10000000"], "a choice among 10,000,000 places is not made"),
+    ],
+)
+def test_a_plan_whose_end_nobody_would_see_is_refused_before_it_begins(
+    campaign: Path,
+    words: list[str],
+    says: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("axiscal.cli.plan.proposed", lambda *_: pytest.fail("it has begun"))
+    assert run(["plan", str(campaign), *words]) == 1
+    assert says in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", str(campaign), "--readings", "12", "--budget", "10.4 min"]) == 0
+    found = re.search(r"(\d+) readings were asked for and (\d+) are planned: more do not fit", capsys.readouterr().out)
+    assert found is not None
+    asked, planned = map(int, found.groups())
+    assert planned < asked == 12
+    assert run(["plan", str(campaign), "--readings", "3"]) == 0
+    assert "were asked for" not in capsys.readouterr().out

@@ -24,7 +24,7 @@ from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
 from axiscal.machine.questions import which_way
 from axiscal.measurement.place_texts import approach_text, place_text
-from axiscal.planning.feasibility import not_to_the_letter, refuse_out_of_reach
+from axiscal.planning.feasibility import fewer_than_asked, not_to_the_letter, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
@@ -109,6 +109,7 @@ def plan(
         dialect(gcode)
     case = case_of(_driven(read_campaign(campaign, target_needed=False), clearance, order, feed, dwell))
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
+    refuse_endless(case, limits, candidates)
     if prove:
         refuse_unless_provable(case)
     if target is not None:
@@ -192,8 +193,8 @@ def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
     vouched = vouched_words(case, vouched_by_plan(case, made))
     lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
     lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
-    short = not_to_the_letter(case, limits, made)
-    return "\n".join(lines if short is None else [*lines, f"Mind: {short}"])
+    minded = [not_to_the_letter(case, limits, made), fewer_than_asked(limits, made)]
+    return "\n".join([*lines, *(f"Mind: {sentence}" for sentence in minded if sentence)])
 
 
 def _lines(case: Case, made: Plan) -> list[str]:

@@ -13,8 +13,9 @@ from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
-from axiscal.exceptions import TargetError
+from axiscal.exceptions import PlanError, TargetError
 from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.time_taken import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
 from axiscal.units import format_quantity, to_unit
@@ -26,7 +27,12 @@ _CANDIDATES = 1000
 _ROUNDS = 12
 """Doublings of the readings, to the most that a plan has."""
 MOST = 1000
-"""Readings beyond which no plan is made for an accuracy."""
+"""Readings beyond which no plan is made."""
+MOST_CANDIDATES = 500_000
+_ABSURD = 100
+"""So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
+_INSTANT = 1e-3
+"""Seconds of a reading that is said to take no time."""
 
 
 @one_thread()
@@ -65,6 +71,33 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
         raise TargetError(what, _what_hides(case, limits.rms))
     if limits.readings is None and limits.budget is None:
         _refuse_too_noisy(case, limits.rms)
+
+
+def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
+    """Raise PlanError for a plan of so many readings, or chosen from so many places, that nobody would see its end."""
+    if candidates > MOST_CANDIDATES:
+        what = f"a choice among {candidates:,} places is not made: at most {MOST_CANDIDATES:,} are compared"
+        raise PlanError(what, "Leave --candidates out: readings are brought to the best places between them anyway")
+    if (limits.readings or 0) > MOST:
+        what = f"a plan of {limits.readings:,} readings is not made: at most {MOST:,} are chosen together"
+        raise PlanError(what, "Ask for fewer, or for an accuracy with --target; a campaign goes on after its plan")
+    if limits.readings is None and limits.budget is not None and not limits.accurate:
+        shortest = min(reading_seconds(setup) for setup in case.description.setups)
+        if limits.budget > _ABSURD * MOST * max(shortest, _INSTANT):
+            hours = format_quantity(limits.budget, "h", 3)
+            what = f"{hours} are time for {_ABSURD} times the {MOST:,} readings that are chosen together at most"
+            raise PlanError(what, "Say how many readings as well, with --readings, or give an accuracy with --target")
+
+
+def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
+    """Say that a plan has fewer readings than were asked for, and why; None where it has not."""
+    planned = len(plan.readings)
+    if limits.readings is None or planned >= limits.readings:
+        return None
+    why = "they reach the accuracy that is asked for" if plan.met else "no other reading is worth its time"
+    if limits.budget is not None and not plan.met:
+        why = f"more do not fit into {format_quantity(limits.budget, 'min', 4)}"
+    return f"{limits.readings:,} readings were asked for and {planned:,} are planned: {why}"
 
 
 def _what_hides(case: Case, target: float) -> str:
