@@ -48,7 +48,7 @@ def planned_places(
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
-        coming = renewed(task, limits, coming, patience)
+        coming = renewed(task, limits, coming, patience, guard=True)
     if not len(coming):
         coming = _begun(task, limits, patience)
     return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
@@ -57,7 +57,7 @@ def planned_places(
 def _begun(task: Task, limits: Limits, patience: float) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(task, limits, patience=patience, bounded=False).places
+        return make_plan(task, limits, patience=patience, bounded=False, guard=True).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(task, Limits(1), patience=patience, bounded=False).places
 

@@ -43,13 +43,19 @@ def proposed(
     how: Thoroughness = Thoroughness(),
     progress: Progress = lambda _: None,
     only: Sequence[int] | None = None,
+    guard: bool = True,
 ) -> Proposal:
-    """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError."""
+    """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError.
+
+    guard : whether what its readings would not show is made small along with the promise
+    """
     task = posed(case, case.knowledge, candidates=how.candidates)
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, patience=math.inf, progress=progress))  # the same plan on any machine
+    return Proposal(
+        make_plan(task, limits, patience=math.inf, guard=guard, progress=progress)
+    )  # the same plan on any machine
 
 
 def refuse_unless_provable(case: Case) -> None:

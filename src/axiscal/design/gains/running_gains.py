@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class Scores:
             self._reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
         return self._cross, self._reach
 
-    def fork(self) -> Scores:
+    def fork(self) -> Self:
         """Return a copy that goes its own way."""
         other = copy.copy(self)
         other.members = list(self.members)
@@ -95,7 +96,7 @@ class Scores:
         if self._cross is not None and self._reach is not None:
             self._cross[:, here - count], self._reach[:, here - count] = cross, reach
             self._cross[here], self._reach[here] = cross[count:], reach[count:]
-        self._changed(cross.copy(), reach.copy(), change.eta, change.omega)
+        self._changed(here, change, cross.copy(), reach.copy())
         self.state = self.state.after(row, variance, change)
         return change
 
@@ -110,7 +111,7 @@ class Scores:
     def _left(self, here: int, row: Array, variance: float) -> RankOne:
         change = self.state.change(row, variance, leaving=True)
         cross, reach = self._columns(here)
-        self._changed(cross, reach, change.eta, float(self.above[here]))
+        self._changed(here, change._replace(omega=float(self.above[here])), cross, reach)
         self.state = self.state.after(row, variance, change)
         return change
 
@@ -223,8 +224,12 @@ class Scores:
         rows[:, : member.rows.shape[1]] = member.rows
         return rows
 
-    def _changed(self, cross: Array, reach: Array, eta: float, omega: float) -> None:
-        """Bring everything up to date after C ← C − η h hᵀ.  cross : rows times h = C g; reach : times z = C W h."""
+    def _changed(self, here: int, change: RankOne, cross: Array, reach: Array) -> None:
+        """Bring everything up to date after C ← C − η h hᵀ, by the number whose index is `here`.
+
+        cross : rows times h = C g; reach : times z = C W h
+        """
+        eta, omega = change.eta, change.omega
         self.above += -2 * eta * cross * reach + eta**2 * omega * cross**2
         self.below -= eta * cross**2
         if not self.pool.scalar:
@@ -233,6 +238,6 @@ class Scores:
             self.joint.above += -eta * (cross_a * reach_b + reach_a * cross_b) + eta**2 * omega * both
             self.joint.below -= eta * both
         if self._cross is not None and self._reach is not None:
-            here, there = cross[self.pool.count :], reach[self.pool.count :]
-            self._reach -= np.outer(eta * cross, there - eta * omega * here) + np.outer(eta * reach, here)
-            self._cross -= np.outer(eta * cross, here)
+            near, far = cross[self.pool.count :], reach[self.pool.count :]
+            self._reach -= np.outer(eta * cross, far - eta * omega * near) + np.outer(eta * reach, near)
+            self._cross -= np.outer(eta * cross, near)

@@ -22,6 +22,7 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
+from axiscal.design.plan.guarded import guardable, guarded
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.task import Clock, Limits, Task, clock
@@ -34,6 +35,8 @@ Progress = Callable[[str], None]
 
 PATIENCE = 20.0
 """Seconds that climbing off the lattice may take unless said otherwise."""
+_FEWEST = 3
+"""Two readings contradict nothing, wherever they are."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
 
@@ -87,12 +90,14 @@ def make_plan(
     *,
     patience: float = PATIENCE,
     bounded: bool = True,
+    guard: bool = False,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : seconds for climbing off the lattice
     bounded : whether the lower bound is wanted; progress : is given what is being done, in words
+    guard : whether what its readings would not show is made small along with J
     """
     _refuse(task, limits)
     spent = Patience(patience)
@@ -105,6 +110,10 @@ def make_plan(
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, spent)
     trial = fitted(task, limits, times, trial)
+    fresh = task.here is None and len(trial.scores.members) >= _FEWEST
+    if guard and fresh and guardable(task, limits, trial.scores):
+        progress("what its readings would not show")
+        trial = guarded(task, limits, times, trial)
     progress("the bound")
     bound = _bound(task, limits, times, pool, trial) if bounded else None
     return _plan(task, limits, trial, bound, len(pool))

@@ -16,6 +16,7 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable
+from axiscal.design.plan.guarded import guardable
 from axiscal.design.plan.order import arriving, in_order, seconds_along
 from axiscal.design.plan.plan import Patience
 from axiscal.design.plan.task import Clock, Limits, Task, clock
@@ -30,10 +31,12 @@ _MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
 
 
-def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
+def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, guard: bool = False) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : seconds for climbing off the lattice
+    guard : whether what is left was chosen for what it shows beside the model: then none is exchanged for a reading
+        that is better under the model
     None are returned where there is no time for any of these set-ups.
     """
     times = clock(task)
@@ -44,8 +47,9 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> 
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
         trial = _filled(task, limits, times, trial)
-        exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
-        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+        if not (guard and guardable(task, limits, trial.scores)):
+            exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
+            polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits, times, trial).scores.places
     order = _shorter(task, in_order(task, places), left)
     return replace(order, approaches=arriving(task, order))

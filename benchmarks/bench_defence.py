@@ -1,0 +1,77 @@
+"""What plans can vouch for: the best for their model, evenly spaced, and those that are guarded.
+
+    python benchmarks/bench_defence.py          one axis, a few minutes of one core
+    python benchmarks/bench_defence.py mill     three axes and three probes as well
+
+RMS promise and what the readings vouch for (U_def), um; the departure that does most damage; seconds of the processor.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.plan.guarded import vouched_for
+from axiscal.design.plan.plain_designs import evenly_spaced
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits, Task
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.place import Places
+from axiscal.planning.next_readings import posed
+from axiscal.units import to_unit
+
+AXIS = """machine = "one-axis"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+"""
+PROBE = """
+[[setups]]
+name = "p{0}"
+instrument = "probe"
+direction = "{0}"
+moves = ["X", "Y", "Z"]
+reach = {{ X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"] }}
+approach = "both"
+"""
+MILL = 'machine = "three-axis-mill"\n[target]\nreadings = 66\n' + "".join(PROBE.format(axis) for axis in "xyz")
+
+
+def task_of(text: str) -> Task:
+    """Return what is to be planned of a campaign."""
+    machine = text.split('"')[1]
+    case = Case(campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine))
+    return posed(case, case.knowledge)
+
+
+def rows(task: Task, readings: int) -> Iterator[str]:
+    """Yield a line for each way to choose so many readings."""
+    seconds, plans = [], list[tuple[str, Places]]()
+    for name, guard in (("best for its model", False), ("guarded", True)):
+        begun = time.process_time()
+        plans.append((name, make_plan(task, Limits(readings=readings), guard=guard).places))
+        seconds.append(time.process_time() - begun)
+    counts = [(setup, len(mine)) for setup, mine in plans[0][1].by_setup()]
+    plans.append(("evenly spaced", evenly_spaced(task, counts)))
+    for (name, places), took in zip(plans, [*seconds, 0.0], strict=True):
+        found = vouched_for(task, places)
+        worst = next(each for each in found.departures if each.counted)
+        promise, vouched = to_unit(found.promise, "um"), to_unit(found.u_def, "um")
+        weakest = f"{worst.family} {worst.owner}, power {worst.power:.0%}"
+        yield f"| {readings} | {name} | {promise:.3f} | {vouched:.3f} | {weakest} | {took:.1f} |"
+
+
+if __name__ == "__main__":
+    print("| readings | plan | RMS um | U_def um | weakest | s |\n|---|---|---|---|---|---|")
+    cases = [(AXIS, each) for each in (10, 14, 20, 24, 28, 32, 40)] + [(MILL, 60), (MILL, 66)] * ("mill" in sys.argv)
+    for text, count in cases:
+        for row in rows(task_of(text), count):
+            print(row, flush=True)

@@ -1,0 +1,194 @@
+"""The departures that a plan is to be defended against, as columns b at any candidate.
+
+When a reading will be taken is not known before the way is: of a set-up that is read out and back, a place on the way
+out is at half its share of the travel, one on the way back as far from the end. What several axes reach on a short way
+has no such order, and its drift is left to the closing readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import takewhile
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.design.plan.out_and_back import returns
+from axiscal.estimation.defence import COUNTED, field, largest
+from axiscal.measurement.departures import IN_PLANS, Departure, departures, shape
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+_WAY = 3600.0
+"""s: the departures of the drift are asked for on a way of an hour, of which only the shape counts."""
+_PARTS = 1000
+"""Where no side is asked for, every other thousandth of the travel is read on the way back."""
+
+
+class Pass(NamedTuple):
+    """When places along one way are read.  at : (m,) m or rad, ascending; share : (m,) of the time of the set-up"""
+
+    at: Array
+    share: Array
+
+
+class RoundTrip(NamedTuple):
+    """The way that rises and the one that falls."""
+
+    out: Pass
+    back: Pass
+
+
+Times = Mapping[int, RoundTrip]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Watch:
+    """Departures with all their columns, those of one column first, then pairs.
+
+    observation : before any cell is visited; single : how many have one column
+    fields : (w, k) V φ; beside : (k,) mean squares that no spline follows, m²; most : (h,) largest sizes
+    weights : (h,) one over the number of places of its family
+    times : by set-up that is read out and back
+    """
+
+    observation: Observation
+    departures: tuple[Departure, ...]
+    single: int
+    fields: Array
+    beside: Array
+    most: Array
+    weights: Array
+    times: Times
+
+    @property
+    def count(self) -> int:
+        """How many columns there are, k."""
+        return len(self.beside)
+
+    def columns(self, places: Places) -> Array:
+        """Return b at places of set-ups that read one number, (m, k)."""
+        parts, effects = [], self._effects(places)
+        for each in self.departures:
+            if each.function is None:
+                parts.append(self._drift(each, places))
+            else:
+                function = self.observation.errors.functions[each.function]
+                axis = self.observation.machine.axes[function.axis]
+                along = shape(each.family, each.place, function, axis, places.poses[:, function.axis])
+                parts.append(effects[each.function][:, None] * along)
+        return np.hstack(parts)
+
+    def _effects(self, places: Places) -> Array:
+        """Return what a unit of each error adds to each reading, (functions, m)."""
+        effects = np.zeros((len(self.observation.errors.functions), len(places)))
+        for setup, mine in places.by_setup():
+            effects[:, mine] = self.observation.effects(setup, places.poses[mine], places.approaches[mine])
+        return effects
+
+    def _drift(self, each: Departure, places: Places) -> Array:
+        mine = np.array([self.observation.setups[setup].name == each.owner for setup in places.setups.tolist()])
+        share = way_shares(self.observation, places, self.times)
+        drifted = share if each.family == "drift" else (1 - np.exp(-3 * share)) / (1 - np.exp(-3.0))
+        return np.where(mine, drifted, 0.0)[:, None]
+
+
+def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
+    """Return the same with the times of a plan: places between its readings are read between them.
+
+    order : its readings; ends : (m,) when each ends, s
+    """
+    times = dict(watched.times)
+    for index, mine in order.by_setup():
+        if index in times and len(mine) > 1:
+            (k,) = watched.observation.setups[index].moves
+            share = (ends[mine] - ends[mine[0]]) / (ends[mine[-1]] - ends[mine[0]])
+            out = _on_the_way_out(watched.observation, index, order.within(mine))
+            passes = [_pass(order.poses[mine, k][part], share[part]) for part in (out, ~out)]
+            times[index] = RoundTrip(*(new or old for new, old in zip(passes, times[index], strict=True)))
+    return replace(watched, times=MappingProxyType(times))
+
+
+def _pass(at: Array, share: Array) -> Pass | None:
+    """Return when places along one way are read; None where nobody is told."""
+    order = np.argsort(at, kind="stable")
+    return Pass(at[order], share[order]) if len(at) else None
+
+
+def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Watch:
+    """Return what readings at the places of a lattice are to be watched for.
+
+    observation : of set-ups that read one number each; lattice : the candidates
+    """
+    times = _evenly(observation)
+    found = [each for each in _departures(observation, lattice, times) if each.family in COUNTED]
+    found = sorted(found, key=lambda each: each.columns.shape[1])
+    fields = [
+        (np.zeros((len(yardstick.root.matrix), 1)), 0.0) if each.function is None else field(yardstick, each)
+        for each in found
+    ]
+    groups = [(each.family, each.owner) for each in found]
+    return Watch(
+        observation,
+        tuple(found),
+        sum(each.columns.shape[1] == 1 for each in found),
+        np.hstack([part for part, _ in fields]),
+        np.concatenate([np.full(part.shape[1], beside / part.shape[1]) for part, beside in fields]),
+        np.array([largest(observation.errors, each) for each in found]),
+        np.array([1.0 / groups.count(group) for group in groups]),
+        times,
+    )
+
+
+def _departures(observation: Observation, lattice: Places, times: Times) -> Sequence[Departure]:
+    """Return the departures that the candidates of a lattice could show."""
+    setups, shares = observation.setups, way_shares(observation, lattice, times)
+    columns = lattice.setups, lattice.poses, lattice.approaches.astype(int), shares
+    readings = [
+        Reading(setups[setup].name, tuple(pose), tuple(sides), 0.0, time=_WAY * share)
+        for setup, pose, sides, share in zip(*(part.tolist() for part in columns), strict=True)
+    ]
+    names = {setup.name for setup in setups if returns(setup)}
+    possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
+    return [each for each in possible if each.function is not None or each.owner in names]
+
+
+def _evenly(observation: Observation) -> Times:
+    """Return the times of ways that rise first and go evenly."""
+    times = {}
+    for index, setup in enumerate(observation.setups):
+        if returns(setup):
+            (k,) = setup.moves
+            ends = np.array(setup.span(observation.machine.axes[k], k))
+            times[index] = RoundTrip(Pass(ends, np.array([0.0, 0.5])), Pass(ends, np.array([1.0, 0.5])))
+    return MappingProxyType(times)
+
+
+def way_shares(observation: Observation, places: Places, times: Times) -> Array:
+    """Return at what share of the way of its set-up each place is read, 0 to 1, (m,); ½ where nobody knows."""
+    shares = np.full(len(places), 0.5)
+    for index, mine in places.by_setup():
+        if index in times:
+            at = places.poses[mine, observation.setups[index].moves[0]]
+            out = _on_the_way_out(observation, index, places.within(mine))
+            there, back = (np.interp(at, each.at, each.share) for each in times[index])
+            shares[mine] = np.where(out, there, back)
+    return shares
+
+
+def _on_the_way_out(observation: Observation, index: int, places: Places) -> NDArray[np.bool_]:
+    """Return which places of a set-up are read on the way that rises, (m,)."""
+    setup = observation.setups[index]
+    (k,) = setup.moves
+    if len(setup.sides) > 1 and k in observation.errors.reversing:
+        rising: NDArray[np.bool_] = places.approaches[:, k] > 0
+        return rising
+    low, high = setup.span(observation.machine.axes[k], k)
+    every_other: NDArray[np.bool_] = np.floor((places.poses[:, k] - low) / (high - low) * _PARTS) % 2 == 0
+    return every_other

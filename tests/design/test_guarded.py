@@ -1,0 +1,116 @@
+"""Plans that their readings can vouch for: the rank-one algebra against plain matrices, and what it brings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.plan.defended import DefendedScores
+from axiscal.design.plan.guarded import vouched_for
+from axiscal.design.plan.order import in_order, seconds_each
+from axiscal.design.plan.plain_designs import evenly_spaced
+from axiscal.design.plan.plan import Plan, make_plan
+from axiscal.design.plan.task import Limits, Task
+from axiscal.design.plan.watch import retimed, watch, way_shares
+from axiscal.estimation.defence import EffectMap
+from axiscal.measurement.reading import Reading
+from tests.design.test_out_and_back import one_axis
+from tests.generators.designs import levered
+
+
+@cache
+def plan(readings: int, guard: bool) -> Plan:
+    """Return a plan of the built-in axis."""
+    return make_plan(one_axis()[1], Limits(readings=readings), bounded=False, guard=guard)
+
+
+def begun(task: Task, seed: int, count: int = 12) -> DefendedScores:
+    """Return the scores after so many candidates at random."""
+    watched = watch(task.observation, task.yardstick, task.lattice)
+    scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick)
+    for index in np.random.default_rng(seed).integers(0, len(task.lattice), count).tolist():
+        scores.enter(index)
+    return scores
+
+
+def readings_of(task: Task, scores: DefendedScores) -> list[Reading]:
+    """Return the readings of the plan with the times that the search counts with."""
+    shares = way_shares(task.observation, scores.places, scores.watched.times)
+    rows = zip(scores.places.poses.tolist(), scores.places.approaches.tolist(), shares.tolist(), strict=True)
+    return [Reading("laser", tuple(p), tuple(int(s) for s in sides), 0.0, time=share) for p, sides, share in rows]
+
+
+def test_rank_one_updates_are_the_plain_matrices_with_a_zero_open_by_a_millimetre() -> None:
+    case, task = one_axis()
+    scores = begun(task, 0)
+    scores.leave(4)
+    scores.enter(900, 4)
+    effects, first = EffectMap.of(case, readings_of(task, scores)), 0
+    for each in scores.watched.departures:
+        part = slice(first, first := first + each.columns.shape[1])
+        columns = scores.watched.columns(scores.places)[:, part]
+        span = np.ptp(columns) if each.function is None else 1.0
+        direct = effects.effect(replace(each, columns=columns))
+        assert scores.standing.own[part] / span**2 == pytest.approx(np.diag(direct.information), rel=1e-9)
+        assert np.mean(scores.standing.wrong[part]) / span**2 == pytest.approx(direct.wrong, rel=1e-9)
+
+
+def test_gains_losses_and_exchanges_are_differences_of_the_objective() -> None:
+    scores = begun(one_axis()[1], 1)
+    scores.follow()
+    before, gains, losses = scores.objective, scores.gains, scores.losses()
+    entered, left = scores.fork(), scores.fork()
+    entered.enter(77)
+    assert before - entered.objective == pytest.approx(gains[77], rel=1e-6)
+    others, own = scores.without(3)
+    left.leave(3)
+    assert left.objective - before == pytest.approx(losses[3], rel=1e-6) == pytest.approx(own, rel=1e-6)
+    without = left.objective
+    left.enter(500, 3)
+    assert without - left.objective == pytest.approx(others[500], rel=1e-6)
+
+
+def test_a_machine_with_levers_and_rests_keeps_its_damages() -> None:
+    task = levered(300)
+    scores = begun(task, 2, 9)
+    fresh = DefendedScores(scores.pool, task.state, scores.watched, task.yardstick)
+    for index in reversed(range(len(scores.places))):
+        fresh.enter(scores.places.at(index))
+    assert scores.standing.wrong == pytest.approx(fresh.standing.wrong, rel=1e-6)
+    assert scores.standing.own == pytest.approx(fresh.standing.own, rel=1e-6)
+    assert scores.objective == pytest.approx(fresh.objective, rel=1e-9)
+
+
+def test_a_plan_is_timed_by_its_own_way() -> None:
+    task = one_axis()[1]
+    order = in_order(task, plan(20, True).places)
+    ends = np.cumsum(seconds_each(task, order))
+    watched = retimed(watch(task.observation, task.yardstick, task.lattice), order, ends)
+    shares = way_shares(task.observation, order, watched.times)
+    assert shares == pytest.approx((ends - ends[0]) / (ends[-1] - ends[0]))
+
+
+@pytest.mark.parametrize(("readings", "most"), [(20, 0.98e-6), (24, 0.70e-6)])
+def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: float) -> None:
+    task, made = one_axis()[1], plan(readings, True)
+    found = vouched_for(task, made.places).u_def
+    assert len(made.readings) == readings
+    assert found <= most
+    assert found < 0.7 * vouched_for(task, plan(readings, False).places).u_def
+    assert found < 0.7 * vouched_for(task, evenly_spaced(task, [(0, readings)])).u_def
+    assert made.accuracy.rms < 1.15 * plan(readings, False).accuracy.rms
+
+
+def test_a_guarded_plan_takes_hardly_more_time() -> None:
+    assert plan(20, True).seconds < 1.02 * plan(20, False).seconds
+
+
+def test_a_plan_for_an_accuracy_or_a_few_readings_is_that_of_its_model() -> None:
+    task = one_axis()[1]
+    for limits in (Limits(readings=2), Limits(rms=3e-6)):
+        plain, same = (make_plan(task, limits, bounded=False, guard=guard).places for guard in (False, True))
+        assert same.same_as(plain)
