@@ -114,6 +114,16 @@ class Warning(Fields):
     text: str = Field(description="in words")
 
 
+class CheckedReadings(Fields):
+    """`checks`: readings that were kept out, predicted from the others, and then used."""
+
+    count: int = Field(description="how many readings")
+    promised_um: float = Field(description="the expanded uncertainty that the model promises")
+    found_um: float = Field(description="the same as the check readings show it")
+    low: float = Field(description="lower end of its interval of 95 %, um")
+    high: float = Field(description="upper end, um")
+
+
 class TableValue(Fields):
     """An entry of `tables`; effects are of all files of the control together."""
 
@@ -150,6 +160,7 @@ class Result(Fields):
     U_holds_for: str | None = Field(
         description="tool, volume, temperature and errors that they were evaluated for, in words"
     )
+    checks: CheckedReadings | None = Field(description="check readings, predicted before they were used")
     rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
@@ -176,7 +187,7 @@ class Result(Fields):
 
 def page() -> str:
     """Return the page: a table for each kind of object."""
-    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading)
+    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, CheckedReadings)
     return "\n".join([_HEAD, *(_table(each) for each in (*tables, DepartureValue, Warning, TableValue))])
 
 

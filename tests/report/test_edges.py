@@ -16,7 +16,8 @@ from axiscal.machine.questions import which_way
 from axiscal.planning.vouched import Vouched
 from axiscal.report.figures import accuracy
 from axiscal.report.page import render
-from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary, Uncertainty
+from axiscal.report.promises import Uncertainty
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
 
 
 def _figures(page: str) -> list[dict[str, Any]]:

@@ -18,6 +18,7 @@ import pytest
 from axiscal.error_model.iso230 import words
 from axiscal.planning.vouched import Vouched
 from axiscal.report.page import render
+from axiscal.report.promises import Uncertainty
 from axiscal.report.summary import (
     ConstantSummary,
     CurvePoint,
@@ -31,7 +32,6 @@ from axiscal.report.summary import (
     Summary,
     TableOffer,
     TruthCheck,
-    Uncertainty,
 )
 
 TRAVEL = {"C": (0.0, 360.0), "B": (-30.0, 110.0), "Y": (0.0, 500.0), "X": (0.0, 600.0), "Z": (0.0, 500.0)}

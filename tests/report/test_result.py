@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 from axiscal.exceptions import SummaryError
 from axiscal.planning.vouched import Vouched
+from axiscal.report.promises import Uncertainty
 from axiscal.report.summary import (
     ConstantSummary,
     CurveSummary,
@@ -20,7 +21,6 @@ from axiscal.report.summary import (
     Rejection,
     Summary,
     TruthCheck,
-    Uncertainty,
     result_json,
 )
 

@@ -19,6 +19,7 @@ from axiscal.accuracy.expanded import Expanded, expanded
 from axiscal.belief import Belief
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.believed import with_sides
+from axiscal.estimation.checks import checked
 from axiscal.estimation.defence import Defence, defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
@@ -59,8 +60,9 @@ def ruled(known: Estimation) -> Estimation:
     verdict = _verdict(known, comparison, defence)
     factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
     wide = _mixed(known, mixture, verdict, factor)
-    figures = _larger(_expanded(known.banded), _expanded(wide))
-    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor)
+    own = _expanded(known.banded)
+    figures, checks = _larger(own, _expanded(wide)), checked(known.case, readings, own.space)
+    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor, checks)
     if verdict != "widened":
         return replace(known, ruling=ruling)
     return replace(known, ruling=ruling, banded=wide, accuracy=wide.case.yardstick.measure(wide.knowledge.belief))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from axiscal.accuracy.expanded import Expanded
+from axiscal.estimation.checks import Checks
 from axiscal.inference.contradiction import Comparison
 
 VerdictWord = Literal["holds", "widened", "contradicted", "unchecked"]
@@ -24,6 +25,7 @@ class Ruling:
     vouched : U_def, what the readings can vouch for, standard uncertainty, m
     model : the share of the belief that the model as it is holds, other scales among it, 0 to 1
     inflated : the factor on the variances of the last resort (Birge), 1 where it is not needed
+    checks : what readings say that were predicted before they were used, None where there were too few
     """
 
     verdict: VerdictWord
@@ -32,6 +34,7 @@ class Ruling:
     vouched: float
     model: float = 1.0
     inflated: float = 1.0
+    checks: Checks | None = None
 
     @property
     def promises(self) -> bool:

@@ -38,6 +38,11 @@ def table_lines(summary: Summary) -> Sequence[str]:
     return [effect_words(name, effect, summary.expanded.factor) for name, effect in effects.items()]
 
 
+def checked_lines(summary: Summary) -> Sequence[str]:
+    """Return what check readings say of the promise."""
+    return [] if summary.checks is None else [summary.checks.words]
+
+
 def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
     """Return what is to be expected with all files of a control loaded.  factor : k"""
     expanded, before, after = (f"{each:.3g} um" for each in (factor * effect.expected, effect.before, effect.after))
@@ -55,4 +60,5 @@ def first_lines(summary: Summary) -> str:
         f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
         f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
     ]
-    return "\n".join([*lines, summary.verdict_words, summary.vouched.words, *table_lines(summary)])
+    said = [summary.verdict_words, *checked_lines(summary), summary.vouched.words]
+    return "\n".join([*lines, *said, *table_lines(summary)])

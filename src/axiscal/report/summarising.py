@@ -11,6 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
+from axiscal.estimation.checks import Checks
 from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
@@ -27,6 +28,7 @@ from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions
 from axiscal.report.planes import planes
+from axiscal.report.promises import CheckReadings, Uncertainty
 from axiscal.report.summary import (
     CurveSummary,
     Finding,
@@ -38,9 +40,8 @@ from axiscal.report.summary import (
     Summary,
     TableOffer,
     TruthCheck,
-    Uncertainty,
 )
-from axiscal.report.verdict import verdict_words
+from axiscal.report.verdict import checks_words, verdict_words
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -116,6 +117,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         record=record_state(campaign),
         verdict=ruling.verdict,
         verdict_words=verdict_words(ruling),
+        checks=_checks(ruling.checks),
     )
 
 
@@ -131,6 +133,14 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated))
+
+
+def _checks(found: Checks | None) -> CheckReadings | None:
+    """Return what check readings say, um."""
+    if found is None:
+        return None
+    promised, seen, low, high = (to_unit(each, "um") for each in (found.promised, found.found, found.low, found.high))
+    return CheckReadings(found.count, promised, seen, low, high, checks_words(found))
 
 
 def _with_figures(row: HistoryRow, estimation: Estimation) -> HistoryRow:

@@ -194,21 +194,6 @@ class ResidualCheck:
 
 
 @dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """Expanded uncertainties of the tool point over the volume, 95 %, um.
-
-    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
-    factor : k, of `space` over the standard uncertainty; conditions : what it was evaluated for, in words
-    """
-
-    space: float
-    axes: tuple[float, float, float]
-    worst: float
-    factor: float
-    conditions: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class RecordState:
     """What all figures come from: a record's file, the number of its last event, the hash up to there."""
 
@@ -256,6 +241,7 @@ class Summary:
     record: RecordState | None = None
     verdict: VerdictWord = "holds"
     verdict_words: str = ""
+    checks: CheckReadings | None = None
 
     @property
     def withheld(self) -> bool:
@@ -274,6 +260,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "verdict": summary.verdict,
         "verdict_words": summary.verdict_words,
         **_expanded(summary),
+        "checks": _checks(summary.checks),
         "rms_um": number(summary.rms_um, "rms_um"),
         "worst_um": number(summary.worst_um, "worst_um"),
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
@@ -313,6 +300,13 @@ def _targets(summary: Summary) -> dict[str, Any]:
         found["promised_rms_um"] = number(summary.truth.promised_rms_um, "promised_rms_um")
         found["reached_rms_um"] = number(summary.truth.reached_rms_um, "reached_rms_um")
     return found
+
+
+def _checks(found: CheckReadings | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    names = ("promised_um", "found_um", "low", "high")
+    return {"count": found.count, **{name: number(getattr(found, name), f"{name} of checks") for name in names}}
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:

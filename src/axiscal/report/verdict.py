@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+from axiscal.estimation.checks import Checks
 from axiscal.estimation.ruling import Ruling
+from axiscal.units import to_unit
 
+_CHANCE, _RARE = 0.05, 1e-12
+"""What chance does less often than once in twenty is said, and no chance is said to be smaller than it can be known."""
 NOT_KNOWN = "Not known: the readings contradict every explanation that was tried"
 
 
 def verdict_words(ruling: Ruling) -> str:
     """Return what the readings say of the model, and what was made of that."""
     return f"Verdict: {ruling.verdict}. {_said(ruling)}"
+
+
+def checks_words(found: Checks | None) -> str:
+    """Return what check readings say of the promise; empty where there were too few."""
+    if found is None:
+        return ""
+    sizes = found.promised, found.found, found.low, found.high
+    promised, seen, low, high = (f"{to_unit(each, 'um'):.2g}" for each in sizes)
+    said = f"The model promised U = {promised} um; {found.count} check readings, predicted from the others before they "
+    said += f"were used, say {seen}, between {low} and {high} um (95 %)"
+    doubted = f": not believed (by chance once in {1 / max(found.chance, _RARE):.2g})"
+    return f"{said}{doubted if found.chance < _CHANCE else ''}."
 
 
 def _said(ruling: Ruling) -> str:

@@ -1,0 +1,32 @@
+"""What is promised of the tool point, and what check readings say of it, in display units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """Expanded uncertainties of the tool point over the volume, 95 %, um.
+
+    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
+    factor : k, of `space` over the standard uncertainty; conditions : what it was evaluated for, in words
+    """
+
+    space: float
+    axes: tuple[float, float, float]
+    worst: float
+    factor: float
+    conditions: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReadings:
+    """What readings say that were predicted before they were used, um; words : the same in a sentence."""
+
+    count: int
+    promised_um: float
+    found_um: float
+    low: float
+    high: float
+    words: str
