@@ -236,8 +236,7 @@ def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> N
     "words",
     [
         [],
-        ["measure"],
-        ["next"],
+        ["mesure"],
         ["next", "m.axiscal", "n.axiscal"],
         ["next", "--colour"],
         ["record", "m.axiscal"],
