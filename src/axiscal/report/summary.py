@@ -15,6 +15,7 @@ from axiscal.estimation.ruling import VerdictWord
 from axiscal.planning.vouched import Vouched
 from axiscal.report.digits import number, numbers
 from axiscal.report.plane_summary import PlaneSummary, plane_json
+from axiscal.report.promises import CheckReadings, Uncertainty
 
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
