@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.offer import tried_out
+from axiscal.compensation.offer import Export, tried_out
 from axiscal.compensation.registry import _maker, export
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
@@ -163,3 +163,81 @@ def test_the_note_says_which_directions_the_file_holds() -> None:
 def test_points_that_are_shared_or_too_few_are_refused(parameters: dict[str, str], message: str) -> None:
     with pytest.raises(TableError, match=message):
         export(known(), "fanuc", ExportOptions(template=template(**parameters)))
+
+
+TURNING = """name = "T"
+chain = "w-C'-B'-b-X-t"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[axes.B]
+travel = ["-30 deg", "120 deg"]
+[axes.X]
+travel = ["0 mm", "200 mm"]
+[errors]
+EXX = { std = "10 um", knots = 9, length = "150 mm" }
+ECC = { std = "25 urad", knots = 7 }
+EBB = { std = "25 urad", knots = 4 }
+"""
+
+
+def turning(**parameters: str) -> Export:
+    """X, B and C are axes 1, 2 and 3: C from point 100 in 45 deg steps, B from 200 in 15 deg steps."""
+    rows = {
+        "3620": "A1P50A2P200A3P100", "3621": "A1P51A2P199A3P100", "3622": "A1P60A2P208A3P108",
+        "3623": "A1P1A2P1A3P1", "3624": "A1P20.0A2P15.0A3P45.0", "3626": "A1P0A2P0A3P0", "3627": "A1P0A2P0A3P0",
+    } | {key.removeprefix("N"): value for key, value in parameters.items()}  # fmt: skip
+    text = template(**{f"N{key}": value for key, value in rows.items()})
+    return export(rotary(), "fanuc", ExportOptions(template=text, numbers={"X": (1,), "B": (2,), "C": (3,)}))
+
+
+def rotary() -> Estimate:
+    model = ErrorModel(machine_from_text(TURNING))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(8).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+
+
+def entries(text: str, first: int, last: int) -> list[int]:
+    return [int(re.search(rf"^N{10000 + n}Q1P(-?\d+);", text, re.MULTILINE)[1]) for n in range(first, last + 1)]  # type: ignore[index]
+
+
+def turned(name: str, degrees: Array) -> Array:
+    """Return what a rotary axis that carries the workpiece turns the tool too far, thousandths of a degree."""
+    estimate = rotary()
+    error = estimate.model.names[f"E{name}{name}"]
+    return -np.degrees(error.basis.rows(np.radians(degrees)) @ estimate.mean[error.columns]) * 1e3
+
+
+def test_a_turn_sums_to_nothing_and_its_first_point_is_its_last() -> None:
+    """FANUC's rule for rotary axes: 3621 = 3620, 3622 a turn further; what is added from point to point is walked."""
+    made = turning()
+    first, *others = entries(made.files["pitch.txt"], 100, 108)
+    assert sum(others) == 0
+    assert first == others[-1]
+    curve = turned("C", np.arange(0, 361, 45.0))
+    left = curve - curve[0] + np.concatenate([[0], np.cumsum(others)])
+    assert np.ptp(curve) > 2.5
+    assert np.max(np.abs(left)) < 1.2  # half an entry at both ends, and the line for the curve
+    assert "3625 = 360.0" in made.readme
+    assert "rotary axes" not in made.readme.split("Left out:")[1].split("\n")[0]
+
+
+def test_a_rotary_axis_of_less_than_a_turn_is_as_a_linear_one() -> None:
+    """B from -30 to 120 deg: points 199 to 208, the lowest section from -30 deg on."""
+    steps = entries(turning().files["pitch.txt"], 199, 208)
+    at = np.arange(-30, 121, 15.0)
+    curve, added = turned("B", at), np.concatenate([[0], np.cumsum(steps)])
+    left = curve - curve[2] + added - added[2]
+    assert np.ptp(curve) > 2.5
+    assert np.max(np.abs(left)) < 1.2
+
+
+def test_points_that_are_no_turn_are_refused_with_those_that_are() -> None:
+    with pytest.raises(
+        TableError, match=r"C is a whole turn and has points 99 to 108.* 3621 = 3620 = 100 and 3622 = 108"
+    ):
+        turning(N3621="A1P51A2P199A3P99")
+
+
+def test_rotary_axes_without_parameters_are_left_out_and_named() -> None:
+    made = turning(N3620="A1P50", N3621="A1P51", N3622="A1P60", N3623="A1P1", N3624="A1P20.0")
+    assert "Left out: C, B (no parameters 3620 to 3624" in made.readme

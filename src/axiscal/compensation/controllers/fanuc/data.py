@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.compensation.controllers.fanuc.pitch import APART, DETECTION, PitchParameters
+from axiscal.compensation.controllers.fanuc.pitch import APART, PitchParameters
 from axiscal.compensation.controllers.fanuc.records import Records, replace_values
 from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.table import CompensationTable
@@ -40,7 +40,7 @@ def increments(table: CompensationTable, plan: PitchParameters, sign: int = 1) -
     """
     if plan.negative is None:
         return Increments(sign * _entries(table.axis, (table.forward + table.reverse) / 2, plan))
-    apart = round(float(_added(table, plan, not plan.downwards)[plan.origin]) / DETECTION)
+    apart = round(float(_added(table, plan, not plan.downwards)[plan.origin]) / plan.detection)
     sides = [_entries(table.axis, values, plan) for values in (table.forward, table.reverse)]
     return Increments(sign * sides[0], sign * sides[1], sign * apart)
 
@@ -55,6 +55,7 @@ def _added(table: CompensationTable, plan: PitchParameters, downwards: bool) -> 
 def _entries(axis: str, deviation: Array, plan: PitchParameters) -> Array:
     sums = np.round((deviation[plan.origin] - deviation) / plan.step).astype(int)
     entries: Array = np.diff(sums)
+    entries = np.concatenate([entries[-1:], entries]) if plan.turn else entries
     worst = int(np.max(np.abs(entries)))
     if worst > LARGEST:
         needed = int(np.ceil(worst * plan.magnification / LARGEST))
@@ -97,7 +98,7 @@ def read(
         if not downs:
             lookups.append(Lookup(axis, axis, plan.positions, sign * ups))
             continue
-        apart = float(records[APART][numbers[axis]]) * DETECTION
+        apart = float(records[APART][numbers[axis]]) * plan.detection
         ups, down = (ups + apart, downs[0]) if plan.downwards else (ups, downs[0] + apart)
         lookups.append(Lookup(axis, axis, plan.positions, sign * ups, 1))
         lookups.append(Lookup(axis, axis, plan.positions, sign * down, -1))
@@ -105,7 +106,7 @@ def read(
 
 
 def _sums(records: Records, points: range, plan: PitchParameters) -> Array:
-    steps = np.array([float(records[FIRST_DATA + n][0]) for n in points])
+    steps = np.array([float(records[FIRST_DATA + n][0]) for n in (points[1:] if plan.turn else points)])
     sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
     added: Array = (sums - sums[plan.origin]) * plan.step
     return added

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.compensation.controllers.fanuc.records import EXPECTED, Records
-from axiscal.compensation.export_options import ExportOptions
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
-DETECTION = 1e-6
-"""Detection unit of increment system IS-B, m."""
+DETECTION = {False: 1e-6, True: math.radians(1e-3)}
+"""Detection unit of increment system IS-B: of a linear axis, m, of a rotary one, rad."""
 DIRECTION, BOTH, NEGATIVE, APART = 1006, 3605, 3626, 3627
 """Numbers of the parameters that hold the way to the reference point, the choice of two sets, and the second one."""
 _NEEDED = range(3620, 3625)
@@ -27,11 +28,13 @@ _BACKWARDS = 5
 class PitchParameters:
     """The points of one axis.
 
-    reference, first, last : numbers of points; magnification : multiplies each entry; interval : m
+    reference, first, last : numbers of points; magnification : multiplies each entry; interval : m or rad
     negative : number of the first point of the set for travel downwards, None without one
     downwards : whether the reference point is approached downwards
+    rotary : its coordinate is an angle; turn : it is a whole turn, whose end is its beginning
 
     A point holds the section that ends at it: the first one begins an interval below it (B-63980EN, parameter 3620).
+    Of a whole turn the first point is the reference point, and holds what the last one does.
     """
 
     reference: int
@@ -41,23 +44,35 @@ class PitchParameters:
     interval: float
     negative: int | None = None
     downwards: bool = False
+    rotary: bool = False
+    turn: bool = False
+
+    @property
+    def begin(self) -> int:
+        """Number of the point at which the first section begins."""
+        return self.first if self.turn else self.first - 1
 
     @property
     def positions(self) -> Array:
-        """Where the sections end, one more than points, m; the reference point is the machine's zero."""
-        numbers = np.arange(self.first - 1, self.last + 1, dtype=float)
+        """Where the sections end, and the first begins, m or rad; the reference point is the machine's zero."""
+        numbers = np.arange(self.begin, self.last + 1, dtype=float)
         at: Array = (numbers - self.reference) * self.interval
         return at
 
     @property
     def origin(self) -> int:
         """Index of the reference point among the positions."""
-        return self.reference - self.first + 1
+        return self.reference - self.begin
+
+    @property
+    def detection(self) -> float:
+        """The detection unit, m or rad."""
+        return DETECTION[self.rotary]
 
     @property
     def step(self) -> float:
-        """What an entry of 1 moves, m."""
-        return self.magnification * DETECTION
+        """What an entry of 1 moves, m or rad."""
+        return self.magnification * self.detection
 
     @property
     def numbers(self) -> tuple[range, ...]:
@@ -68,21 +83,21 @@ class PitchParameters:
 
     def covering(self, low: float, high: float) -> tuple[int, int]:
         """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
+        if self.turn:
+            return self.reference, self.reference + round(math.tau / self.interval)
         below, above = np.floor(low / self.interval + 1e-6), np.ceil(high / self.interval - 1e-6)
         return self.reference + int(below) + 1, self.reference + int(above)
 
 
-def linear_numbers(machine: Machine, options: ExportOptions) -> dict[str, int]:
-    """Return the controlled-axis number of each linear axis."""
-    return {name: n for name, n in options.numbered(machine).items() if not machine.axis(name).rotary}
-
-
-def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
+def read_plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
     """Return what the parameters say; axes without a positive interval are left out.
 
+    So are rotary axes without parameters, and whole turns that do not begin at zero.
     numbers : of the controlled axes by name.  Raises TableError.
     """
-    found = {name: _plan(records, file, name, number) for name, number in numbers.items()}
+    axes = {name: machine.axis(name) for name in numbers}
+    known = [n for n, a in axes.items() if not a.rotary or (_has(records, numbers[n]) and _from_zero(a))]
+    found = {name: _plan(records, file, axes[name], numbers[name]) for name in known}
     plans = {name: plan for name, plan in found.items() if plan is not None}
     if not plans:
         raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
@@ -90,22 +105,31 @@ def read_plans(records: Records, file: str, numbers: Mapping[str, int]) -> dict[
     return plans
 
 
-def _plan(records: Records, file: str, name: str, number: int) -> PitchParameters | None:
+def _has(records: Records, number: int) -> bool:
+    return all(number in records.get(key, {}) for key in _NEEDED)
+
+
+def _from_zero(axis: Axis) -> bool:
+    return not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
+
+
+def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:
+    name = axis.name
     values = [records.get(key, {}).get(number) for key in _NEEDED]
     missing = [key for key, value in zip(_NEEDED, values, strict=True) if value is None]
     if missing:
         shown = ", ".join(map(str, missing))
         raise TableError(f"there are no parameters {shown} for {name} (axis {number})", EXPECTED, file)
     reference, first, last, magnification, interval = (value or "0" for value in values)
-    width = float(interval) * (1e-3 if "." in interval else DETECTION)
+    width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
     negative = _second_set(records, file, name, number)
     downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
-    plan = PitchParameters(
-        int(reference), int(first), int(last), max(1, int(magnification)), width, negative, downwards
-    )
+    kind = negative, downwards, axis.rotary, axis.cyclic
+    plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
     _refuse_order(name, plan, file)
+    _refuse_part_of_a_turn(name, plan, file)
     return plan
 
 
@@ -124,9 +148,19 @@ def _bit(value: str, place: int) -> bool:
 
 
 def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
-    if not plan.first - 1 <= plan.reference <= plan.last or plan.first == plan.last:
+    if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
         what = f"{name} has points {plan.first} to {plan.last} and the reference point {plan.reference}"
         raise TableError(what, "the reference point lies between the others", file)
+
+
+def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
+    """Raise TableError for points that are not those of a whole turn (B-63980EN: 3621 = 3620, 3622 a turn further)."""
+    first, last = plan.covering(0.0, math.tau)
+    whole = abs((last - first) * plan.interval - math.tau) < DETECTION[True]
+    if plan.turn and not (whole and (plan.first, plan.last) == (first, last)):
+        what = f"{name} is a whole turn and has points {plan.first} to {plan.last}"
+        remedy = f"3621 = 3620 = {first} and 3622 = {last} hold a turn, with an interval that divides 360 deg"
+        raise TableError(what, remedy, file)
 
 
 def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
