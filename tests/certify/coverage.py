@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.gain import Scorer
-from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.model import Term
+from axiscal.error_model.plane import PlaneError
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
@@ -25,6 +26,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.report.curves import constants, curves
+from axiscal.report.planes import planes
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.units import from_unit
 
@@ -73,7 +75,7 @@ class Trial:
         self.visits = planned(Case(description), readings or usual)
         self.estimation = estimated(Case(description), self.visits)
         self.gain = _gain(self.estimation, self.visits)
-        self.functions = self.estimation.case.errors.functions
+        self.terms = self.estimation.case.errors.terms
         self.poses, self.approaches = _spread_poses(self.estimation)
         self.tcp_std = tcp_prediction(self.estimation, self.poses, self.approaches)[1]
         self.stds = printed_stds(self.estimation)
@@ -81,7 +83,7 @@ class Trial:
     def judged(self, machines: int, first: int = 0) -> list[Covered]:
         """Return the coverage of every error's band and of the TCP's over so many virtual machines."""
         rows = [self._held(self.drawn(seed), seed) for seed in range(first, first + machines)]
-        names = [*(function.name for function in self.functions), "TCP"]
+        names = [*(term.name for term in self.terms), "TCP"]
         return [Covered(name, shares) for name, shares in zip(names, np.array(rows).T, strict=True)]
 
     def drawn(self, seed: int) -> VirtualMachine:
@@ -110,8 +112,8 @@ class Trial:
     def _held(self, machine: VirtualMachine, seed: int) -> list[float]:
         estimate = self.estimate(machine, seed)
         shares = [
-            _share(curve(positions) - f.basis.rows(positions) @ estimate[f.columns], std)
-            for f, curve, (positions, std) in zip(self.functions, machine.curves, self.stds, strict=True)
+            _share(curve(positions) - term.rows(positions) @ estimate[term.columns], std)
+            for term, curve, (positions, std) in zip(self.terms, machine.curves, self.stds, strict=True)
         ]
         rows = self.estimation.case.errors.rows(self.poses, self.approaches)
         truth = machine.deviation(self.poses, self.approaches)
@@ -135,8 +137,14 @@ def printed_stds(estimation: Estimation) -> list[tuple[Array, Array]]:
     """Return positions and standard deviations of every error as the report prints them, in SI."""
     shown = {curve.name: curve for curve in curves(estimation, (), None)}
     single = {constant.name: constant for constant in constants(estimation, None)}
+    maps = {plane.name: plane for plane in planes(estimation)}
 
-    def of(function: ErrorFunction) -> tuple[Array, Array]:
+    def of(function: Term) -> tuple[Array, Array]:
+        if isinstance(function, PlaneError):
+            plane = maps[function.name]
+            at = [from_unit(np.array(x), unit) for x, unit in zip(plane.position, plane.position_unit, strict=True)]
+            places = np.stack([grid.ravel() for grid in np.meshgrid(*at, indexing="ij")], axis=1)
+            return places, from_unit(np.array(plane.std).ravel(), plane.value_unit)
         if function.name in single:
             one = single[function.name]
             return np.zeros(1), np.array([from_unit(one.std, one.unit)])
@@ -144,7 +152,7 @@ def printed_stds(estimation: Estimation) -> list[tuple[Array, Array]]:
         positions = [from_unit(x, curve.position_unit) for x in curve.position]
         return np.array(positions), np.array([from_unit(s, curve.value_unit) for s in curve.std])
 
-    return [of(function) for function in estimation.case.errors.functions]
+    return [of(term) for term in estimation.case.errors.terms]
 
 
 def _share(error: Array, std: Array) -> float:
