@@ -15,6 +15,7 @@ import numpy as np
 
 from axiscal.accuracy.criterion import Root
 from axiscal.design.gains.gain import Scorer
+from axiscal.design.step.certified_plane import certifiable, certified_gain
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up, starts
 from axiscal.design.step.starts_with_levers import dense_starts
@@ -80,7 +81,22 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
 
     root : V of the criterion, as `criterion` makes it; lattice : candidates to start from, at least one per set-up
     """
-    return best_of(Scorer.of(knowledge.observation, knowledge.belief, root), lattice)
+    scorer = Scorer.of(knowledge.observation, knowledge.belief, root)
+    found = best_of(scorer, lattice)
+    for setup in np.unique(lattice.setups).tolist():
+        if knowledge.observation.errors.planes and certifiable(scorer.observation, setup):
+            found = _beyond(scorer, setup, found)
+    return found
+
+
+def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
+    """Return the step, or a better one where boxes over the plane of both axes show that there is one."""
+    certified = certified_gain(scorer, setup, found.gain)
+    if certified.lower <= found.gain:
+        return found
+    climb = Climb(scorer, setup, certified.pose[None], certified.approach[None], np.array([certified.lower]))
+    climb.finish()
+    return _step(climb)
 
 
 def best_of(scorer: Scorer, lattice: Places) -> Step:
