@@ -130,6 +130,23 @@ def test_what_is_typed_is_understood_before_it_is_sent(page: Served) -> None:
     assert "no word known here" in page.call("typed?text=twelve").document["sentence"]
 
 
+def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
+    described = page.call("openapi.json").document
+    assert set(described["paths"]) == {
+        f"/api/1/{name}" for name in ("state", "typed", "readings", "skips", "undo", "next", "finish")
+    }
+    schemas = described["components"]["schemas"]
+    assert set(page.state()) == set(schemas["StateShape"]["required"]) | {"document"}
+    for path, methods in described["paths"].items():
+        for method, operation in methods.items():
+            body = None if method == "get" else b"{}"
+            answer = page.ask(method.upper(), path, body, Authorization=f"Bearer {page.token}")
+            assert str(answer.status) in operation["responses"], (path, answer.status)
+            said = operation["responses"][str(answer.status)]["content"]["application/json"]["schema"]["$ref"]
+            shape = schemas[said.rpartition("/")[2]]
+            assert set(shape.get("required", [])) <= set(answer.document) <= set(shape["properties"])
+
+
 def test_a_record_that_went_away_is_said(page: Served) -> None:
     state = page.state()
     page.record.rename(page.record.with_name("gone.axiscal"))

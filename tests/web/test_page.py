@@ -155,6 +155,42 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
     assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
+FIVE_AXES = """\
+machine = "dmu60"
+[target]
+readings = 5
+part = { radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }
+[[artefacts]]
+name = "two spheres"
+balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
+[[setups]]
+name = "spheres, touched"
+instrument = "sphere"
+artefact = "two spheres"
+raster = { B = "15 deg", C = "15 deg" }
+approach = "both"
+"""
+
+
+@pytest.mark.chromium
+def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path, FIVE_AXES)
+    page = browser.page(1400, 900)
+    with served(record) as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'stands'")
+        looked_at(page)
+        page.press("Enter")
+        for reading in ("1,2 -0,4 3", "0.4; 1; 2", "-2.5 3 0", "1 1 1"):
+            type_reading(page, reading)
+            looked_at(page)
+        type_reading(page, "0.0 -1.0 2.5")
+        page.until("document.activeElement.id === 'finish'")
+        looked_at(page)
+        assert page.complaints() == []
+    assert kept(record) == [1.2, 0.4, -2.5, 1.0, 0.0]
+
+
 @pytest.mark.chromium
 def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
-from axiscal.guide.question import coming_text, go_text, parked_text, touch_text, way_text
+from axiscal.guide.question import coming_text, go_text, parked_text, touch_text
+from axiscal.guide.sign import reads_text
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
@@ -22,7 +23,7 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     setup = campaign.description.setup(asked.place.setup)
     coming, touch, parked = (word(campaign, asked) for word in (coming_text, touch_text, parked_text))
     lines = [
-        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument} {way_text(setup)}',
+        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument}, reads {reads_text(setup)}',
         f"  go to     {go_text(campaign, asked)}",
         f"  coming    {coming}" if coming else "",
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from axiscal.guide.question import Question, way_text
+from axiscal.guide.question import Question
+from axiscal.guide.sign import reads_text
 
 
 def mount_sentence(question: Question) -> str:
     """Return what to mount and what it will read."""
-    moves = f"; it reads while {question.go.split(' = ')[0]} moves" if question.go.count("=") == 1 else ""
-    return f"mount the {question.setup.instrument}, reading {way_text(question.setup)}{moves}"
+    moves = f", while {question.go.split(' = ')[0]} moves" if question.go.count("=") == 1 else ""
+    setup = question.setup
+    what = f"set up {setup.artefact.name}, and mount" if setup.artefact is not None else "mount"
+    return f"{what} the {setup.instrument}, which reads {reads_text(setup)}{moves}"
 
 
 def mount_steps(question: Question) -> tuple[tuple[str, str], ...]:

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
+from axiscal.description.target import Target
 from axiscal.measurement.place import Place
 from axiscal.planning.promise import promised
+from axiscal.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,15 @@ class Progress:
             now=known.accuracy,
             promised=promised(*known.banded, places) if places else known.accuracy,
         )
+
+
+def goals_text(target: Target) -> str:
+    """Return what ends the campaign, the first of them that is reached: "U 10 um · RMS 2 um · 40 readings · 90 min"."""
+    lengths = (("U", target.expanded), ("RMS", target.rms), ("worst", target.worst))
+    goals = [f"{name} {format_quantity(length, 'um', 3)}" for name, length in lengths if length is not None]
+    goals += [] if target.readings is None else [f"{target.readings} reading{'' if target.readings == 1 else 's'}"]
+    goals += [] if target.budget is None else [format_quantity(target.budget, "min", 3)]
+    return " · ".join(goals)
 
 
 def coming(campaign: Campaign) -> tuple[Place, ...]:

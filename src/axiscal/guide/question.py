@@ -10,8 +10,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.guide.expectation import Expectation, expectation
 from axiscal.guide.sign import sign_text
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import direction_text, place_text, reading_unit
+from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.record.events import Asked
 
@@ -55,11 +54,6 @@ class Question:
             unit=reading_unit(setup),
             expected=expectation(campaign.known(), asked.place),
         )
-
-
-def way_text(setup: Setup) -> str:
-    """Return which way a set-up reads: "along x", "about -y" or "along (0.6, 0.8, 0)"."""
-    return f"{'along' if INSTRUMENTS[setup.instrument].reads == 'length' else 'about'} {direction_text(setup)}"
 
 
 def go_text(campaign: Campaign, asked: Asked) -> str:

@@ -20,5 +20,15 @@ def sign_text(setup: Setup) -> str:
     return f"+ where the tool stands too far towards {way}, seen from the workpiece"
 
 
+def reads_text(setup: Setup) -> str:
+    """Return what a set-up reads: "x, y and z", "the distance from its station", "along x" or "about -y"."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return "x, y and z"
+    if not instrument.model.directed:
+        return "the distance from its station"
+    return f"{'along' if instrument.reads == 'length' else 'about'} {direction_text(setup)}"
+
+
 def _signed(direction: str) -> str:
     return direction if direction[0] in "-(" else f"+{direction}"

@@ -7,56 +7,34 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
 from importlib import resources
-from typing import Annotated, TypeVar
+from typing import TypeVar
 
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk, SurprisingError
-from axiscal.web.guard import Guard, Pass
+from axiscal.web.guard import Admission, Guard
+from axiscal.web.openapi import ROOT, description
 from axiscal.web.problems import document, problem
-from axiscal.web.shapes import (
-    TEXT,
-    DoneShape,
-    KeepRequest,
-    Shape,
-    SkipRequest,
-    StepRequest,
-)
+from axiscal.web.shapes import DoneShape, KeepRequest, Shape, SkipRequest, StepRequest, TypedQuery, WaitQuery
 
-ROOT = "/api/1"
 _FILES = {
     "page.css": "text/css",
     "page.js": "text/javascript",
     "pictures.js": "text/javascript",
     "icon.svg": "image/svg+xml",
 }
-_LONGEST = 25.0
-"""s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 _Answer = Callable[[Request], Awaitable[Response]]
 _Body = TypeVar("_Body", bound=Shape)
 
 
-class WaitQuery(Shape):
-    """Wait until the state has another version than `seen`, at most `wait` seconds."""
-
-    seen: Annotated[int, Field(ge=0)] = 0
-    wait: Annotated[float, Field(ge=0, le=_LONGEST, allow_inf_nan=False)] = 0.0
-
-
-class TypedQuery(Shape):
-    """A text as it is typed."""
-
-    text: Annotated[str, Field(max_length=TEXT)]
-
-
-def application(counter: Counter, admitted: Pass) -> Guard:
+def application(counter: Counter, admitted: Admission) -> Guard:
     """Return the whole page behind its guard."""
     api = _Api(counter)
     steps = {"readings": api.keep, "skips": api.skip, "undo": api.undo, "next": api.go_on, "finish": api.finish}
@@ -64,6 +42,7 @@ def application(counter: Counter, admitted: Pass) -> Guard:
         Route("/", partial(_file, "page.html", "text/html"), methods=["GET"]),
         *(Route(f"/{name}", partial(_file, name, kind), methods=["GET"]) for name, kind in _FILES.items()),
         Route("/report.html", api.report, methods=["GET"]),
+        Route(f"{ROOT}/openapi.json", _described, methods=["GET"]),
         Route(f"{ROOT}/state", api.state, methods=["GET"]),
         Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
         *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
@@ -148,6 +127,10 @@ async def _asked(
 
 async def _file(name: str, kind: str, request: Request) -> Response:
     return Response(resources.files("axiscal.web").joinpath("static", name).read_bytes(), media_type=kind)
+
+
+async def _described(request: Request) -> Response:
+    return JSONResponse(description())
 
 
 async def _not_here(request: Request, failure: Exception) -> Response:

@@ -14,11 +14,12 @@ from axiscal.guide.axis_places import axis_places
 from axiscal.guide.expectation import BAND, Expectation
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.picture import Dot, Picture, picture
-from axiscal.guide.progress import Progress
+from axiscal.guide.progress import Progress, goals_text
 from axiscal.guide.question import Question
 from axiscal.guide.taking_back import last_step
-from axiscal.measurement.place_texts import place_text, reading_unit
+from axiscal.measurement.place_texts import reading_unit, shown_coordinate
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
@@ -84,7 +85,7 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
         mounting=[StepShape(name=name, what=what) for name, what in mount_steps(question)],
         places=[
             CoordinateShape(axis=c.axis, value=c.value, unit=c.unit, moves=c.moves, changed=c.changed, side=c.side)
-            for c in axis_places(campaign, asked)
+            for c in sorted(axis_places(campaign, asked), key=lambda c: (c.unit != "mm", c.axis))
         ],
         touch=question.touch,
         sign=question.sign,
@@ -108,8 +109,8 @@ def _progress(campaign: Campaign) -> ProgressShape:
         before=_accuracy(now.before),
         now=_accuracy(now.now),
         promised=_accuracy(now.promised),
+        goals=goals_text(target),
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
-        target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
     )
 
 
@@ -131,12 +132,19 @@ def _reading(campaign: Campaign, reading: Reading, index: int, doubted: bool) ->
     return ReadingShape(
         number=reading.numbered(index),
         setup=reading.setup,
-        place=place_text(campaign.description.machine.axes, reading.pose, setup.moves),
+        place=_place(campaign, reading, setup),
         values=[float(each) for each in to_unit(np.array(reading.values), unit)],
         unit=unit,
         at=_moment_of(campaign, reading),
         doubted=doubted,
     )
+
+
+def _place(campaign: Campaign, reading: Reading, setup: Setup) -> str:
+    """Return where the axes stood that move, linear ones first, as short as it goes: "X 120.5, C 30"."""
+    axes = campaign.description.machine.axes
+    moved = sorted(((axes[k], reading.pose[k]) for k in setup.moves), key=lambda each: (each[0].rotary, each[0].name))
+    return ", ".join(f"{axis.name} {round(shown_coordinate(at, axis), 3) + 0.0:.9g}" for axis, at in moved)
 
 
 def _moment_of(campaign: Campaign, reading: Reading) -> str:

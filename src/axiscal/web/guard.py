@@ -34,7 +34,7 @@ _HEADERS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Pass:
+class Admission:
     """Who may come in: the port we listen on, and the token that was printed at the start."""
 
     port: int
@@ -68,7 +68,7 @@ class Pass:
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer."""
 
-    def __init__(self, app: ASGIApp, admitted: Pass) -> None:
+    def __init__(self, app: ASGIApp, admitted: Admission) -> None:
         self._app, self._admitted = app, admitted
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -127,7 +127,7 @@ class Guard:
             answer["Set-Cookie"] = f"{self._admitted.cookie}={self._admitted.token}; Path=/; HttpOnly; SameSite=Strict"
 
 
-def _carries(scope: Scope, admitted: Pass) -> bool:
+def _carries(scope: Scope, admitted: Admission) -> bool:
     """Whether a request for the page has the token in its address."""
     if scope["path"] != "/" or scope["method"] not in ("GET", "HEAD"):
         return False

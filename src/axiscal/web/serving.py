@@ -12,7 +12,7 @@ import uvicorn
 from axiscal.exceptions import InputError
 from axiscal.web.api import application
 from axiscal.web.counter import Counter
-from axiscal.web.guard import Pass
+from axiscal.web.guard import Admission
 
 _LOOPBACK = "127.0.0.1"
 
@@ -26,7 +26,7 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> None:
     counter = Counter.open(record)
     try:
         with _listening(port) as listener:
-            admitted = Pass(int(listener.getsockname()[1]))
+            admitted = Admission(int(listener.getsockname()[1]))
             ready(admitted.address)
             _server(counter, admitted).run(sockets=[listener])
     except KeyboardInterrupt:
@@ -47,7 +47,7 @@ def _listening(port: int) -> socket.socket:
     return listener
 
 
-def _server(counter: Counter, admitted: Pass) -> uvicorn.Server:
+def _server(counter: Counter, admitted: Admission) -> uvicorn.Server:
     config = uvicorn.Config(
         application(counter, admitted),
         http="h11",

@@ -8,6 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 TEXT = 2000
 """Characters of a text that a person types; a matter of taste."""
+LONGEST = 25.0
+"""s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 
 
@@ -87,8 +89,8 @@ class ProgressShape(Shape):
     before: AccuracyShape
     now: AccuracyShape
     promised: AccuracyShape
+    goals: str
     target_rms_um: float | None
-    target_worst_um: float | None
 
 
 class MomentShape(Shape):
@@ -147,6 +149,19 @@ class StateShape(Shape):
     picture: PictureShape | None
     history: list[MomentShape]
     results: str
+
+
+class WaitQuery(Shape):
+    """Wait until the state has another version than `seen`, at most `wait` seconds."""
+
+    seen: Annotated[int, Field(ge=0)] = 0
+    wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
+
+
+class TypedQuery(Shape):
+    """A text as it is typed."""
+
+    text: Annotated[str, Field(max_length=TEXT)]
 
 
 class KeepRequest(Shape):

@@ -6,6 +6,7 @@ const find = (id) => document.getElementById(id);
 let state = null;
 let mounted = sessionStorage.getItem("mounted") ?? "";
 let asked = "";
+let landed; // the last reading that was drawn
 let sending = ""; // a reading that is on its way
 let turn = Promise.resolve();
 
@@ -55,7 +56,7 @@ async function sent(path, body) {
 }
 
 function number(value) {
-  return String(Number(value.toFixed(6))).replace("-", "−");
+  return String(Number(value.toFixed(4))).replace("-", "−");
 }
 
 function renderLine() {
@@ -65,8 +66,7 @@ function renderLine() {
   text("count", state.question ? `${p.taken + 1} of ${end}` : `${p.taken} taken`);
   text("minutes", `${shown(p.minutes, 0)} done` + (p.coming ? `, ${p.left_minutes < 1 ? "less than 1" : `about ${shown(p.left_minutes, 0)}`} left` : ""));
   text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (p.coming ? `, ${shown(p.promised.rms_um)} expected` : ""));
-  const goals = [p.target_rms_um === null ? "" : `${shown(p.target_rms_um)} µm RMS`, p.target_worst_um === null ? "" : `${shown(p.target_worst_um)} µm worst`];
-  text("target", goals.filter(Boolean).join(", ") || "as described");
+  text("target", p.goals.replaceAll(" um", " µm"));
 }
 
 function renderPlaces(question) {
@@ -74,7 +74,7 @@ function renderPlaces(question) {
   go.replaceChildren();
   go.className = moving.length > 1 ? "several" : "";
   for (const c of moving) {
-    const line = element("p", "", c.changed ? "changed" : "");
+    const line = element("p", "", `${c.unit === "mm" ? "linear" : "rotary"} ${c.changed ? "changed" : ""}`);
     line.append(element("span", c.axis, "axis"), element("span", number(c.value)), element("small", c.unit));
     if (c.side) line.append(element("span", c.side === "+" ? "→ from below" : "← from above", "side"));
     go.append(line);
@@ -92,7 +92,8 @@ function expectWords(question) {
 
 function drawStrips(values = [], surprising = false) {
   find("strips").replaceChildren();
-  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit));
+  const several = state.question.expected.length > 1;
+  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit, several ? "xyz"[n] : ""));
 }
 
 function renderQuestion() {
@@ -174,7 +175,10 @@ function render(newer) {
 }
 
 function drawAll() {
-  drawPicture(find("picture"), find("picture-words"), state.picture, state.readings[0]?.number);
+  const latest = state.readings[0]?.number;
+  find("pictures").className = latest === landed ? "" : "landing";
+  landed = latest;
+  drawPicture(find("picture"), find("picture-words"), state.picture, latest, state.question?.expected);
   drawCourse(find("course"), find("course-words"), state.history, state.progress);
 }
 

@@ -19,7 +19,7 @@ export function unitText(unit) {
 }
 
 // The expectation of one number, its band, and what is typed.
-export function strip(place, expected, value, far, unit) {
+export function strip(place, expected, value, far, unit, name = "") {
   const width = Math.max(260, place.clientWidth), height = 46, middle = 16;
   const svg = put(place, "svg", { viewBox: `0 0 ${width} ${height}` });
   const half = Math.max(expected.half, 1e-9), span = 2.5 * half;
@@ -28,6 +28,7 @@ export function strip(place, expected, value, far, unit) {
   put(svg, "line", { class: "frame", x1: 20, x2: width - 20, y1: middle, y2: middle });
   for (const at of [expected.mean - half, expected.mean, expected.mean + half])
     put(svg, "text", { x: x(at), y: 42, "text-anchor": "middle" }, shown(at) + (at === expected.mean ? ` ${unitText(unit)}` : ""));
+  put(svg, "text", { x: 2, y: middle + 5 }, name);
   if (value === undefined) return;
   const beyond = Math.abs(value - expected.mean) > span;
   const mark = { class: far ? "typed far" : "typed" };
@@ -98,36 +99,37 @@ function along(place, picture, latest) {
   dots(at, picture.dots[0], latest);
 }
 
-function inOrder(place, picture, latest) {
+function inOrder(place, picture, latest, expected) {
   const several = picture.dots.length > 1;
   picture.dots.forEach((row, number) => {
     const values = row.map((dot) => dot.value);
     if (!values.length) return;
-    const focus = range(values), across = [0.5, Math.max(picture.next, 8) + 0.5];
+    const bars = [row.at(-1), expected[number]].flatMap((bar) => [bar.mean - bar.half, bar.mean + bar.half]);
+    const focus = range([...values, ...bars]), across = [0.5, Math.max(picture.next, 8) + 0.5];
     const up = several ? `${"xyz"[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
     const labels = { across: several && number < 2 ? "" : "readings of this set-up, in their order", up, whole: true, all: `Readings of ${picture.setup} in their order` };
     const at = frame(place, several ? 150 : 280, across, focus, labels);
     const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
     const width = Math.min(18, (0.6 * (at.right - at.left)) / (across[1] - across[0]));
-    for (const dot of row) {
-      const top = held(dot.mean + dot.half), bottom = held(dot.mean - dot.half);
-      put(at.svg, "rect", { class: "band", x: at.x(dot.at) - width / 2, width, y: top, height: Math.max(1, bottom - top) });
+    for (const bar of [...row, { ...expected[number], at: picture.next }]) {
+      const top = held(bar.mean + bar.half), bottom = held(bar.mean - bar.half);
+      put(at.svg, "rect", { class: "band", x: at.x(bar.at) - width / 2, width, y: top, height: Math.max(1, bottom - top) });
     }
     put(at.svg, "line", { class: "next", x1: at.x(picture.next), x2: at.x(picture.next), y1: at.top, y2: at.bottom });
     dots(at, row.map((dot) => ({ ...dot, same_side: true })), latest);
   });
 }
 
-export function drawPicture(place, words, picture, latest) {
+export function drawPicture(place, words, picture, latest, expected) {
   place.replaceChildren();
   words.textContent = "";
   if (!picture) return;
   const empty = picture.kind === "order" && !picture.dots[0].length;
   words.textContent = picture.kind === "along"
     ? `Readings of ${picture.setup} along ${picture.axis}, and what is expected there ± 2 standard deviations; the dashed line is the next place`
-    : `Readings of ${picture.setup}; bars: what was expected before each, ± 2 standard deviations${empty ? ". None yet" : ""}`;
+    : `Readings of ${picture.setup}; bars: what was and is expected before each, ± 2 standard deviations${empty ? ". None yet" : ""}`;
   if (picture.kind === "along") along(place, picture, latest);
-  else inOrder(place, picture, latest);
+  else inOrder(place, picture, latest, expected);
 }
 
 export function drawCourse(place, words, history, progress) {
