@@ -31,7 +31,7 @@ _PARTS = 1000
 """Where no side is asked for, every other thousandth of the travel is read on the way back."""
 
 
-class Pass(NamedTuple):
+class OneWay(NamedTuple):
     """When places along one way are read.  at : (m,) m or rad, ascending; share : (m,) of the time of the set-up"""
 
     at: Array
@@ -41,8 +41,8 @@ class Pass(NamedTuple):
 class RoundTrip(NamedTuple):
     """The way that rises and the one that falls."""
 
-    out: Pass
-    back: Pass
+    out: OneWay
+    back: OneWay
 
 
 Times = Mapping[int, RoundTrip]
@@ -115,10 +115,10 @@ def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
     return replace(watched, times=MappingProxyType(times))
 
 
-def _pass(at: Array, share: Array) -> Pass | None:
+def _pass(at: Array, share: Array) -> OneWay | None:
     """Return when places along one way are read; None where nobody is told."""
     order = np.argsort(at, kind="stable")
-    return Pass(at[order], share[order]) if len(at) else None
+    return OneWay(at[order], share[order]) if len(at) else None
 
 
 def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Watch:
@@ -166,7 +166,7 @@ def _evenly(observation: Observation) -> Times:
         if returns(setup):
             (k,) = setup.moves
             ends = np.array(setup.span(observation.machine.axes[k], k))
-            times[index] = RoundTrip(Pass(ends, np.array([0.0, 0.5])), Pass(ends, np.array([1.0, 0.5])))
+            times[index] = RoundTrip(OneWay(ends, np.array([0.0, 0.5])), OneWay(ends, np.array([1.0, 0.5])))
     return MappingProxyType(times)
 
 
