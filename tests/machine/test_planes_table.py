@@ -6,6 +6,7 @@ import pytest
 
 from axiscal.exceptions import InputError
 from axiscal.machine import machine_from_text
+from axiscal.machine.questions import questions
 
 HEAD = (
     'chain = "w-C\'-b-X-Y-t"\n[axes.X]\ntravel = ["0 mm", "300 mm"]\n[axes.Y]\ntravel = ["0 mm", "200 mm"]\n'
@@ -61,3 +62,9 @@ def test_what_cannot_be_is_refused_with_its_line(entry: str, words: str) -> None
         machine_from_text(HEAD + entry)
     assert words in str(refused.value)
     assert refused.value.line in (9, 10)
+
+
+def test_a_plane_of_millimetres_is_asked_about() -> None:
+    asked = questions(machine_from_text(f'{HEAD}EZXY = {{ std = "10 mm" }}\nEAXY = {{ std = "20 urad" }}'))
+    assert [text for text in asked if "EZXY" in text]
+    assert not [text for text in asked if "EAXY" in text]

@@ -82,3 +82,15 @@ def test_the_report_shows_the_plane_its_band_and_what_no_sum_holds(folder: Path)
     assert "Displacement in z that X and Y make together" in page
     assert page.count('"type":"heatmap"') == 3
     assert "of the 3 errors that are described (EZX EZY EZXY)" in page
+
+
+def test_a_plane_that_no_sum_of_curves_follows_is_named(folder: Path, tmp_path: Path) -> None:
+    """The same readings where the machine states two curves only: not the probe is bad, an error is missing."""
+    (tmp_path / "machine.toml").write_text("\n".join(line for line in MACHINE.splitlines() if "EZXY" not in line))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    readings = folder.parent / "readings.csv"
+    run(["estimate", str(tmp_path / "campaign.toml"), str(readings), "--out", str(tmp_path / "out")])
+    said = [each["text"] for each in json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]]
+    assert any("X and Y do together what no sum of their curves follows: describe it as EZXY" in text for text in said)
+    before = json.loads((folder / "result.json").read_text())["warnings"]
+    assert not any("EZXY" in each["text"] for each in before)

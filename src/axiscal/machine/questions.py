@@ -63,3 +63,8 @@ def _errors(machine: Machine) -> Iterator[str]:
                 f"The std of {entry.name} is {format_quantity(entry.std, unit, 3)}: one machine in three lies beyond "
                 "that. Is it the unit that is meant?"
             )
+    for plane in machine.planes:
+        most, unit = (_LARGEST_ANGLE, "mrad") if plane.angular else (_LARGEST_LENGTH, "mm")
+        if plane.std and not _SMALLEST <= plane.std <= most:
+            size = format_quantity(plane.std, unit, 3)
+            yield f"The std of {plane.name} is {size}: one machine in three lies beyond that. Is the unit meant so?"

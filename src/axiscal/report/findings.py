@@ -17,6 +17,9 @@ from axiscal.estimation.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.misfit import Misfit, misfits
 from axiscal.inference.repeats import Trend, trend
+from axiscal.machine.description import Machine
+from axiscal.machine.names import COMPONENTS
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
@@ -152,7 +155,21 @@ def _off(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
     stated, found = (f"{to_unit(value, unit):.2g} {unit}" for value in (misfit.stated, misfit.found))
     end = "the bands use what the readings say" if learnt else 'review it, or let scales = "estimate" learn it'
     text = f"The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
+    if misfit.kind == "noise" and misfit.found > misfit.stated:
+        text += _together(estimation.case.description.setup(misfit.owner), estimation.case.description.machine)
     return Finding("prior-misfit", None if misfit.kind == "noise" else misfit.owner, text)
+
+
+def _together(setup: Setup, machine: Machine) -> str:
+    """Return that two axes may do something together, where the machine does not say so; else nothing."""
+    moving = [machine.axes[index].name for index in setup.moves]
+    known = any(set(plane.axes) <= set(moving) for plane in machine.planes)
+    if len(moving) != 2 or known:
+        return ""
+    along = int(np.argmax(np.abs(setup.direction))) + (3 if INSTRUMENTS[setup.instrument].reads == "angle" else 0)
+    first, second = sorted(moving)
+    name = f"E{COMPONENTS[along]}{first}{second}"
+    return f" Or {first} and {second} do together what no sum of their curves follows: describe it as {name}."
 
 
 def _named(misfit: Misfit, estimation: Estimation) -> tuple[str, str]:
