@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.move_all import moved
-from axiscal.design.step.best_step import best_of
+from axiscal.design.step.best_step import best_of, climbed_on_chart
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up
 from axiscal.measurement.place import Places
@@ -31,6 +31,7 @@ _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
+_CHARTED = 2
 _SMALL = 60
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
@@ -136,8 +137,8 @@ def _small(scorer: Scorer, lattice: Places) -> bool:
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
     climb = Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches))
-    if scorer.observation.setups[climb.setup].chart is not None:  # its candidates are all there is
-        return climb.best(1, 0.0, 1.0)
+    if scorer.observation.setups[climb.setup].chart is not None:
+        return climbed_on_chart(climb.best(_CHARTED, 0.0, 1.0), rounds=1)
     if len(climb.moves) > 1:
         climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)

@@ -16,6 +16,7 @@ import numpy as np
 from axiscal.accuracy.criterion import Root
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.certified_plane import certifiable, certified_gain
+from axiscal.design.step.chart_climb import ROUNDS, ChartClimb
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up, starts
 from axiscal.design.step.starts_with_levers import dense_starts
@@ -30,6 +31,7 @@ from axiscal.numerics.threads import one_thread
 _APART = 0.12
 _STARTS = 16
 _LOOKED_AT = 400
+_CHARTED = 4
 
 
 class _Sieve(NamedTuple):
@@ -110,17 +112,36 @@ def best_of(scorer: Scorer, lattice: Places) -> Step:
     if others.any():
         climbs += _from_lattice(scorer, lattice.within(others))
     finalists = _finalists(climbs) if climbs else []
-    finalists += [_best_candidate(scorer, setup, lattice) for setup in charted]
+    finalists += [_best_on_chart(scorer, setup, lattice) for setup in charted]
     for climb in finalists:
         if len(climb.moves) > 1 and climb.setup not in charted:
             climb.finish()
     return max((_step(climb) for climb in finalists), key=lambda step: step.gain)
 
 
-def _best_candidate(scorer: Scorer, setup: int, lattice: Places) -> Climb:
-    """Return the best candidate of a set-up that is read on a chart."""
+def _best_on_chart(scorer: Scorer, setup: int, lattice: Places) -> Climb:
+    """Return the best reading of a set-up that is read on a chart, from its best candidates that stand apart."""
     poses, approaches = lattice.of(setup)
-    return Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches)).best(1, 0.0, 1.0)
+    begun = Climb(scorer, setup, poses, approaches, scorer.at(setup, poses, approaches))
+    return climbed_on_chart(begun.scattered(_CHARTED, _APART))
+
+
+def climbed_on_chart(begun: Climb, rounds: int = ROUNDS) -> Climb:
+    """Return the best that readings on a chart climb to, along its coordinates; after so many rounds, if they are said.
+
+    Where every coordinate has steps the candidates are all there is.
+    """
+    chart = begun.scorer.observation.setups[begun.setup].chart
+    if chart is None or all(chart.bounds(number).step > 0 for number in range(chart.size)):
+        return begun.best(1, 0.0, 1.0)
+    climbs = (
+        ChartClimb.begun(begun.scorer, begun.setup, *way) for way in zip(begun.poses, begun.approaches, strict=True)
+    )
+    ended = [climb.finished(rounds) for climb in climbs if climb is not None]
+    best = max(ended, key=lambda climb: climb.gain)
+    if not best.gain > begun.gains.max():
+        return begun.best(1, 0.0, 1.0)
+    return Climb(begun.scorer, begun.setup, best.pose[None], best.approach[None], np.array([best.gain]))
 
 
 def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
