@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from axiscal.acceptance.datums import datums_of
+from axiscal.acceptance.straightened import straightened
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.machine.kinematics import frames
 from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
 from tests.generators.reaches import reach_of
@@ -95,3 +98,33 @@ def test_datums_take_off_what_a_tracker_brings() -> None:
     assert np.abs(datums.free @ values).max() < 3e-6  # a turn of 1 mrad is linear to a millionth of the distance
     assert {datum.unknown for datum in datums.taken} == {unknown.name for unknown in setup.unknowns}
     assert datums.lines == ("afar",)
+
+
+def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
+    """Twelve places, 20 mrad off about each axis: by scipy's rotation, and what is left of 10 um of deviations."""
+    description, rng = _description(TRACKER), np.random.default_rng(7)
+    setup, turn = description.setups[0], Rotation.from_rotvec([0.019, -0.021, 0.023])
+    station = np.array([0.0, -0.9, 0.0])
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    poses, deviations = rng.uniform(low, high, (12, 2)), rng.normal(0, 1e-5, (12, 3))
+    tips = frames(description.machine, poses).tcp
+    shown = turn.apply(tips + deviations - station) + station - tips
+    straight = straightened(description.machine, setup, poses, shown, ["turn_x", "turn_y", "turn_z"])
+    of, directions = np.repeat(np.arange(12), 3), np.tile(np.eye(3), (12, 1))
+    none = np.zeros(36, dtype=np.intp)
+    datums = datums_of(description.machine, description.setups, none, poses[of], directions, 1e-6)
+    left = datums.free @ straight.ravel() - datums.free @ deviations.ravel()
+    assert np.abs(left).max() < 2e-8
+    assert np.abs(datums.free @ shown.ravel() - datums.free @ deviations.ravel()).max() > 2e-5
+
+
+def test_a_check_with_a_tracker_set_down_by_eye_passes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Mounted anew for as found and for as left, some 20 mrad off each time."""
+    turns = ", ".join(f'turn_{axis} = "20 mrad", zero_{axis} = "1 mm"' for axis in "xyz")
+    record = _record(tmp_path / "m.axiscal", f"{TRACKER}unknowns = {{ {turns} }}\n")
+    arguments = ["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json"]
+    assert run(arguments) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"] == "pass"
+    assert said["tables_loaded"]
+    assert said["estimate_believed"]

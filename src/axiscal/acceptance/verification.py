@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
+from axiscal.acceptance.straightened import straightened
 from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimation.machine_estimate import Estimate
@@ -24,7 +25,7 @@ from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.instruments.nest import Nest
-from axiscal.measurement.instruments.tracker import Tracker
+from axiscal.measurement.instruments.tracker import TURNS, Tracker
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
@@ -231,11 +232,12 @@ def judge(
     )
     of, _, directions = values_at(setups, places)
     datums = datums_of(estimate.machine, setups, indices[of], places.poses[of], directions, tolerance)
-    before, after = (_seen(estimate, setups, places, readings) for readings in (found, left))
+    raw = [_seen(estimate, setups, places, readings) for readings in (found, left)]
+    before, after = (_upright(estimate, setups, places, datums, seen) for seen in raw)
     mean, factor = expected(estimate, setups, places, control)
     change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
-    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(raw[1].values, after.noise, tolerance)
     decided = verdict(free @ after.values, std, tolerance)
     still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
     if any(share.checked and not share.works for share in each):
@@ -327,6 +329,18 @@ def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings:
         values[mine] -= model_of(setup).nonlinear_part(setup, np.array(setup.direction), place)
     noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
     return _Seen(values, noise[of])
+
+
+def _upright(estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, seen: _Seen) -> _Seen:
+    """Return what would have been read by trackers that stand straight, where their turn is a datum."""
+    of, values = values_at(setups, places).of, seen.values.copy()
+    for index in np.unique(places.setups):
+        setup, mine = setups[index], places.setups == index
+        turns = [datum.unknown for datum in datums.taken if datum.setup == setup.name and datum.unknown in TURNS]
+        if turns and isinstance(model_of(setup), Tracker):
+            shown = values[mine[of]].reshape(-1, 3)
+            values[mine[of]] = straightened(estimate.machine, setup, places.poses[mine], shown, turns).ravel()
+    return _Seen(values, seen.noise)
 
 
 def _likelihood(values: Array, covariance: Array) -> float:
