@@ -16,7 +16,7 @@ help:
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; MACHINES=8 of each attack)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
@@ -58,7 +58,7 @@ docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.result
 
 trust: .venv/dev.stamp
-	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART))
+	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART)) $(if $(MACHINES),--attacked $(MACHINES))
 
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))
