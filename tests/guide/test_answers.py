@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.guide.answers import Value, Word, answer
-from axiscal.guide.sign import sign_text
+from axiscal.guide.sign import reads_text, sign_text, ways
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
 
@@ -109,3 +109,8 @@ def test_the_sign_is_said_in_words() -> None:
     assert sign_text(DIAL) == "+ where the tool stands too far towards -y, seen from the workpiece"
     assert sign_text(LEVEL) == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
     assert "+x, +y, +z" in sign_text(NEST)
+
+
+def test_the_way_drawn_is_the_way_in_words() -> None:
+    assert (ways(DIAL), ways(LEVEL), len(ways(NEST))) == (((0.0, -1.0, 0.0),), ((1.0, 0.0, 0.0),), 3)
+    assert [reads_text(each) for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]

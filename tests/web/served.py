@@ -112,7 +112,7 @@ def served(record: Path) -> Iterator[Served]:
         yield Served(words[1], record, process.pid)
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=PATIENCE)
-        assert (process.returncode, complaint) == (0, "")
+        assert (process.returncode, complaint.count("\n")) == (0, 1), complaint
     finally:
         process.kill()
         process.communicate()

@@ -127,7 +127,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
         page.press("Enter")
         page.until(f"{SHOWN}('doubt')")
         looked_at(page)
-        assert focus(page) == "again"
+        assert focus(page) == "reread"
         page.press("Enter")
         assert (focus(page), kept(record)) == ("field", [-1.7])
         page.type("0.5")

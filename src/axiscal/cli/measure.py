@@ -145,6 +145,7 @@ def _shown(question: Question) -> str:
         f"  go to     {question.go}" if question.go else "",
         f"  coming    {question.coming}" if question.coming else "",
         f"  at        {question.touch}" if question.touch else "",
+        f"  again     {question.again}" if question.again else "",
         f"  sign      {question.sign}",
         f"  expect    {_expected(question)}",
     ]

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import OwnRecord
-from axiscal.cli.printing import say
+from axiscal.cli.printing import say, tell
 from axiscal.web.serving import serve_record
 
 
@@ -26,5 +26,6 @@ def serve(
     Example:
       axiscal serve mill.axiscal
     """
+    tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
     serve_record(record, port, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept."))
     say("Ended; every reading is kept.")

@@ -24,6 +24,7 @@ class Question:
 
     number : of the reading; mount : whether the set-up has to be mounted first
     go, parked : coordinates; coming : sides of the last motion; touch : the ball, and how to get there
+    again : which reading was taken there before
     unit : of the values when none is typed; expected : what earlier readings say of it
     """
 
@@ -33,6 +34,7 @@ class Question:
     go: str
     coming: str
     touch: str
+    again: str
     parked: str
     sign: str
     unit: str
@@ -49,6 +51,7 @@ class Question:
             go=go_text(campaign, asked),
             coming=coming_text(campaign, asked),
             touch=touch_text(campaign, asked),
+            again=again_text(campaign, asked),
             parked=parked_text(campaign, asked),
             sign=sign_text(setup),
             unit=reading_unit(setup),
@@ -86,6 +89,13 @@ def touch_text(campaign: Campaign, asked: Asked) -> str:
     tip = frames(machine, np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
     return f"ball {ball.name} of {setup.artefact.name}: {way}"
+
+
+def again_text(campaign: Campaign, asked: Asked) -> str:
+    """Return which reading was taken at the same place before: together they show whether a zero has wandered."""
+    readings = campaign.state.readings
+    there = [reading.numbered(n) for n, reading in enumerate(readings) if reading.place == asked.place]
+    return f"where reading {there[-1]} was taken: go there anew, do not copy it" if there else ""
 
 
 def asked_text(campaign: Campaign, asked: Asked) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import direction_text
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Setup, Vector
 
 
 def sign_text(setup: Setup) -> str:
@@ -18,6 +18,14 @@ def sign_text(setup: Setup) -> str:
     if instrument.reads == "angle":
         return f"+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
     return f"+ where the tool stands too far towards {way}, seen from the workpiece"
+
+
+def ways(setup: Setup) -> tuple[Vector, ...]:
+    """Return the directions along or about which readings are positive; none where it is a distance."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    return (setup.direction,) if instrument.model.directed else ()
 
 
 def reads_text(setup: Setup) -> str:

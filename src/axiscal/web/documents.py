@@ -16,7 +16,9 @@ from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.picture import Dot, Picture, picture
 from axiscal.guide.progress import Progress, goals_text
 from axiscal.guide.question import Question
+from axiscal.guide.sign import ways
 from axiscal.guide.taking_back import last_step
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit, shown_coordinate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -88,6 +90,9 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
             for c in sorted(axis_places(campaign, asked), key=lambda c: (c.unit != "mm", c.axis))
         ],
         touch=question.touch,
+        again=question.again,
+        ways=list(ways(question.setup)),
+        turns=INSTRUMENTS[question.setup.instrument].reads == "angle",
         sign=question.sign,
         unit=question.unit,
         expected=_expected(question.expected, question.unit),

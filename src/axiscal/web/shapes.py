@@ -45,7 +45,11 @@ class StepShape(Shape):
 
 
 class QuestionShape(Shape):
-    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`."""
+    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
+
+    ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
+    again : which reading has been taken there before, in words
+    """
 
     number: int
     setup: str
@@ -55,7 +59,10 @@ class QuestionShape(Shape):
     mounting: list[StepShape]
     places: list[CoordinateShape]
     touch: str
+    again: str
     sign: str
+    ways: list[tuple[float, float, float]]
+    turns: bool
     unit: str
     expected: list[ExpectedShape]
 

@@ -1,5 +1,5 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { drawCourse, drawPicture, shown, strip, unitText } from "/pictures.js";
+import { drawCourse, drawDirection, drawPicture, shown, strip, unitText } from "/pictures.js";
 
 const ROOT = "/api/1";
 const find = (id) => document.getElementById(id);
@@ -111,7 +111,11 @@ function renderQuestion() {
   text("instrument", question.instrument);
   renderPlaces(question);
   text("sign", question.sign);
+  text("again", question.again);
+  show("again", question.again !== "");
+  drawDirection(find("drawing"), question);
   text("unit", unitText(question.unit));
+  find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
   if (key !== asked) newQuestion(key);
   if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
@@ -133,7 +137,7 @@ function renderKept() {
   find("latest").replaceChildren(...state.readings.map((r) => {
     const row = document.createElement("tr");
     const values = r.values.map((v) => shown(v, 2)).join("  ");
-    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place + (r.doubted ? " (not relied on)" : "")), element("td", clock(r.at)));
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? " (not relied on)" : "")), element("td", clock(r.at)));
     return row;
   }));
   const last = state.readings[0];
@@ -198,15 +202,22 @@ async function follow() {
 
 async function record(how = {}) {
   const typed = find("field").value.trim();
-  if (!typed || state === null) return;
+  if (!typed || sending || state === null) return; // Enter pressed twice is one reading
+  sending = typed;
+  try {
+    await recorded(typed, how);
+  } finally {
+    sending = "";
+  }
+}
+
+async function recorded(typed, how) {
   const meant = how.keep || how.vouch ? null : await understood(typed);
   if (meant?.sentence) {
     refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
     return;
   }
-  sending = typed;
   const done = await step("/readings", { text: typed, ...how });
-  sending = "";
   if (done.ok) hear(done.document.sentence);
   else refuse(done.document);
 }
@@ -214,7 +225,7 @@ async function record(how = {}) {
 function refuse(problem) {
   hear(problem.sentence, true);
   show("doubt", problem.problem === "surprising");
-  if (problem.problem === "surprising") find("again").focus();
+  if (problem.problem === "surprising") find("reread").focus();
   else find("field").focus();
 }
 
@@ -272,7 +283,7 @@ function on(id, kind, act) {
 }
 
 on("form", "submit", () => record());
-on("again", "click", () => { show("doubt", false); find("field").select(); find("field").focus(); });
+on("reread", "click", () => { show("doubt", false); find("field").select(); find("field").focus(); });
 on("keep", "click", async () => { await record({ keep: true }); home(); });
 on("vouch", "click", async () => { await record({ vouch: true }); home(); });
 on("undo", "click", () => plain("/undo"));

@@ -39,6 +39,27 @@ export function strip(place, expected, value, far, unit, name = "") {
   }
 }
 
+// The workpiece's x, y, z as seen from the front right, and the way in which a reading is positive.
+export function drawDirection(place, question) {
+  place.replaceChildren();
+  const svg = put(place, "svg", { viewBox: "0 0 92 76", role: "img", "aria-label": question.sign });
+  const seen = ([x, y, z]) => [38 + 26 * x + 15 * y, 50 + 9 * x - 13 * y - 34 * z];
+  const [ox, oy] = seen([0, 0, 0]);
+  [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, n) => {
+    const [x, y] = seen(axis), [tx, ty] = seen(axis.map((c) => 1.28 * c));
+    put(svg, "line", { class: "axis-line", x1: ox, y1: oy, x2: x, y2: y });
+    put(svg, "text", { x: tx, y: ty + 4, "text-anchor": "middle" }, "xyz"[n]);
+  });
+  for (const way of question.ways) arrow(svg, [ox, oy], seen(way), question.turns);
+}
+
+function arrow(svg, [ox, oy], [x, y], turns) {
+  const length = Math.hypot(x - ox, y - oy) || 1, [dx, dy] = [(x - ox) / length, (y - oy) / length];
+  put(svg, "line", { class: "sense-line", x1: ox, y1: oy, x2: x - 6 * dx, y2: y - 6 * dy });
+  put(svg, "path", { class: "sense-tip", d: `M${x} ${y}l${-9 * dx - 5 * dy} ${-9 * dy + 5 * dx}l${10 * dy} ${-10 * dx}z` });
+  if (turns) put(svg, "path", { class: "sense-line", d: `M${(ox + x) / 2 + 9 * dy} ${(oy + y) / 2 - 9 * dx}a9 9 0 1 0 ${-18 * dy} ${18 * dx}` });
+}
+
 function ticks(low, high, count) {
   const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((n) => n * power).find((s) => s >= raw);
@@ -99,24 +120,26 @@ function along(place, picture, latest) {
   dots(at, picture.dots[0], latest);
 }
 
+const _RECENT = 12; // readings that decide how tall the picture is: earlier ones surprised more
+
 function inOrder(place, picture, latest, expected) {
   const several = picture.dots.length > 1;
   picture.dots.forEach((row, number) => {
-    const values = row.map((dot) => dot.value);
-    if (!values.length) return;
-    const bars = [row.at(-1), expected[number]].flatMap((bar) => [bar.mean - bar.half, bar.mean + bar.half]);
-    const focus = range([...values, ...bars]), across = [0.5, Math.max(picture.next, 8) + 0.5];
+    if (!row.length) return;
+    const shift = (dot) => ({ ...dot, value: dot.value - dot.mean, same_side: true });
+    const moved = row.map(shift), widest = Math.max(row.at(-1).half, expected[number].half);
+    const focus = range([...moved.slice(-_RECENT).map((dot) => dot.value), widest, -widest]), across = [0.5, Math.max(picture.next, 8) + 0.5];
     const up = several ? `${"xyz"[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
     const labels = { across: several && number < 2 ? "" : "readings of this set-up, in their order", up, whole: true, all: `Readings of ${picture.setup} in their order` };
     const at = frame(place, several ? 150 : 280, across, focus, labels);
     const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
     const width = Math.min(18, (0.6 * (at.right - at.left)) / (across[1] - across[0]));
     for (const bar of [...row, { ...expected[number], at: picture.next }]) {
-      const top = held(bar.mean + bar.half), bottom = held(bar.mean - bar.half);
+      const top = held(bar.half), bottom = held(-bar.half);
       put(at.svg, "rect", { class: "band", x: at.x(bar.at) - width / 2, width, y: top, height: Math.max(1, bottom - top) });
     }
     put(at.svg, "line", { class: "next", x1: at.x(picture.next), x2: at.x(picture.next), y1: at.top, y2: at.bottom });
-    dots(at, row.map((dot) => ({ ...dot, same_side: true })), latest);
+    dots(at, moved.filter((dot) => dot.value > focus[0] && dot.value < focus[1]), latest);
   });
 }
 
@@ -127,7 +150,7 @@ export function drawPicture(place, words, picture, latest, expected) {
   const empty = picture.kind === "order" && !picture.dots[0].length;
   words.textContent = picture.kind === "along"
     ? `Readings of ${picture.setup} along ${picture.axis}, and what is expected there ± 2 standard deviations; the dashed line is the next place`
-    : `Readings of ${picture.setup}; bars: what was and is expected before each, ± 2 standard deviations${empty ? ". None yet" : ""}`;
+    : `Readings of ${picture.setup} less what was expected before each; bars: ± 2 standard deviations${empty ? ". None yet" : ""}`;
   if (picture.kind === "along") along(place, picture, latest);
   else inOrder(place, picture, latest, expected);
 }
