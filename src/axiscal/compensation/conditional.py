@@ -40,6 +40,9 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
         share = (positions - ends[0]) / (ends[1] - ends[0])
         first, last = np.moveaxis(_seen(model, box, moved, over, axis, ends, 0), 1, 0)
         rows += first[:, None] + share[:, None] * (last - first)[:, None]
+    for index, plane in enumerate(model.planes, len(model.functions)):
+        if over in plane.axes:
+            rows += _together(model, box, moved, over, index, positions)
     return rows
 
 
@@ -48,7 +51,7 @@ def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) 
     poses, _ = _grid(model, box, axis, positions, None)
     poses = poses.reshape(len(positions), -1, poses.shape[1])[:, 0]
     direction = _motion(model, axis, poses)
-    levers = np.zeros((len(model.functions), len(poses)))
+    levers = np.zeros((len(model.terms), len(poses)))
     own = [i for i, f in enumerate(model.functions) if f.axis == axis]
     levers[own] = np.einsum("fmc,mc->fm", model.angular_levers(poses)[own], direction)
     return model.along(levers, poses, _approaches(poses, axis, sign))
@@ -60,11 +63,32 @@ def _seen(model: ErrorModel, box: Box, moved: Sequence[int], over: int, owner: i
     levers = model.levers(poses)
     others = [i for i, f in enumerate(model.functions) if f.axis != owner or _taken_by_rotor(model, i)]
     levers[others] = 0.0
-    result = np.empty((len(moved), len(at), model.size))
+    levers[len(model.functions) :] = 0.0
+    return _along_moves(model, moved, over, levers, (poses, weights), len(at), sign)
+
+
+def _together(model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array) -> Array:
+    """Return the rows (moved, at, size) of what an error of two axes does on average over the other one of them."""
+    (other,) = set(model.terms[index].axes) - {over}
+    poses, weights = _grid(model, box, over, at, other)
+    levers = model.levers(poses)
+    levers[np.arange(len(levers)) != index] = 0.0
+    return _along_moves(model, moved, over, levers, (poses, weights), len(at), 0)
+
+
+def _along_moves(
+    model: ErrorModel, moved: Sequence[int], over: int, levers: Array, grid: tuple[Array, Array], count: int, sign: int
+) -> Array:
+    """Return the mean rows (moved, count, size) along each moved axis.
+
+    levers : (terms, m, 3); grid : poses (m, q) and weights of the nodes beside each position
+    """
+    poses, weights = grid
+    result = np.empty((len(moved), count, model.size))
     for n, o in enumerate(moved):
         along = np.einsum("fmc,mc->fm", levers, _motion(model, o, poses))
         rows = model.along(along, poses, _approaches(poses, over, sign))
-        result[n] = np.einsum("pwn,w->pn", rows.reshape(len(at), len(weights), model.size), weights)
+        result[n] = np.einsum("pwn,w->pn", rows.reshape(count, len(weights), model.size), weights)
     return result
 
 
@@ -111,7 +135,8 @@ def _nodes(model: ErrorModel, axis: int, bounds: tuple[float, float], owner: boo
         return np.array([start]), np.ones(1)
     rotary = model.machine.axes[axis].rotary
     if owner:
-        knots = np.unique(np.concatenate([f.basis.knots for f in model.functions if f.axis == axis]))
+        own = [f.basis.knots for f in model.functions if f.axis == axis]
+        knots = np.unique(np.concatenate([*own, *(k for plane in model.planes for k in plane.knots_along(axis))]))
         extra = np.linspace(start, stop, 9) if rotary else np.array(bounds)
         breaks = np.unique(np.concatenate([knots[(knots > start) & (knots < stop)], extra]))
         nodes, weights = gauss(breaks, _GAUSS)

@@ -165,7 +165,9 @@ def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
 
 def _knots(estimate: Estimate, over: int) -> Array:
     """Return where the errors of an axis have their knots, as often as they have them."""
-    return np.concatenate([np.zeros(0), *(f.basis.knots for f in estimate.model.functions if f.axis == over)])
+    own = [f.basis.knots for f in estimate.model.functions if f.axis == over]
+    own += [knots for plane in estimate.model.planes for knots in plane.knots_along(over)]
+    return np.concatenate([np.zeros(0), *own])
 
 
 def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:

@@ -127,12 +127,18 @@ def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tup
 
 
 def _fineness(estimate: Estimate, axis: int) -> int:
-    knots = max((len(f.basis.knots) for f in estimate.model.functions if f.axis == axis), default=0)
+    knots = max((len(each) for each in _knots(estimate, axis)), default=0)
     return min(max(knots, _FEWEST), _FINEST)
 
 
+def _knots(estimate: Estimate, axis: int) -> list[Array]:
+    """Return the knots of all errors along an axis."""
+    own = [f.basis.knots for f in estimate.model.functions if f.axis == axis]
+    return own + [knots for plane in estimate.model.planes for knots in plane.knots_along(axis)]
+
+
 def _hats(estimate: Estimate, axis: int, at: Array) -> Hats:
-    knots = [f.basis.knots for f in estimate.model.functions if f.axis == axis]
+    knots = _knots(estimate, axis)
     return Hats.on(at, np.concatenate(knots) if knots else at, estimate.box[axis])
 
 

@@ -85,7 +85,7 @@ def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
 def _mixed(known: Estimation, mixture: Average, verdict: VerdictWord, factor: float) -> Banded:
     """Return case and knowledge with the moments of the mixture; its mean where the model's is not believed."""
     case = known.banded.case
-    rests = {f.name: float(np.hypot(f.rest, np.sqrt(mixture.rests.get(f.name, 0.0)))) for f in case.errors.functions}
+    rests = {f.name: float(np.hypot(f.rest, np.sqrt(mixture.rests.get(f.name, 0.0)))) for f in case.errors.terms}
     wider = case.with_rests(rests)
     moved, added = (mixture.moved, mixture.about_mixture) if verdict == "widened" else (None, mixture.about_model)
     observation = replace(known.banded.knowledge.observation, errors=wider.errors)

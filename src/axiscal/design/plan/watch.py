@@ -86,8 +86,8 @@ class Watch:
         return np.hstack(parts)
 
     def _effects(self, places: Places) -> Array:
-        """Return what a unit of each error adds to each reading, (functions, m)."""
-        effects = np.zeros((len(self.observation.errors.functions), len(places)))
+        """Return what a unit of each error adds to each reading, (terms, m)."""
+        effects = np.zeros((len(self.observation.errors.terms), len(places)))
         for setup, mine in places.by_setup():
             effects[:, mine] = self.observation.effects(setup, places.poses[mine], places.approaches[mine])
         return effects
