@@ -15,6 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 _FILES = {
     "demo": "demo",
+    "init": "init",
     "plan": "plan",
     "start": "start",
     "measure": "measure",

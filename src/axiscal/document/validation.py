@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, nearest, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
-from axiscal.units import Dimension, parse_quantity
+from axiscal.units import EXAMPLES, Dimension, parse_quantity
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, GetCoreSchemaHandler
@@ -28,6 +28,12 @@ class QuantityOf:
         from pydantic_core import core_schema
 
         return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _: CoreSchema, __: object) -> dict[str, Any]:
+        """Return what an editor is told: a text, with an example where the dimension is known."""
+        if self.dimension is None:
+            return {"type": "string"}
+        return {"type": "string", "description": f'A quantity with its unit, such as "{EXAMPLES[self.dimension]}"'}
 
     def read(self, value: object) -> float | str:
         """Return the value in SI units, or its text; raises what a pydantic validator may raise."""

@@ -42,9 +42,9 @@ def _two(value: list[object]) -> list[object]:
     return value
 
 
-Counts = Annotated[int | tuple[int, int], PlainValidator(_counts)]
+Counts = Annotated[int | tuple[int, int], PlainValidator(_counts, json_schema_input_type=int | tuple[int, int])]
 """A whole number, or one for each of two axes."""
-QuantityTexts = Annotated[str | Twice, PlainValidator(_texts)]
+QuantityTexts = Annotated[str | Twice, PlainValidator(_texts, json_schema_input_type=str | Twice)]
 """A quantity, or one for each of two axes."""
 
 

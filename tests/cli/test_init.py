@@ -1,0 +1,141 @@
+"""The first description: what is written can be used as it is, and the schemas say what the reader says."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axiscal.cli import app
+from axiscal.description.campaign import read_campaign
+from axiscal.description.file_schemas import campaign_schema, machine_schema
+from axiscal.description.first_campaign import OFFERED
+from axiscal.machine import builtin_names, load_machine
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TYPES: dict[str, tuple[type, ...]] = {
+    "string": (str,),
+    "integer": (int,),
+    "number": (int, float),
+    "boolean": (bool,),
+    "array": (list,),
+    "object": (dict,),
+    "null": (),
+}
+
+
+def fits(value: Any, schema: dict[str, Any], whole: dict[str, Any]) -> bool:
+    """Whether a document fits a JSON schema: the keywords that ours use, as the standard reads (2020-12)."""
+    if "$ref" in schema:
+        return fits(value, whole["$defs"][schema["$ref"].rpartition("/")[2]], whole)
+    if "anyOf" in schema and not any(fits(value, each, whole) for each in schema["anyOf"]):
+        return False
+    if "enum" in schema and value not in schema["enum"]:
+        return False
+    kinds = TYPES.get(schema.get("type", ""), (object,))
+    if not isinstance(value, kinds) or (isinstance(value, bool) and kinds[0] not in (bool, object)):
+        return False
+    if isinstance(value, list):
+        rows = schema.get("prefixItems", [schema.get("items", {})] * len(value))
+        return len(rows) == len(value) and all(fits(*pair, whole) for pair in zip(value, rows, strict=True))
+    if isinstance(value, dict):
+        known, others = schema.get("properties", {}), schema.get("additionalProperties", {})
+        if not set(schema.get("required", [])) <= set(value):
+            return False
+        rules = {name: known.get(name, others) for name in value}
+        return all(rule is not False and fits(value[name], rule, whole) for name, rule in rules.items())
+    return True
+
+
+def written(folder: Path, machine: str, *instruments: str) -> int:
+    """Return the status of `axiscal init` for a machine and instruments."""
+    named = [word for name in instruments for word in ("--instrument", name)]
+    return app.run(["init", str(folder), "--machine", machine, *named, "--target", "20 um"])
+
+
+@pytest.mark.parametrize("machine", builtin_names())
+@pytest.mark.parametrize("instruments", [["interferometer"], ["interferometer", "straightedge"]])
+def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments: list[str]) -> None:
+    assert written(tmp_path, machine, *instruments) == 0
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    assert campaign.machine == load_machine(machine) or campaign.machine.axes == load_machine(machine).axes
+    assert [setup.lacks for setup in campaign.setups if setup.lacks] == []
+    for name in ("machine", "campaign"):
+        text = (tmp_path / f"{name}.toml").read_text()
+        assert text.startswith(f"#:schema ./{name}.schema.json\n")
+        schema = json.loads((tmp_path / f"{name}.schema.json").read_text())
+        assert fits(tomllib.loads(text), schema, schema)
+
+
+def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
+    assert written(tmp_path, "three-axis-mill", *OFFERED) == 0
+    assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == set(OFFERED)
+
+
+def test_what_is_not_given_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("three-axis-mill\ninterferometer ballbar\n15 um\n"))
+    assert app.run(["init", str(tmp_path / "mill")]) == 0
+    assert "6 set-ups offered" in capsys.readouterr().out
+    assert read_campaign(tmp_path / "mill" / "campaign.toml").target.expanded == pytest.approx(15e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--machine", "mill", "--instrument", "ballbar", "--target", "9 um"], "no built-in machine"),
+        (["--machine", "one-axis", "--instrument", "yardstick", "--target", "9 um"], "Offered are"),
+        (["--machine", "one-axis", "--instrument", "interferometer", "--target", "9"], "unit"),
+        (["--machine", "one-axis", "--instrument", "ballbar", "--target", "9 um"], "Nothing of ballbar"),
+        (["--machine", "printer-gantry", "--instrument", "ballbar", "--target", "9 um"], "Align the axes first"),
+        (["--machine", "one-axis"], "Nobody answered"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert app.run(["init", str(tmp_path / "new"), *words]) == 1
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "new").exists()
+
+
+def test_nothing_is_written_over(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text("mine")
+    assert written(tmp_path, "one-axis", "interferometer") == 1
+    assert [each.name for each in tmp_path.iterdir()] == ["campaign.toml"]
+    assert (tmp_path / "campaign.toml").read_text() == "mine"
+
+
+def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
+    blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
+    whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]
+    assert len(whole) >= 2
+    schema = campaign_schema()
+    assert [data for data in whole if not fits(data, schema, schema)] == []
+    machines = machine_schema()
+    assert all(fits(tomllib.loads(load_machine(name).text), machines, machines) for name in builtin_names())
+
+
+@pytest.mark.parametrize(
+    ("good", "bad"),
+    [
+        ('instrument = "interferometer"', 'instrument = "interferometre"'),
+        ('moves = ["X"]', 'move = ["X"]'),
+        ('approach = "both"', 'approach = "all"'),
+        ("[target]", "[goal]"),
+        ("readings = 150", 'readings = "150"'),
+    ],
+)
+def test_the_schema_marks_a_slip(tmp_path: Path, good: str, bad: str) -> None:
+    written(tmp_path, "one-axis", "interferometer")
+    text, schema = (tmp_path / "campaign.toml").read_text(), campaign_schema()
+    assert fits(tomllib.loads(text), schema, schema)
+    assert text.count(good) == 1
+    assert not fits(tomllib.loads(text.replace(good, bad)), schema, schema)
