@@ -37,7 +37,7 @@ def measure(record: OwnRecord) -> None:
     Example:
       axiscal measure mill.axiscal
     """
-    with opened_to_write(record) as campaign:
+    with opened_to_write(record, "measure") as campaign:
         prompt = _Prompt(campaign)
         try:
             while (asked := _question(campaign)) is not None and prompt.answered(Question.of(campaign, asked)):
