@@ -31,6 +31,7 @@ from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, 
 from axiscal.planning.vouched import vouched_by_plan, vouched_words
 from axiscal.planning.what_if import alternatives
 from axiscal.record.durable import write_whole
+from axiscal.report import room_page
 from axiscal.report.what_if_page import render, table_row
 from axiscal.units import parse_quantity, to_unit
 
@@ -64,6 +65,9 @@ def plan(
     ] = None,
     compare: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="Draw part, balls, travels and the way, as a page.")
     ] = None,
     prove: Annotated[
         bool,
@@ -100,6 +104,7 @@ def plan(
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
       axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
       axiscal plan campaign.toml --readings 40 --compare what-if.html
+      axiscal plan campaign.toml --readings 40 --picture where.html
       axiscal plan campaign.toml --readings 12 --prove
     """
 
@@ -120,12 +125,15 @@ def plan(
     proposal = proposed(case, limits, how, lambda step: tell(f"{step} ..."))
     if prove:
         proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell(f"{step} ..."))
+    if picture is not None:
+        title = f"Where {case.description.machine.name} is read"
+        write_whole(picture, room_page.render(title, case.description, placed(case, proposal.plan)).encode())
     files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
     if json:
         say_document(plan_document(case, proposal))
         return
     say(_table(case, limits, proposal))
-    for file in files:
+    for file in [*([] if picture is None else [picture]), *files]:
         say(f"Written: {file}")
 
 
