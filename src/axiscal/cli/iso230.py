@@ -9,7 +9,7 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
-from axiscal.evaluation import evaluate, read_iso230
+from axiscal.evaluation import Positioning, figures_of
 from axiscal.units import to_unit
 
 _WORDS = {
@@ -28,37 +28,65 @@ _WORDS = {
 }
 
 
+_OTHERS = {
+    "G_plus": "ISO 230-4, circular deviation, counter-clockwise",
+    "G_minus": "ISO 230-4, circular deviation, clockwise",
+    "G_b": "ISO 230-4, bidirectional circular deviation",
+    "F_max": "ISO 230-4, radial deviation, the largest",
+    "F_min": "ISO 230-4, radial deviation, the smallest",
+    "D": "ISO 230-4, mean bidirectional radial deviation",
+    "E_d": "ISO 230-6, systematic deviation, the largest of the diagonals",
+    "B_d": "ISO 230-6, reversal, the largest of the diagonals",
+    "radial_total": "ISO 230-7, total error motion, radial",
+    "radial_synchronous": "ISO 230-7, synchronous error motion, radial",
+    "radial_asynchronous": "ISO 230-7, asynchronous error motion, radial",
+    "axial_total": "ISO 230-7, total error motion, axial",
+    "axial_synchronous": "ISO 230-7, synchronous error motion, axial",
+    "axial_asynchronous": "ISO 230-7, asynchronous error motion, axial",
+    "fundamental": "ISO 230-7, once per turn: runout, or along the axis an error motion",
+}
+
+
 def iso230(
-    readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="target_mm, direction, run, deviation_um.")],
+    readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
     json: Json = False,
 ) -> None:
-    """Print the ISO 230-2 figures of one axis.
+    """Print the figures of ISO 230: of one axis, of a circle, of diagonals, of a spindle.
 
-    Columns: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a rotary axis. A
-    Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when the test is
-    repeated (k = 2).
+    Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
+    rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
+    the test is repeated (k = 2).
+    Diagonals, ISO 230-6: the same with a column diagonal.
+    Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
+    Spindle, ISO 230-7: angle_deg, turn, deviation_um.
 
     \b
     Example:
       axiscal iso230 readings.csv
     """
 
-    found = evaluate(read_iso230(readings))
+    found = figures_of(readings)
     document = found.as_json()
     if json:
         say_document(document)
         return
+    if isinstance(found, Positioning):
+        _say_positioning(found)
+    else:
+        for name, value in found.figures.items():
+            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_OTHERS[name]}")
+    for warning in found.warnings:
+        say(warning)
+
+
+def _say_positioning(found: Positioning) -> None:
+    document, unit = found.as_json(), "arcsec" if found.rotary else "um"
     for name, words in _WORDS.items():
         value = document[name]
         figure = f"{'not measured':>12}"
         if value is not None:
-            spread = to_unit(found.uncertainty[name], "arcsec" if found.rotary else "um")
-            figure = f"{value:12.3f} {document['unit']} ± {spread:.3f}"
+            figure = f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}"
         say(f"{name:7}{figure}   {words}")
     if found.vdi3441:
-        unit = "arcsec" if found.rotary else "um"
         shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
         say(f"VDI/DGQ 3441: {shown} {unit}")
-    warnings = document["warnings"]
-    for warning in warnings if isinstance(warnings, list) else []:
-        say(str(warning))

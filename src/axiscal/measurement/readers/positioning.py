@@ -46,7 +46,7 @@ def positioning_rows(table: CsvTable) -> PositioningRows:
     seen: dict[tuple[float, int, int], int] = {}
     rows = []
     for row in table.rows:
-        key = (row.quantity(target), _direction(row, direction), _run(row, run))
+        key = (row.quantity(target), read_direction(row, direction), read_run(row, run))
         if key in seen:
             where = f"target {row.text(target)}, direction {row.text(direction)}, run {key[2]}"
             raise row.fail(f"{where} was read in line {seen[key]} already", "give each reading its own run number")
@@ -63,7 +63,8 @@ def _is_rotary(table: CsvTable, target: Column, deviation: Column) -> bool:
     return kinds == {"angle"}
 
 
-def _direction(row: Row, column: Column) -> int:
+def read_direction(row: Row, column: Column) -> int:
+    """Return +1 or -1; raises ReadingError."""
     signs = {"+": 1, "-": -1}
     text = row.text(column)
     if text not in signs:
@@ -72,7 +73,8 @@ def _direction(row: Row, column: Column) -> int:
     return signs[text]
 
 
-def _run(row: Row, column: Column) -> int:
+def read_run(row: Row, column: Column) -> int:
+    """Return the number of a run; raises ReadingError."""
     text = row.text(column)
     if not re.fullmatch(r"[0-9]{1,9}", text):
         raise row.fail(f"run {text!r} is not a whole number", "number the runs 1, 2, 3, ...")

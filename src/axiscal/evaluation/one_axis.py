@@ -21,6 +21,10 @@ from axiscal.units import format_quantity, to_unit
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
 """Tests drawn at random: their scatter is known to two percent of itself."""
+_FEWEST_TO_DOUBT, _TELLING, _STANDS_OFF = 3, 15, 5.0
+"""Of two runs nobody can say which one is wrong; with so many degrees of freedom one in 6,000 stands off so far by
+chance.
+"""
 _FEWEST_RUNS, _STEADILY = 6, 5.0
 """A line through the means of so many runs is believed at so many standard deviations: by chance once in 500."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
@@ -118,7 +122,11 @@ _NOTHING = _Direction(np.zeros(0), np.zeros(0), 0)
 
 def read_iso230(path: str | Path) -> PositioningTest:
     """Read a test of one axis in which every run visits every target; raises ReadingError."""
-    readings = read_any_positioning(path)
+    return arranged(read_any_positioning(path))
+
+
+def arranged(readings: PositioningRows) -> PositioningTest:
+    """Return the test that readings are; raises ReadingError where a run leaves out a target."""
     targets = sorted({row.target for row in readings.rows})
     up, down = (_passes(readings, targets, direction) for direction in (1, -1))
     return PositioningTest(np.array(targets), up, down, readings.rotary, readings.file)
@@ -297,6 +305,7 @@ def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
     if not both:
         yield "Only one direction was measured: reversal and the bidirectional figures are not known."
     yield from _drift(test)
+    yield from _outliers(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
         yield "The targets are equally spaced: an error that repeats with this spacing stays unseen."
@@ -315,6 +324,25 @@ def _drift(test: PositioningTest) -> Iterable[str]:
     if square > _STEADILY**2:
         moved = format_quantity(slope * float(np.ptp(time)), "arcsec" if test.rotary else "um", 3)
         yield f"The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
+
+
+def _outliers(test: PositioningTest) -> Iterable[str]:
+    """Say which readings the other runs contradict, as `estimate` does.
+
+    A reading less the mean of the others at its target, over what all others scatter, is Student's t.
+    """
+    for sign, runs in (("+", test.up), ("-", test.down)):
+        if runs is None or runs.shape[1] < _FEWEST_TO_DOUBT or runs.size - len(runs) <= _TELLING:
+            continue
+        count, degrees = runs.shape[1], runs.size - len(runs) - 1
+        left = runs - runs.mean(axis=1, keepdims=True)
+        shared = count / (count - 1) * left**2
+        others = np.sqrt(np.maximum(np.sum(left**2) - shared, np.finfo(float).tiny) / degrees)
+        surprise = np.abs(left) * np.sqrt(count / (count - 1)) / others
+        for target, run in np.argwhere(surprise > _STANDS_OFF):
+            at = format_quantity(float(test.targets[target]), "deg" if test.rotary else "mm")
+            said = f"Run {run + 1} in direction {sign} at {at} is {surprise[target, run]:.1f} standard deviations from "
+            yield f"{said}what the other runs say: take it again; A and R count it."
 
 
 def _span(test: PositioningTest) -> float:

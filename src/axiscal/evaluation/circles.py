@@ -1,0 +1,67 @@
+"""Circular tests by ISO 230-4: readings of a ball bar or a grid plate along a circle, in one or both directions.
+
+From the deviations of the radius, actual minus nominal, with the centre of least squares taken off (LSC):
+
+    G     circular deviation of one direction: max e − min e, the radial width of the path about its own centre
+    G_b   bidirectional circular deviation: the same of both paths together about their common centre
+    F     radial deviation, largest and smallest deviation of the radius from the nominal one about that centre
+    D     mean bidirectional radial deviation: mean of the radii of least squares of both paths, less the nominal one
+
+The standard defines G by the two concentric circles of least separation; about the centre of least squares the width is
+never smaller than that, and larger by a few percent at most. (Formulas after ISO 230-4:2005, quoted from memory.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.evaluation.polar import centred, covers_a_turn
+from axiscal.exceptions import EvaluationError
+from axiscal.measurement.readers.around import CircularTest
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Circular:
+    """Figures by name, m: G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; centre : of both paths, m."""
+
+    figures: Mapping[str, float]
+    centre: tuple[float, float]
+    warnings: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """Return the document `axiscal-iso230-4/1`, figures in um."""
+        figures = {name: to_unit(value, "um") for name, value in self.figures.items()}
+        return {"schema": "axiscal-iso230-4/1", "unit": "um", **figures, "warnings": list(self.warnings)}
+
+
+def circular(test: CircularTest) -> Circular:
+    """Return the figures of a circular test; raises EvaluationError for less than a whole turn."""
+    sides = {"plus": test.directions > 0, "minus": test.directions < 0}
+    measured = {name: mine for name, mine in sides.items() if np.any(mine)}
+    for name, mine in measured.items():
+        if not covers_a_turn(test.angles[mine]):
+            what = f"the {'counter-clockwise' if name == 'plus' else 'clockwise'} readings do not go all around"
+            raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
+    whole = centred(test.angles, test.deviations)
+    figures = {f"G_{name}": _width(centred(*_of(test, mine)).left) for name, mine in measured.items()}
+    radial = whole.radius + whole.left
+    if len(measured) == 2:
+        figures["G_b"] = _width(whole.left)
+        figures["D"] = float(np.mean([centred(*_of(test, mine)).radius for mine in measured.values()]))
+    figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
+    missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
+    return Circular(figures, whole.centre, missing)
+
+
+def _of(test: CircularTest, mine: NDArray[np.bool_]) -> tuple[Array, Array]:
+    return test.angles[mine], test.deviations[mine]
+
+
+def _width(left: Array) -> float:
+    return float(left.max() - left.min())
