@@ -141,19 +141,22 @@ def run_through(
 def to_the_start(
     start: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group], clearance: Clearance | None, slow: bool
 ) -> Iterator[Move]:
-    """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
-    apart = None if clearance is None else clearance[0]
-    down, up = list[Move](), list[Move]()
-    if clearance is not None:
-        (own,) = (group for group in groups if apart in group.axes)
-        clear, there, feed = {clearance[0]: clearance[1]}, {clearance[0]: start[clearance[0]]}, own.feed(None, slow)
-        up = [Move(to, feed, 0.0) for to in _places(there, clear, scales)] or [Move(clear, feed, 0.0)]
-        down = [Move(to, feed, 0.0) for to in _places(clear, there, scales)]
-    yield from up
+    """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last.
+
+    slow : something is mounted, so that the way is slow; with a clearance only its end is
+    """
+    if clearance is None:
+        yield from (Move({k: start[k] for k in group.axes}, group.feed(None, slow), 0.0) for group in groups)
+        return
+    apart, (own,) = clearance[0], [group for group in groups if clearance[0] in group.axes]
+    clear, there, feed = {apart: clearance[1]}, {apart: start[apart]}, own.feed(None)
+    yield from [Move(to, feed, 0.0) for to in _places(there, clear, scales)] or [Move(clear, feed, 0.0)]
     for group in groups:
         to = {k: start[k] for k in group.axes if k != apart}
-        yield from [Move(to, group.feed(None, slow), 0.0)] if to else []
-    yield from down
+        yield from [Move(to, group.feed(None), 0.0)] if to else []
+    edge = _edge(clear, there, start, scales) if slow and own.near is not None else there
+    yield from (Move(to, feed, 0.0) for to in _places(clear, edge, scales))
+    yield from (Move(to, own.feed(None, slow), 0.0) for to in _places(edge, there, scales))
 
 
 def cleared(place: Decimals, clearance: Clearance | None) -> Decimals:
