@@ -406,14 +406,14 @@ def test_the_way_back_after_jogging_at_the_mounting_is_slow_too() -> None:
 
 
 def test_over_a_clearance_only_the_end_of_the_way_back_is_slow() -> None:
-    """X goes clear at 400 mm quickly, and comes down to its start at 99 mm slowly from 101 mm on."""
+    """X goes clear at 400 mm quickly, and comes down to its start at 99 mm slowly from 102 mm on."""
     events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01, clearance=("X", 0.4))))
     stops = [k for k, event in enumerate(events) if event == Halt()]
     back = [(event.to, event.feed) for event in events[stops[1] : stops[2]] if isinstance(event, Move)]
     assert back == [
         ({"X": 400.0}, 6000),
         ({"C": 0.0}, 5400),
-        ({"X": 101.0}, 6000),
+        ({"X": 102.0}, 6000),
         ({"X": 99.0}, 600),
         ({"X": 100.0}, 600),
     ]

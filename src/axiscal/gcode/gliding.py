@@ -80,7 +80,7 @@ class SlideDriver:
         """Yield the way to the start; what goes clear does so before the others move."""
         there = self.written(pose)
         if self._standing is None:
-            yield from to_the_start(there, self._scales, self._groups, self._clearance, slow=False)
+            yield from to_the_start(there, self._scales, self._groups, self._clearance)
             self._standing = there
             return
         for stop in (cleared(self._standing, self._clearance), cleared(there, self._clearance), there):

@@ -120,7 +120,7 @@ def run_through(
     standing = targets[0].turning
     for text, slow in _BEGINNING:
         yield from (Remark(text), Halt())
-        yield from to_the_start(standing, scales, groups, clearance, slow)
+        yield from to_the_start(standing, scales, groups, clearance, targets[0].position if slow else None)
     for target in targets:
         clear = cleared(standing, clearance)
         turning = target.turning if target is targets[0] else target.way_in(standing)
@@ -139,23 +139,29 @@ def run_through(
 
 
 def to_the_start(
-    start: Decimals, scales: Sequence[AxisScale], groups: Sequence[Group], clearance: Clearance | None, slow: bool
+    start: Decimals,
+    scales: Sequence[AxisScale],
+    groups: Sequence[Group],
+    clearance: Clearance | None,
+    place: Decimals | None = None,
 ) -> Iterator[Move]:
     """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last.
 
-    slow : something is mounted, so that the way is slow; with a clearance only its end is
+    place : of the first reading, where something is mounted, so that the way is slow; with a clearance only near it
     """
+    slow = place is not None
     if clearance is None:
         yield from (Move({k: start[k] for k in group.axes}, group.feed(None, slow), 0.0) for group in groups)
         return
     apart, (own,) = clearance[0], [group for group in groups if clearance[0] in group.axes]
-    clear, there, feed = {apart: clearance[1]}, {apart: start[apart]}, own.feed(None)
-    yield from [Move(to, feed, 0.0) for to in _places(there, clear, scales)] or [Move(clear, feed, 0.0)]
+    clear, there = {apart: clearance[1]}, {apart: start[apart]}
+    low = place is not None and abs(clearance[1] - place[apart]) <= scales[apart].nearness
+    yield from (Move(to, own.feed(None, low), 0.0) for to in [*_places(there, clear, scales)] or [clear])
     for group in groups:
         to = {k: start[k] for k in group.axes if k != apart}
-        yield from [Move(to, group.feed(None), 0.0)] if to else []
-    edge = _edge(clear, there, start, scales) if slow and own.near is not None else there
-    yield from (Move(to, feed, 0.0) for to in _places(clear, edge, scales))
+        yield from [Move(to, group.feed(None, low), 0.0)] if to else []
+    edge = there if place is None or own.near is None else _edge(clear, there, place, scales)
+    yield from (Move(to, own.feed(None), 0.0) for to in _places(clear, edge, scales))
     yield from (Move(to, own.feed(None, slow), 0.0) for to in _places(edge, there, scales))
 
 
