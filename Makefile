@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs trust certify lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs trust certify reliability lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -18,6 +18,7 @@ help:
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; MACHINES=8 of each attack)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
+	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: an hour or two)"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
 
@@ -62,6 +63,9 @@ trust: .venv/dev.stamp
 
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))
+
+reliability: .venv/dev.stamp
+	$(BIN)/python -m tests.reliability $(if $(LONG),--long)
 
 lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/run.txt pyproject.toml

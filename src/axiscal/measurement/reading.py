@@ -43,6 +43,11 @@ class Reading:
         """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""
         return index + 1 if self.number is None else self.number
 
+    def under(self, number: int) -> Reading:
+        """Return the same reading under the number by which a campaign knows it."""
+        of_value = self.value, self.std, self.line, self.accepted, self.others, self.time
+        return Reading(self.setup, self.pose, self.approach, *of_value, number)
+
     @property
     def values(self) -> tuple[float, ...]:
         """All numbers of the reading, m or rad."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import random
 import sys
@@ -11,6 +12,8 @@ from contextlib import contextmanager
 
 _NAP = 0.002
 """Seconds between two looks, at most; by chance, so that nobody is always too late."""
+_AGAIN = 0.05
+"""Seconds within which whoever has held a file does not come first again; any longer than a nap would do."""
 
 if sys.platform == "win32":
     import msvcrt
@@ -43,6 +46,9 @@ else:
         fcntl.flock(handle, fcntl.LOCK_UN)
 
 
+_last_left: dict[int, float] = {}
+
+
 class HeldError(Exception):
     """Another process holds the file."""
 
@@ -54,6 +60,8 @@ def alone(handle: int, patience: float) -> Iterator[None]:
     Raises HeldError if another one holds it for longer than `patience` seconds, OSError where files cannot be held.
     """
     until = time.monotonic() + patience
+    if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
+        time.sleep(_NAP * random.random())
     while not _taken(handle):
         if time.monotonic() > until:
             raise HeldError
@@ -62,3 +70,4 @@ def alone(handle: int, patience: float) -> Iterator[None]:
         yield
     finally:
         _left(handle)
+        _last_left[handle] = time.monotonic()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -182,12 +182,13 @@ class Folding:
         self._plan_basis = ""
         self._renew = False
         self._undo: list[Undoable] = []
+        self._highest: list[int] = []
         self._last = 0
 
     def copied(self) -> Folding:
         """Return another that goes on from here."""
         other = copy(self)
-        for name in ("_readings", "_skipped", "_plan", "_undo"):
+        for name in ("_readings", "_skipped", "_plan", "_undo", "_highest"):
             setattr(other, name, list(getattr(self, name)))
         return other
 
@@ -239,7 +240,7 @@ class Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._readings.append(replace(event.reading, number=self._number(event)))
+            self._readings.append(event.reading.under(self._counted(self._number(event))))
             self._renew = self._renew or not self._asked_for(event)
         elif isinstance(event, Finished):
             self._finished = event.because
@@ -248,12 +249,18 @@ class Folding:
         else:
             gap = Gap(self._pending, event.reason)
             self._skipped.append(gap)
+            self._counted(gap.asked.reading)
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
 
     def _number(self, event: Recorded) -> int:
-        asked = self._pending.reading if self._pending else _free(self._readings, self._skipped)
+        asked = self._pending.reading if self._pending else (self._highest[-1] if self._highest else 0) + 1
         return asked if event.reading.number is None else event.reading.number
+
+    def _counted(self, number: int) -> int:
+        """Remember the highest number so far, for the next free one, and return the number."""
+        self._highest.append(max(number, self._highest[-1] if self._highest else 0))
+        return number
 
     def _asked_for(self, event: Recorded) -> bool:
         """Whether a reading was taken where one was wanted, and from there."""
@@ -267,8 +274,10 @@ class Folding:
             self._plan.insert(0, self._pending.place)  # it was asked for and never taken
         if isinstance(step.event, Recorded):
             self._readings.pop()
+            self._highest.pop()
         elif isinstance(step.event, Skipped):
             self._skipped.pop()
+            self._highest.pop()
         else:
             self._finished = None
         self._pending, self._renew = step.pending, True

@@ -15,8 +15,7 @@ import hashlib
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 BLOCK = 4096
 """Bytes; a disk that tears a write tears it inside of one block, so head and marks have one each."""
@@ -44,8 +43,7 @@ class DamageError(ValueError):
     """Bytes that nobody has written as they are."""
 
 
-@dataclass(frozen=True, slots=True)
-class Mark:
+class Mark(NamedTuple):
     """How far a record is valid.
 
     turn : number of transactions; last : number of the last event; end : bytes; chain : its name, 64 hex digits
@@ -57,8 +55,7 @@ class Mark:
     chain: str = 64 * "0"
 
 
-@dataclass(frozen=True, slots=True)
-class EventText:
+class EventText(NamedTuple):
     """One event as text: when it was written, its kind and JSON text; closes : it ends a transaction."""
 
     at: str

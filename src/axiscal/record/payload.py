@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 from axiscal.measurement.place import Place
@@ -60,6 +60,8 @@ def _place_fields(place: Place) -> dict[str, object]:
 
 
 def _number(value: object) -> float:
+    if type(value) is float and math.isfinite(value):
+        return value
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise ValueError(f"{value!r} is not a finite number")
     return float(value)
@@ -80,6 +82,8 @@ def _std(value: object) -> float:
 
 
 def _whole(value: object) -> int:
+    if type(value) is int:
+        return value
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"{value!r} is not a whole number")
     return value
@@ -91,10 +95,14 @@ def _text(value: object) -> str:
     return value
 
 
+_SIDES = frozenset((-1, 0, 1))
+"""From where an axis comes; 0 where nobody said."""
+
+
 def _place(fields: Mapping[str, Any]) -> Place:
-    position = tuple(_number(value) for value in fields["position"])
-    approach = tuple(_whole(value) for value in fields["approach"])
-    if len(position) != len(approach) or not set(approach) <= {-1, 0, 1}:
+    position = tuple(map(_number, fields["position"]))
+    approach = tuple(map(_whole, fields["approach"]))
+    if len(position) != len(approach) or not _SIDES.issuperset(approach):
         raise ValueError(f"position {position} and approach {approach} do not belong together")
     return Place(_text(fields["setup"]), position, approach)
 
@@ -115,8 +123,7 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
         raise ValueError(f"{accepted!r} is neither true nor false")
     number = None if fields.get("reading") is None else _whole(fields["reading"])
     at, value = _place(fields), _read_number(fields["value"])
-    of_value = Reading(at.setup, at.pose, at.approach, value, std, accepted=accepted, others=others, time=time)
-    return Recorded(replace(of_value, number=number))
+    return Recorded(Reading(at.setup, at.pose, at.approach, value, std, None, accepted, others, time, number))
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {

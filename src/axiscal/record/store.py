@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import gc
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -85,7 +86,8 @@ class Record:
                 _convert(path)
             record = cls(path, os.open(path, _mode(write)), write=write)
             try:
-                record._catch_up()
+                with _uncollected():
+                    record._catch_up()
             except BaseException:
                 record.close()
                 raise
@@ -345,6 +347,18 @@ def _start_of(path: Path) -> bytes:
         raise RecordError("This is a folder", f"Name the record in it: {inside}", path) from None
     except OSError as error:
         raise RecordError(f"The record cannot be opened: {error.strerror}", "Name a file you may read", path) from error
+
+
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """Do without looking for garbage: events are not, and there may be a hundred thousand."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 @contextlib.contextmanager

@@ -24,6 +24,10 @@ ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 TEXT: tuple[str, ...] = ()
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_NOTHING = re.compile(r"\s*(#|$)")
+_SPECIAL = re.compile(r'["\r\n\0]')
+_SHORT = 100_000
+"""Characters; the csv module refuses longer cells by itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +151,7 @@ def read_table(path: str | Path) -> CsvTable:
 def parse_table(text: str, file: str) -> CsvTable:
     """Parse a table from text; `file` is the name that errors carry.  Raises ReadingError."""
     lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    data = [(number, line) for number, line in enumerate(lines, 1) if not re.match(r"\s*(#|$)", line)]
+    data = [(number, line) for number, line in enumerate(lines, 1) if not _NOTHING.match(line)]
     if not data:
         raise ReadingError("there is no header and no data", "let the first line name the columns", file)
     columns = _columns(file, *data[0])
@@ -172,6 +176,8 @@ def _decode(data: bytes, file: str) -> str:
 
 def _cells(file: str, number: int, line: str) -> list[str]:
     try:
+        if len(line) < _SHORT and not _SPECIAL.search(line):  # the same, many times faster
+            return [cell.strip() for cell in line.split(",")]
         return [cell.strip() for cell in next(csv.reader([line], strict=True))]
     except csv.Error as error:
         raise ReadingError(f"the line is not CSV: {error}", "close every quote and cell", file, number) from None

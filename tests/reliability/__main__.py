@@ -1,0 +1,50 @@
+"""`make reliability`: every trial, and one table; `--long` as often as docs/reliability.md says of the long run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+from tests.reliability import bad_files, changed, power_loss, record_faults, set_faults, writers
+from tests.reliability.trial import Trial
+
+
+def trials(long: bool) -> Sequence[Callable[[], Trial]]:
+    """Return what is tried, in the order of the table."""
+    return (
+        record_faults.begun,
+        record_faults.written,
+        record_faults.read,
+        lambda: set_faults.alone(True),
+        lambda: set_faults.alone(False),
+        set_faults.with_others,
+        lambda: writers.killed(5000 if long else 300),
+        lambda: power_loss.lost(20_000 if long else 2000),
+        changed.bits,
+        changed.ends,
+        changed.clock,
+        lambda: writers.at_once(8, 10_000 if long else 250),
+        lambda: changed.many(100_000),
+        bad_files.read_all,
+    )
+
+
+def main(words: Sequence[str]) -> int:
+    """Print the table as it grows; return 1 if anything was lost."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--long", action="store_true", help="as often as before a release; an hour or two")
+    long = parser.parse_args(words).long
+    print("| what was tried | how many | lost | |\n|---|---|---|---|", flush=True)
+    begin, lost = time.monotonic(), 0
+    for tried in trials(long):
+        trial = tried()
+        lost += trial.lost
+        print(f"| {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)
+    print(f"\n{time.monotonic() - begin:.0f} s", flush=True)
+    return 1 if lost else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,106 @@
+"""Changed bits, missing ends, a clock that goes back, and records with very many events."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from axiscal.exceptions import RecordError
+from axiscal.record import store
+from axiscal.record.events import Event, Stored
+from axiscal.record.line_form import MARK, MARKS, START
+from axiscal.record.store import Record
+from tests.reliability.record_faults import CREATED, NAME, recorded, values
+from tests.reliability.trial import Trial, scratch
+
+SECONDS = 2.0
+"""Processor time in which a record opens."""
+
+
+def bits(every: int = 1) -> Trial:
+    """Flip each bit of a record that matters by itself: what it holds is the same, or it is damaged."""
+    with scratch() as top:
+        content, whole = _record(top / NAME)
+        changed, silent, damaged = top / "changed.axiscal", 0, 0
+        chosen = list(_bits(len(content)))[::every]
+        for bit in chosen:
+            flipped = bytearray(content)
+            flipped[bit // 8] ^= 1 << bit % 8
+            changed.write_bytes(flipped)
+            said = _said(changed)
+            damaged += "The record is damaged: " in said
+            silent += "damaged" not in said and (bool(said) or _events(changed) != whole)
+    detail = f"{damaged} called damaged, the others change nothing"
+    return Trial("bits of a record flipped, one at a time", len(chosen), silent, detail)
+
+
+def ends() -> Trial:
+    """Cut a record at every length that lacks something acknowledged."""
+    with scratch() as top:
+        content, _ = _record(top / NAME)
+        cut, silent = top / "cut.axiscal", 0
+        for size in range(START, len(content)):
+            cut.write_bytes(content[:size])
+            silent += "damaged" not in _said(cut)
+    return Trial("records cut off before their end", len(content) - START, silent)
+
+
+def clock() -> Trial:
+    """Set the clock back by a day between readings: order and numbers stay."""
+    days = iter(f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30))
+    now = store._now
+    with scratch() as top:
+        store._now = lambda: next(days)
+        try:
+            with Record.create(top / NAME, CREATED) as record:
+                for number in range(5):
+                    record.append(recorded(float(number)))
+        finally:
+            store._now = now
+        missed = values(top / NAME) != [0.0, 1.0, 2.0, 3.0, 4.0]
+    return Trial("readings while the clock is set back by days", 5, 5 * missed)
+
+
+def many(events: int) -> Trial:
+    """Open a record of many events; each is checked."""
+    with scratch() as top:
+        with Record.create(top / NAME, CREATED) as record:
+            batch: list[Event] = [recorded(1e-6)] * (events - 1)
+            record.append(*batch)
+        begin = time.process_time()
+        with Record.open(top / NAME, write=False) as record:
+            missed = events - record.last()
+            record.state()
+        seconds = time.process_time() - begin
+    detail = f"{seconds:.2f} s of processor time, at most {SECONDS:.0f}"
+    return Trial(f"events of one record that is opened ({events:,})", events, missed + (seconds > SECONDS), detail)
+
+
+def _record(path: Path) -> tuple[bytes, tuple[Stored, ...]]:
+    with Record.create(path, CREATED) as record:
+        for number in range(3):
+            record.append(recorded(1e-6 * number))
+    return path.read_bytes(), _events(path)
+
+
+def _bits(size: int) -> Iterator[int]:
+    """Yield every bit of title, marks and lines, and of the rest, which is blank, some."""
+    for begin, end in ((0, 30), *((at, at + MARK) for at in MARKS), (START, size)):
+        yield from range(8 * begin, 8 * end)
+    yield from range(0, 8 * START, 1009)
+
+
+def _events(path: Path) -> tuple[Stored, ...]:
+    with Record.open(path, write=False) as record:
+        return record.events()
+
+
+def _said(path: Path) -> str:
+    try:
+        os.stat(path)
+        Record.open(path, write=False).close()
+    except RecordError as failure:
+        return str(failure)
+    return ""

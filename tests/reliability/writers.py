@@ -1,0 +1,85 @@
+"""Writers that are killed, and writers that write at the same time."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import time
+from pathlib import Path
+
+from axiscal.exceptions import RecordError
+from axiscal.record.store import PATIENCE, Record
+from tests.reliability.record_faults import CREATED, NAME, recorded, values
+from tests.reliability.trial import Trial, scratch
+
+
+def killed(kills: int, seed: int = 5) -> Trial:
+    """Kill a writer without warning, again and again, and look at its file alone."""
+    chance, acknowledged = random.Random(seed), list[int]()
+    with scratch() as top:
+        Record.create(top / NAME, CREATED).close()
+        copy = top / "copy" / NAME
+        copy.parent.mkdir()
+        missed = 0
+        for turn in range(kills):
+            acknowledged += _killed_after(top / NAME, 10_000 * turn, chance.uniform(0.0, 0.02))
+            copy.write_bytes((top / NAME).read_bytes())
+            kept = [int(value) for value in values(copy)]
+            missed += not set(acknowledged) <= set(kept) or len(kept) != len(set(kept))
+        others = [path.name for path in top.iterdir() if path.name not in (NAME, "copy")]
+    detail = f"{len(acknowledged):,} readings acknowledged"
+    return Trial("kills while readings are written", kills, missed + bool(others), detail)
+
+
+def _killed_after(path: Path, start: int, seconds: float) -> list[int]:
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        with Record.open(path) as record:
+            for number in range(start, start + 10_000):
+                record.append(recorded(float(number)))
+                os.write(writing, b"%d\n" % number)
+        os._exit(0)
+    os.close(writing)
+    time.sleep(seconds)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with os.fdopen(reading, "rb") as pipe:
+        return [int(line) for line in pipe.read().splitlines(keepends=True) if line.endswith(b"\n")]
+
+
+def at_once(processes: int, entries: int, folder: Path | None = None) -> Trial:
+    """Let processes write to one record at the same time, each reading once; none may wait too long."""
+    with scratch() as top:
+        path = (folder or top) / NAME
+        Record.create(path, CREATED).close()
+        waits = [_writing(path, number * 1_000_000, entries) for number in range(processes)]
+        longest = 0.0
+        for child, pipe in waits:
+            with os.fdopen(pipe, "rb") as heard:
+                longest = max(longest, float(heard.read() or b"inf"))
+            os.waitpid(child, 0)
+        kept = sorted(int(value) for value in values(path))
+    expected = sorted(number * 1_000_000 + entry for number in range(processes) for entry in range(entries))
+    missed = len(set(expected) ^ set(kept)) + len(kept) - len(set(kept))
+    detail = f"longest wait {longest:.2f} s of {PATIENCE:.0f} s"
+    return Trial(f"readings that {processes} processes write at once", processes * entries, missed, detail)
+
+
+def _writing(path: Path, start: int, entries: int) -> tuple[int, int]:
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child:
+        os.close(writing)
+        return child, reading
+    longest = 0.0
+    with contextlib.suppress(RecordError), Record.open(path) as record:
+        for number in range(start, start + entries):
+            begin = time.monotonic()
+            record.append(recorded(float(number)))
+            longest = max(longest, time.monotonic() - begin)
+    os.write(writing, str(longest).encode())
+    os._exit(0)
