@@ -30,6 +30,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import TargetError
+from axiscal.measurement.csv_cells import csv_text
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.readers.csv_readings import read_readings
@@ -134,13 +135,13 @@ class Check:
         setups, axes = self.description.setups, self.description.machine.axes
         counts = {len(row) for row in self.predicted(places)[0]}
         values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
-        lines = [",".join(["setup", *(f"{a.name}_{a.unit}" for a in axes), "approach", *values])]
+        rows = [["setup", *(f"{a.name}_{a.unit}" for a in axes), "approach", *values]]
         columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
         for s, pose, approach in zip(*columns, strict=True):
             at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
             empty = [""] * len(values)
-            lines.append(",".join([_quoted(setups[s].name), *at, approach_text(axes, approach), *empty]))
-        return "\n".join(lines) + "\n"
+            rows.append([setups[s].name, *at, approach_text(axes, approach), *empty])
+        return csv_text(rows)
 
 
 def _in_order(places: Places) -> Places:
@@ -162,8 +163,3 @@ def tolerance_of(target: Target, text: str | None) -> float:
     if target.rms is not None:
         return 2 * target.rms
     raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
-
-
-def _quoted(name: str) -> str:
-    guarded = f"'{name}" if name[:1] in "=+-@" else name
-    return '"' + guarded.replace('"', '""') + '"'

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.machine.axis import Axis
+from axiscal.measurement.csv_cells import csv_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.setup import Setup
@@ -37,7 +36,7 @@ def listing(readings: Sequence[Listed]) -> str:
     """Return the list that goes with a program: number, time, set-up, every coordinate, approach."""
     header = ["reading", "time_s", "setup", *_axis_columns(readings[0].axes), "approach"]
     rows = [[str(r.number), f"{r.seconds:.1f}", r.setup.name, *r.coordinates, r.sides] for r in readings]
-    return _csv([header, *rows])
+    return csv_text([header, *rows])
 
 
 def form(readings: Sequence[Listed]) -> str:
@@ -47,7 +46,7 @@ def form(readings: Sequence[Listed]) -> str:
     values = [column for kind, columns in _VALUES.items() if kind in kinds for column in columns]
     header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
     rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
-    return _csv([header, *rows])
+    return csv_text([header, *rows])
 
 
 _VALUES = {
@@ -69,9 +68,3 @@ def _moving_sides(reading: Listed) -> str:
 
 def _axis_columns(axes: Sequence[Axis]) -> list[str]:
     return [f"{axis.name}_{axis.unit}" for axis in axes]
-
-
-def _csv(rows: Iterable[Sequence[str]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue()

@@ -14,6 +14,7 @@ from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import Faults
+from axiscal.measurement.csv_cells import unshielded
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
@@ -120,7 +121,7 @@ def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
     value, std = row.quantity(column), _std(table, row, column)
     position, approach = read_position(table, row), read_approach(table, row)
     others = _others(row, column, three[1:]) if column is three[0] else ()
-    return RawReading(row.text(setup), position, approach, value, std, column.dimension, row.line, others)
+    return RawReading(unshielded(row.text(setup)), position, approach, value, std, column.dimension, row.line, others)
 
 
 def _others(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:
