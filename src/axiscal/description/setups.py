@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -12,6 +12,7 @@ from axiscal.description.lacking import lack_of
 from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
 from axiscal.description.sights import refuse_no_sight, seen
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
+from axiscal.description.squares import on_square
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
@@ -86,11 +87,11 @@ class _Reader:
 
     def setup(self) -> Setup:
         table = self._table
+        around = self._around
         with self._at("name"):
             name = _name(table.name)
         with self._at("instrument"):
             usual = _instrument(table.instrument)
-        around = self._around
         site = SiteReader(table, around.machine, around.artefacts, around.tool_length, self._at).site()
         with self._at("direction"):
             direction = self._direction(usual, site)
@@ -123,7 +124,8 @@ class _Reader:
             resolution=resolution,
             reach=self._reach(moves),
         )
-        setup = seen(table, self._machine, self._at, setup) if site is None else self._sited(setup, site)
+        setup = on_square(table, around.artefacts, self._at, setup)
+        setup = seen(table, around.machine, self._at, setup) if site is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check(setup, self._machine)
         return self._complete(setup)
@@ -346,12 +348,8 @@ class _Reader:
         moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]
         if len(moving) != 1:
             whose = f"the {usual.name}'s usual unknown" if by_default else "an unknown"
-            what = f"{whose} slope needs exactly one linear axis that moves; here {_listed(moving)} move"
+            what = f"{whose} slope needs exactly one linear axis that moves; here {', '.join(moving) or 'none'} move"
             raise DescriptionError(what, 'Name one in moves, such as moves = ["X"], or give unknowns without slope')
-
-
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(names) or "none"
 
 
 def _name(text: str) -> str:

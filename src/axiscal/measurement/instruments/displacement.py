@@ -1,7 +1,8 @@
 """Instruments that read the displacement of the TCP along a direction: interferometer, indicator, probe, straightedge.
 
 y = dᵀδp + zero + slope · s + growth · dᵀe s, s the travel of the moving axis from its middle, e the way it goes in the
-workpiece frame. The growth is what the material is longer by than at 20 °C; what is known of it is taken off, what is
+workpiece frame. A leg of a square that is turned by ω has the slope ω · (e × d): the two legs have it with opposite
+signs. The growth is what the material is longer by than at 20 °C; what is known of it is taken off, what is
 not is an unknown.
 """
 
@@ -18,6 +19,10 @@ from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
+SQUARE = ("square_x", "square_y", "square_z")
+"""By how much the square is turned that a leg belongs to."""
+_READS: dict[str, Reads] = {"zero": "length", "slope": "angle", "growth": "angle", **dict.fromkeys(SQUARE, "angle")}
+
 
 class Displacement:
     """One length along the set-up's direction."""
@@ -25,7 +30,7 @@ class Displacement:
     reads: Reads = "length"
     values = 1
     directed = True
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "length", "slope": "angle", "growth": "angle"})
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(_READS)
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
@@ -35,6 +40,8 @@ class Displacement:
         """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,)."""
         if unknown == "zero":
             return np.ones(nominal.count)
+        if unknown in SQUARE:
+            return _turned(direction, nominal)[:, SQUARE.index(unknown)]
         return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
 
     def shown(
@@ -42,8 +49,9 @@ class Displacement:
     ) -> Array:
         """Return dᵀδp + zero + tan(slope) s + growth dᵀe s, (m,)."""
         tilted = np.tan(unknowns.get("slope", 0.0)) * nominal.travelled
+        turned = _turned(direction, nominal) @ np.array([unknowns.get(name, 0.0) for name in SQUARE])
         grown = _grown(unknowns.get("growth", 0.0) + setup.growth, direction, nominal)
-        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + grown
+        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown
         return shown
 
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
@@ -61,10 +69,21 @@ def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:
 
 def _travelled_along(direction: Array, nominal: Nominal) -> Array:
     """Return the travel from the middle, as far as it goes along the direction, (m,), m; negative against it."""
+    along_it: Array = nominal.travelled * (_ways(nominal) @ direction)
+    return along_it
+
+
+def _turned(direction: Array, nominal: Nominal) -> Array:
+    """Return what unit turns about x, y, z of what is read do along the direction, (m, 3), m."""
+    turned: Array = nominal.travelled[:, None] * np.cross(_ways(nominal), direction)
+    return turned
+
+
+def _ways(nominal: Nominal) -> Array:
+    """Return the way that the linear axis which moves goes in the workpiece frame, (m, 3); zero where none moves."""
     axes = nominal.machine.axes
     axis = next((k for k in nominal.moves if not axes[k].rotary), None)
     if axis is None:
-        return np.zeros(nominal.count)
-    ways = frames(nominal.machine, nominal.poses).rotations[axis] @ np.array(axes[axis].direction)
-    along_it: Array = nominal.travelled * (ways @ direction)
-    return along_it
+        return np.zeros((nominal.count, 3))
+    ways: Array = frames(nominal.machine, nominal.poses).rotations[axis] @ np.array(axes[axis].direction)
+    return ways
