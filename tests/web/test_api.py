@@ -48,6 +48,7 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
     assert page.call("finish", after=state["last"]).status == 200
     assert (page.record.parent / "mill-results" / "report.html").is_file()
+    assert page.state()["verdict"][0].startswith("U = ") or "um" in page.state()["verdict"][0]
     report = page.ask("GET", "/report.html", Authorization=f"Bearer {page.token}")
     assert (report.status, b"<html" in report.body) == (200, True)
     assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 import socket
+import tomllib
 from collections.abc import Iterator
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -94,6 +96,25 @@ def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
     assert "<script>" not in html
     assert re.search(r"\son\w+=", html) is None
     assert "style=" not in html
+
+
+def test_the_script_writes_text_and_nothing_else() -> None:
+    sources = [
+        path.read_text()
+        for path in resources.files("axiscal.web").joinpath("static").iterdir()
+        if path.name.endswith(".js")
+    ]
+    assert len(sources) == 2
+    makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
+    assert [found for text in sources for found in re.findall(makes_markup, text)] == []
+
+
+def test_every_file_of_the_page_is_in_the_package() -> None:
+    project = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text())
+    kinds = {pattern.rpartition(".")[2] for pattern in project["tool"]["setuptools"]["package-data"]["axiscal"]}
+    assert {
+        path.name.rpartition(".")[2] for path in resources.files("axiscal.web").joinpath("static").iterdir()
+    } <= kinds
 
 
 def test_a_large_body_is_refused(page: Served) -> None:

@@ -52,6 +52,7 @@ class Desk:
         self._ended: str | None = None
         self._trouble = ""
         self._minds: list[str] = []
+        self._verdict: list[str] = []
         self._before: frozenset[int] | None = None
         self._course = KnownSoFar(campaign)
         self._version = 0
@@ -123,6 +124,7 @@ class Desk:
         """Take back the last reading, skip or end."""
         self._refuse_overtaken(after)
         taken = take_back(self.campaign)
+        self._verdict = []
         self._show(minds=[])
         return taken.sentence
 
@@ -136,13 +138,15 @@ class Desk:
     def finish(self, after: int) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.report.delivery import deliver  # pictures and tables, which no question waits for
+        from axiscal.report.headline import first_lines
         from axiscal.report.result_set import RECORD
         from axiscal.report.summarising import Extras
 
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
         self.campaign.finish()
-        deliver(self.campaign, self.campaign.concluded(), self.results, Extras(compared=True))
+        summary = deliver(self.campaign, self.campaign.concluded(), self.results, Extras(compared=True))
+        self._verdict = first_lines(summary).splitlines()
         self._show(minds=[])
         return f"Ended. Report, figures and tables are in {self.results.name}."
 
@@ -166,7 +170,7 @@ class Desk:
     def _renewed(self) -> StateShape:
         self._question, self._ended, self._trouble = self._asked()
         course, version = self._course.moments(), self._next_version()
-        shown = Shown(self._question, self._ended, self._trouble, self._minds, course, version)
+        shown = Shown(self._question, self._ended, self._trouble, self._minds, self._verdict, course, version)
         return state_shape(self.campaign, shown, self.results)
 
     def _next_version(self) -> int:

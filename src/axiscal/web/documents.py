@@ -43,12 +43,13 @@ _LATEST = 3
 
 
 class Shown(NamedTuple):
-    """What the desk knows beside the campaign: question, end and trouble, sentences to mind, course, version."""
+    """What the desk knows beside the campaign: question, end, trouble, sentences to mind, verdict, course, version."""
 
     question: Question | None
     ended: str | None
     trouble: str
     minds: list[str]
+    verdict: list[str]
     course: list[MomentShape]
     version: int
 
@@ -72,6 +73,7 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         minds=shown.minds,
         picture=None if asked is None else _picture(picture(campaign, asked)),
         history=shown.course,
+        verdict=shown.verdict,
         results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
     )
 

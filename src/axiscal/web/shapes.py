@@ -138,7 +138,10 @@ class PictureShape(Shape):
 
 
 class StateShape(Shape):
-    """All that the page shows. `last` names the state of the record, `version` this document."""
+    """All that the page shows. `last` names the state of the record, `version` this document.
+
+    minds : what to mind about the last reading; verdict : what the results say, once they are written
+    """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
     version: int
@@ -155,6 +158,7 @@ class StateShape(Shape):
     minds: list[str]
     picture: PictureShape | None
     history: list[MomentShape]
+    verdict: list[str]
     results: str
 
 

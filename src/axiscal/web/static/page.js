@@ -46,12 +46,15 @@ function step(path, body) {
 }
 
 async function sent(path, body) {
+  const waiting = setTimeout(() => hear("one moment: the plan is being made anew"), 1000);
   try {
     const done = await call(path, body);
     if (done.ok) render(done.document.state);
     return done;
   } catch {
-    return { ok: false, document: { problem: "away", sentence: "axiscal does not answer; nothing was recorded. Is it still running?" } };
+    return { ok: false, document: { problem: "away", sentence: "axiscal does not answer. Look at the last readings before you go on." } };
+  } finally {
+    clearTimeout(waiting);
   }
 }
 
@@ -60,12 +63,12 @@ function number(value) {
 }
 
 function renderLine() {
-  const p = state.progress, end = p.taken + p.coming;
+  const p = state.progress, end = p.taken + p.coming, going = state.question !== null;
   text("machine", state.machine);
   document.title = `${state.machine} · axiscal`;
   text("count", state.question ? `${p.taken + 1} of ${end}` : `${p.taken} taken`);
-  text("minutes", `${shown(p.minutes, 0)} done` + (p.coming ? `, ${p.left_minutes < 1 ? "less than 1" : `about ${shown(p.left_minutes, 0)}`} left` : ""));
-  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (p.coming ? `, ${shown(p.promised.rms_um)} expected` : ""));
+  text("minutes", `${shown(p.minutes, 0)} done` + (going ? `, ${p.left_minutes < 1 ? "less than 1" : `about ${shown(p.left_minutes, 0)}`} left` : ""));
+  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (going ? `, ${shown(p.promised.rms_um)} expected` : ""));
   text("target", p.goals.replaceAll(" um", " µm"));
 }
 
@@ -156,7 +159,9 @@ function renderEnd() {
   const done = state.finished !== null;
   text("end-title", done ? "The campaign has ended" : state.ended ? "Nothing more to measure" : "There is no next reading");
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
+  find("verdict").replaceChildren(...state.verdict.map((line) => element("p", line)));
   show("report", done && state.results !== "");
+  text("finish", done ? "Write the results" : "End the campaign and write its results");
   show("finish", !done || state.results === "");
   show("more", !done);
 }
@@ -182,8 +187,9 @@ function drawAll() {
   const latest = state.readings[0]?.number;
   find("pictures").className = latest === landed ? "" : "landing";
   landed = latest;
+  show("pictured", state.picture !== null);
   drawPicture(find("picture"), find("picture-words"), state.picture, latest, state.question?.expected);
-  drawCourse(find("course"), find("course-words"), state.history, state.progress);
+  drawCourse(find("course"), find("course-words"), state.history, state.progress, state.question !== null);
 }
 
 async function follow() {

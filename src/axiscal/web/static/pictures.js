@@ -155,18 +155,18 @@ export function drawPicture(place, words, picture, latest, expected) {
   else inOrder(place, picture, latest, expected);
 }
 
-export function drawCourse(place, words, history, progress) {
+export function drawCourse(place, words, history, progress, going) {
   place.replaceChildren();
   words.textContent = "";
   if (!history.length) return;
-  const end = { minutes: progress.minutes + progress.left_minutes, rms: progress.promised.rms_um };
+  const now = { minutes: progress.minutes, rms: progress.now.rms_um };
+  const end = going ? { minutes: progress.minutes + progress.left_minutes, rms: progress.promised.rms_um } : now;
   const all = [...history.map((m) => m.rms_um), end.rms, ...(progress.target_rms_um === null ? [] : [progress.target_rms_um])];
-  words.textContent = "Accuracy (RMS) against minutes of machine time; dotted: what the plan will reach" + (progress.target_rms_um === null ? "" : "; dashed: the target");
+  words.textContent = `Accuracy (RMS) against minutes of machine time${going ? "; dotted: what the plan will reach" : ""}` + (progress.target_rms_um === null ? "" : "; dashed: the target");
   const labels = { across: "minutes", up: "µm", all: "Accuracy against minutes" };
   const at = frame(place, 240, [0, Math.max(1, 1.03 * end.minutes)], [0, 1.08 * Math.max(...all)], labels);
   if (progress.target_rms_um !== null) put(at.svg, "line", { class: "target", x1: at.left, x2: at.right, y1: at.y(progress.target_rms_um), y2: at.y(progress.target_rms_um) });
   put(at.svg, "path", { class: "mean", d: line(at.x, at.y, history.map((m) => m.minutes), history.map((m) => m.rms_um)) });
-  const now = { minutes: progress.minutes, rms: progress.now.rms_um };
-  if (progress.coming) put(at.svg, "path", { class: "forecast", d: line(at.x, at.y, [now.minutes, end.minutes], [now.rms, end.rms]) });
+  if (going) put(at.svg, "path", { class: "forecast", d: line(at.x, at.y, [now.minutes, end.minutes], [now.rms, end.rms]) });
   put(at.svg, "circle", { class: "dot latest", cx: at.x(now.minutes), cy: at.y(now.rms), r: 6 });
 }
