@@ -7,7 +7,7 @@ let state = null;
 let mounted = sessionStorage.getItem("mounted") ?? "";
 let asked = "";
 let landed; // the last reading that was drawn
-let sending = ""; // a reading that is on its way
+let sending = null; // the reading that is on its way, and the state that it answers
 let turn = Promise.resolve();
 
 history.replaceState(null, "", "/"); // the token stays in the cookie alone
@@ -127,7 +127,7 @@ function renderQuestion() {
 // What was typed for another reading must not be sent for this one.
 function newQuestion(key) {
   const left = find("field").value.trim();
-  if (left && asked && left !== sending) hear(`Not kept: “${left}” was typed for the reading before, which has been answered in another window.`, true);
+  if (left && asked && left !== sending?.typed) hear(`Not kept: “${left}” was typed for the reading before, which has been answered in another window.`, true);
   find("field").value = "";
   asked = key;
   show("doubt", false);
@@ -208,22 +208,22 @@ async function follow() {
 
 async function record(how = {}) {
   const typed = find("field").value.trim();
-  if (!typed || sending || state === null) return; // Enter pressed twice is one reading
-  sending = typed;
+  if (!typed || state === null || sending?.last === state.last) return; // Enter pressed twice is one reading
+  const own = (sending = { last: state.last, typed });
   try {
-    await recorded(typed, how);
+    await recorded(own, how);
   } finally {
-    sending = "";
+    if (sending === own) sending = null;
   }
 }
 
-async function recorded(typed, how) {
+async function recorded({ last, typed }, how) {
   const meant = how.keep || how.vouch ? null : await understood(typed);
   if (meant?.sentence) {
     refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
     return;
   }
-  const done = await step("/readings", { text: typed, ...how });
+  const done = await step("/readings", { after: last, text: typed, ...how });
   if (done.ok) hear(done.document.sentence);
   else refuse(done.document);
 }
