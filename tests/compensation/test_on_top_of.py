@@ -19,7 +19,7 @@ from axiscal.cli.app import run
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import OldFile, read_old
-from axiscal.compensation.registry import IMPORTERS, export, loaded
+from axiscal.compensation.registry import CONTROLLERS, IMPORTERS, export, loaded
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
@@ -210,8 +210,9 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
     ]:
         with pytest.raises(TableError, match=message):
             exported("linuxcnc", file)
-    with pytest.raises(TableError, match="old compensation of isg cannot be read"):
-        exported("isg", OldFile("volcomp.csv", "X EXX"))
+    for text in ("X EXX\n0 hello\n", "X QQQ\n0 1\n", "kw.ssfk.unit one\n", ""):
+        with pytest.raises(TableError, match=r"volcomp\.csv.*(files that the kernel loads)"):
+            exported("isg", OldFile("volcomp.csv", text))
     for text, message in [("G28", "no M421, M425 or M852"), ("M421 I1 J1 Z0", "2 x 2 points has 1 values")]:
         with pytest.raises(TableError, match=message):
             exported("marlin", OldFile("x.gcode", text))
@@ -399,3 +400,39 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     (tmp_path / "README.txt").write_text("X")
     (tmp_path / "manifest-linuxcnc.json").write_text("{}")
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
+
+
+def test_every_control_that_is_written_for_is_read_as_well() -> None:
+    assert set(IMPORTERS) == set(CONTROLLERS)
+
+
+@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
+def test_isg_gets_old_and_new_together(controller: str) -> None:
+    """An old table of its own points, read as the kernel does: EXX and a squareness, and one that is not described."""
+    old = "// old\nC0Y\n2.0e-5\n#\nX EXX EZX\n0 0 0\n110 0.011 0.002\n300 0.030 -0.001\n"
+    plain, above = exported(controller), exported(controller, OldFile("volcomp.csv", old))
+    name = next(file for file in above.files if file.startswith("volcomp") and not file.endswith("lis"))
+    before, after = isg_of(plain.files[name]), isg_of(above.files[name])
+    at = np.linspace(0, 300, 31)
+    for error, values in (("EXX", [0, 0.011, 0.030]), ("EZX", [0, 0.002, -0.001])):
+        added = np.interp(at, *after[error]) - np.interp(at, *before[error])
+        assert added == pytest.approx(np.interp(at, [0, 110, 300], values), abs=1e-8)
+    assert after["C0Y"][1] == pytest.approx([2.0e-5])
+
+
+def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
+    """Return positions and values by error, of either form, by hand: mm and rad."""
+    if text.startswith("["):
+        blocks = re.findall(r"\[(\w+)\]\s*(?:VALUE = (\S+)|Gridpoints = \{([^}]*)\})", text)
+        rows = {
+            n: [[0.0, float(v)]] if v else [list(map(float, r.split())) for r in g.split("\n") if r]
+            for n, v, g in blocks
+        }
+        return {name: ([p for p, _ in table], [v for _, v in table]) for name, table in rows.items()}
+    found: dict[str, tuple[list[float], list[float]]] = {}
+    for block in re.sub(r"//.*", "", text).split("#"):
+        header, *lines = [line.split() for line in block.splitlines() if line.strip()]
+        table = [[float(word) for word in line] for line in lines]
+        for column, name in enumerate(header):
+            found[name] = ([row[0] for row in table], [row[column] for row in table])
+    return found

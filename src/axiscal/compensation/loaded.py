@@ -6,7 +6,7 @@ old correction plus the new one; the new one alone, loaded instead, would bring 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,6 +16,8 @@ from axiscal.compensation.lookup import Lookup, lookup_control
 from axiscal.compensation.skew import Skew, skew_control
 from axiscal.compensation.surface import Mesh, mesh_control, sum_of
 from axiscal.compensation.table import CompensationTable
+from axiscal.compensation.volumetric import SampledError, tip_control
+from axiscal.error_model.model import ErrorModel
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
@@ -27,17 +29,20 @@ _APART = 1e-9
 class Loaded:
     """An old compensation as its control understood it.
 
-    lookups : tables; meshes : height maps; skew : tangents by plane, as set
+    lookups : tables; meshes : height maps; skew : tangents by plane, as set; errors : by name, to a control that knows
+    the chain
     """
 
     lookups: tuple[Lookup, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     skew: Skew = field(default_factory=Skew)
+    errors: Mapping[str, SampledError] = field(default_factory=dict)
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""
         parts = [lookup_control(machine, self.lookups)]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
+        parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))
 
     def within(self) -> Loaded:

@@ -37,6 +37,8 @@ IMPORTERS = {
     "csv": "plain_csv",
     "fanuc": "fanuc.importing",
     "heidenhain": "heidenhain",
+    "isg": "isg.importing",
+    "isg-etalon": "isg.importing",
     "klipper": "klipper",
     "linuxcnc": "linuxcnc.importing",
     "marlin": "marlin",
@@ -61,9 +63,6 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
 
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the old files of a control did; raises TableError, ReadingError."""
-    if controller not in IMPORTERS:
-        what = f"old compensation of {controller} cannot be read"
-        raise TableError(what, "switch it off on the control and measure again, with compensation_active = false")
     load: Importer = import_module(f"{_ROOM}.{IMPORTERS[controller]}").load
     return load(options.old_files, machine, options)
 

@@ -20,6 +20,7 @@ from axiscal.compensation.controllers.isg.formats import (
     write_csv,
     write_etalon,
 )
+from axiscal.compensation.controllers.isg.importing import together
 from axiscal.compensation.effect import table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.lookup import lookup_control
@@ -68,8 +69,11 @@ def _draft(
     _refuse_names(found)
     if not found:
         raise TableError("there is no deviation that these files could hold", "take readings first")
-    found = anchored(estimate.model, found) | nominal(machine)
-    text, halves = write(found, machine), apart(estimate, options)
+    found = together(anchored(estimate.model, found), options.old.errors) | nominal(machine)
+    text, halves = (
+        write(found, machine),
+        options.old.within().under_tables(apart(estimate, options), machine, _RECORDS, even=True),
+    )
     lists = leadscrew_files(machine, halves, options)
     back = [one for text in lists.values() for one in leadscrew.read(text, machine)]
     held = sum_of(tip_control(estimate.model, read(text, machine)), lookup_control(machine, back))
