@@ -63,6 +63,12 @@ def plan(
         str | None,
         typer.Option(metavar="AXIS=PLACE", help='What goes clear before other axes move, and at the end: "Z=-5 mm".'),
     ] = None,
+    no_tcp: Annotated[
+        bool,
+        typer.Option(
+            "--no-tcp", help="Programs in touch for a control that cannot hold the tool point: short pieces, all axes."
+        ),
+    ] = False,
     compare: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
     ] = None,
@@ -112,7 +118,8 @@ def plan(
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if gcode is not None:
         dialect(gcode)
-    case = case_of(_driven(read_campaign(campaign, target_needed=False), clearance, order, feed, dwell))
+    driven = _driven(read_campaign(campaign, target_needed=False), clearance, order, feed, dwell)
+    case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     refuse_endless(case, limits, candidates)
     if prove:
@@ -183,6 +190,12 @@ def _driven(
     machine, setups = description.machine, description.setups
     driving = stated(setups[0].driving, machine, clearance, order, feed, dwell)
     return replace(description, setups=tuple(replace(setup, driving=driving) for setup in setups))
+
+
+def _without_tcp(description: CampaignDescription) -> CampaignDescription:
+    """Return the campaign with programs that do not ask the control to hold the tool point."""
+    setups = (replace(setup, driving=replace(setup.driving, tcp=False)) for setup in description.setups)
+    return replace(description, setups=tuple(setups))
 
 
 def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:

@@ -18,7 +18,7 @@ _SLOWEST = 1e-3 / 60
 
 def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
-    faults, driving = Faults(), Driving(dwell=table.dwell)
+    faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
     for key in ("clearance", "order", "feed"):
         with faults.noted():
             try:

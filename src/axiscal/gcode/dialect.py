@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar
@@ -81,6 +82,13 @@ class Dialect(ABC):
 
         feed : mm/min of the tool point, deg/min where it stays
         """
+
+    timed: ClassVar[tuple[str, str] | None] = ("G93", "G94")
+    """What makes F the number of moves a minute, and what ends that; None where the control has nothing of the kind."""
+
+    def timed_move(self, words: Words, seconds: float) -> str:
+        """Return a straight move of all axes in machine coordinates that takes so long."""
+        return re.sub(r" F\d+", f" F{60 / seconds:.4f}", self.move(words, 1), count=1)
 
     @abstractmethod
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:

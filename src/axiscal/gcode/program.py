@@ -17,14 +17,17 @@ from axiscal.gcode.in_touch import InTouch
 from axiscal.gcode.listing import Listed, listing
 from axiscal.gcode.plain_words import plain, program_name
 from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.segments import SAG, SegmentDriver
 from axiscal.gcode.steps import (
     Arrival,
     Clearance,
     Dwell,
+    Evenly,
     Glide,
     Halt,
     Hold,
     Move,
+    Pieces,
     Release,
     Remark,
     Step,
@@ -127,12 +130,22 @@ class _Writer:
         setup, slides = self._setup, SlideDriver(self._scales, self._groups, self._clearance)
         held = _turns(setup, self._machine)
         driver: Driver = slides
-        if held:
+        if held and not setup.driving.tcp:
+            self._refuse_untimed()
+            driver = SegmentDriver(self._machine, slides, self._scales, SAG * (setup.stroke or 1e-3), self._gentle)
+        elif held:
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
             driver = TipDriver(self._machine, slides, self._scales, step, self._gentle)
-        ways = Ways(self._machine, setup, chart, held and self._dialect.from_zero, self._inside(self._clearance))
+        from_zero = self._holds and self._dialect.from_zero
+        ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
+
+    def _refuse_untimed(self) -> None:
+        """Raise ProgramError where moves cannot be given their time."""
+        if self._dialect.timed is None:
+            what = f"{self._dialect.title} programs have no feed by time, so linear and rotary axes cannot go in step"
+            raise ProgramError(what, "Leave --no-tcp out: the control holds the tool point itself")
 
     @property
     def _gentle(self) -> int:
@@ -171,7 +184,7 @@ class _Writer:
     @property
     def _holds(self) -> bool:
         """Whether the control holds the tool point."""
-        return self._setup.contact == "held" and _turns(self._setup, self._machine)
+        return self._setup.contact == "held" and _turns(self._setup, self._machine) and self._setup.driving.tcp
 
     def _lines(self, step: Step) -> list[str]:
         match step:
@@ -184,6 +197,11 @@ class _Writer:
                 return self._dialect.tip_on(self._tool(), step.at)
             case Release():
                 return self._dialect.tip_off(step.at)
+            case Pieces():
+                on, off = self._dialect.timed or ("", "")
+                return [on if step.begin else off]
+            case Evenly():
+                return [self._dialect.timed_move(step.to, step.seconds)]
             case Dwell():
                 return self._dialect.dwell_s(step.seconds)
             case Halt():
@@ -205,7 +223,7 @@ class _Writer:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(places)
         for step in run:
-            if isinstance(step, Move | Glide | Dwell):
+            if isinstance(step, Move | Glide | Evenly | Dwell):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
                 yield self._row(step.target, asked[step.target.number], seconds)

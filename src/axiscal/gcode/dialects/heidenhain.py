@@ -22,6 +22,7 @@ class Heidenhain(Dialect):
     )
 
     from_zero = True
+    timed = None
     tip_needs = (
         "IN TOUCH - TOOL POINT ON THE WORKPIECE BY TCPM",
         "NEEDS THE PRESET AT THE MACHINE DATUM AND THE TOOL CALLED",
