@@ -8,7 +8,7 @@ from axiscal.cli.arguments import OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say
 from axiscal.cli.texts import accuracy_text, count_text, micrometres
-from axiscal.exceptions import AxiscalError
+from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.guide.answers import Value, Word, answer
 from axiscal.guide.expectation import BAND, SURPRISING
 from axiscal.guide.mounting import mount_sentence, mount_steps
@@ -84,6 +84,10 @@ class _Prompt:
         while done is None:
             try:
                 done = self._heed(answer(input(f"reading [{question.unit}] > "), question.setup), question)
+            except OvertakenError:
+                self.campaign.looked_at_again()
+                say("  Nothing was done: the record has moved on in the meantime, on a page or by another command.")
+                done = True
             except AxiscalError as failure:
                 say(f"  {failure}")
         return done

@@ -224,8 +224,9 @@ async function recorded({ last, typed }, how) {
     return;
   }
   const done = await step("/readings", { after: last, text: typed, ...how });
+  const lost = done.document.problem === "overtaken" ? `“${typed}” was not kept. ` : "";
   if (done.ok) hear(done.document.sentence);
-  else refuse(done.document);
+  else refuse({ ...done.document, sentence: lost + done.document.sentence });
 }
 
 function refuse(problem) {
