@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from axiscal.accuracy.expanded import expanded
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
@@ -150,7 +151,10 @@ def _visits(places: str, attack: Attack, scales: str, seed: int) -> Sequence[tup
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """ratio : of true to promised RMS; inside : share of the volume no farther off than U; word : the verdict"""
+    """ratio : of true to promised RMS, as the headline promises it; inside : share of the volume no farther off than U
+
+    word : the verdict
+    """
 
     ratio: float
     inside: float
@@ -183,6 +187,8 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     except ReadingError:
         return Outcome(np.nan, np.nan, "refused")
     known = ruled(concluded(stated, readings))
+    ruling, alone = ruling_of(known), expanded(known.banded.case.yardstick, known.banded.knowledge.belief)
+    promised = known.accuracy.rms * max(ruling.expanded.space / alone.space, 1.0)
     low, high = np.array(stated.description.target.volume).T
     where = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
     ways = np.where(np.arange(_POSES)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(where)
@@ -190,9 +196,8 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     left[:, column] += 1e-6 * attack.field(where, ways[:, 0], own)
     left -= left.mean(axis=0)
     size = np.linalg.norm(left, axis=1)
-    ruling = ruling_of(known)
     inside = float(np.mean(size <= ruling.expanded.space))
-    return Outcome(float(np.sqrt(np.mean(size**2))) / known.accuracy.rms, inside, ruling.verdict)
+    return Outcome(float(np.sqrt(np.mean(size**2))) / promised, inside, ruling.verdict)
 
 
 def attack_rows(machines: int) -> Iterator[str]:

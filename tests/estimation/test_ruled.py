@@ -47,6 +47,26 @@ def test_a_step_between_the_readings_is_within_what_is_promised_then() -> None:
     assert known.accuracy.rms > concluded(CASE, readings).accuracy.rms
 
 
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_step_is_not_hidden_by_refusing_the_reading_beside_it(seed: int) -> None:
+    """24 readings 40 mm apart, one side on each way: the robust estimate refuses one of them, the verdict does not."""
+    drawn = machine(seed)
+    stepped = [replace(r, value=r.value + 15e-6 * (r.pose[0] > 0.43)) for r in read(drawn, 24)]
+    model = concluded(CASE, stepped)
+    known = ruled(model)
+    assert ruling_of(known).verdict == "widened"
+    assert len(ruling_of(known).readings) == 24
+
+
+def test_one_slip_is_a_bad_reading_and_no_contradiction() -> None:
+    readings = read(machine(2), 40)
+    known = ruled(
+        concluded(CASE, [replace(readings[10], value=readings[10].value + 60e-6), *readings[:10], *readings[11:]])
+    )
+    assert ruling_of(known).verdict in ("holds", "unchecked")
+    assert len(ruling_of(known).readings) == 39
+
+
 def test_readings_of_the_model_itself_hold_where_they_could_have_said_otherwise() -> None:
     verdicts = [ruling_of(ruled(concluded(CASE, read(machine(seed), 60)))).verdict for seed in range(10)]
     assert verdicts.count("holds") >= 8

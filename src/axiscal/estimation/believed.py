@@ -18,6 +18,13 @@ def with_sides(estimation: Estimation) -> list[Reading]:
     return [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
 
 
+def plausible_with_sides(estimation: Estimation) -> list[Reading]:
+    """Return the same with those that others contradict: a step contradicts a reading as a slip does."""
+    impossible = {doubt.reading for doubt in estimation.outliers if doubt.implausible}
+    kept = [reading for index, reading in enumerate(estimation.readings) if index not in impossible]
+    return [reading for reading in kept if _side_known(reading, estimation.stated)]
+
+
 def _side_known(reading: Reading, case: Case) -> bool:
     """Whether what a reading repeats is not another side of a reversal."""
     moves = case.description.setup(reading.setup).moves

@@ -18,7 +18,7 @@ import numpy as np
 from axiscal.accuracy.expanded import Expanded, expanded
 from axiscal.belief import Belief
 from axiscal.estimation.bands import Banded
-from axiscal.estimation.believed import with_sides
+from axiscal.estimation.believed import plausible_with_sides, with_sides
 from axiscal.estimation.checks import checked
 from axiscal.estimation.defence import Defence, defended
 from axiscal.estimation.estimation import Estimation
@@ -26,8 +26,10 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
 from axiscal.inference.averaging import Average, average
 from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
+from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import drawn
 from axiscal.inference.terms import evidence_of
+from axiscal.inference.widening import posterior
 from axiscal.measurement.departures import departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -37,6 +39,8 @@ GROSS = 5.0
 """So many times as much as the model says: no band of it means anything."""
 _VOUCHED = 1.25
 """A promise that the readings can vouch for within so much of itself is checked."""
+_A_SLIP = 0.9
+"""Share of what explains the readings from which one that others contradict is a bad reading and nothing else."""
 _BELIEVED, _TELLING = 0.5, 5
 """No explanation is believed by half, and there are readings enough to tell a factor on the variance."""
 
@@ -51,21 +55,50 @@ def ruling_of(known: Estimation) -> Ruling:
 @one_thread()
 def ruled(known: Estimation) -> Estimation:
     """Return what is known with the verdict, and where that is `widened` with means and bands of the mixture."""
-    readings, defence = with_sides(known), defended(known)
+    readings: Sequence[Reading] = with_sides(known)
+    defence = defended(known)
     if len(readings) < FEWEST:
         comparison = Comparison((), 1.0, 1.0)
         return replace(known, ruling=Ruling("unchecked", comparison, _expanded(known.banded), defence.u_def))
-    comparison = compared(known.case.observation, readings, known.case.inherited)
+    readings, comparison = _compared(known, readings)
     mixture = _average(known, readings)
     verdict = _verdict(known, comparison, defence)
     factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
-    wide = _mixed(known, mixture, verdict, factor)
+    moved = mixture.moved + _brought_back(known, readings) if verdict == "widened" else None
+    wide = _mixed(known, mixture, moved, factor)
     own = _expanded(known.banded)
     figures, checks = _larger(own, _expanded(wide)), checked(known.case, readings, own.space)
-    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor, checks)
+    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor, checks, tuple(readings))
     if verdict != "widened":
         return replace(known, ruling=ruling)
     return replace(known, ruling=ruling, banded=wide, accuracy=wide.case.yardstick.measure(wide.knowledge.belief))
+
+
+def _compared(known: Estimation, trusted: Sequence[Reading]) -> tuple[Sequence[Reading], Comparison]:
+    """Return which readings count, and how departures explain them.
+
+    A reading that others contradict is left out only where it is a bad reading by nine to one: a step, or a detail that
+    readings nearby have missed, contradicts it as well, and would be hidden by leaving it out.
+    """
+    observation, prior, every = known.case.observation, known.case.inherited, plausible_with_sides(known)
+    if len(every) > len(trusted):
+        found = compared(observation, drawn(every, MOST), prior)
+        whole = sum(each.odds for each in found.explanations)
+        bad = sum(each.odds for each in found.explanations if each.family == "bad")
+        if found.contradicted and bad < _A_SLIP * whole:
+            return drawn(every, MOST), found
+    chosen = drawn(trusted, MOST)
+    return chosen, compared(observation, chosen, prior)
+
+
+def _brought_back(known: Estimation, readings: Sequence[Reading]) -> Array | float:
+    """Return by how much readings that were left out move the model's mean of errors and unknowns."""
+    trusted = with_sides(known)
+    if len(readings) <= len(trusted):
+        return 0.0
+    observation, prior = known.case.observation, known.case.inherited
+    every, fewer = (Evidence(observation, drawn(each, MOST), (), prior) for each in (readings, trusted))
+    return posterior(every, np.zeros(0)).mean - posterior(fewer, np.zeros(0)).mean
 
 
 def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> VerdictWord:
@@ -82,12 +115,15 @@ def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
     return average(evidence, list(departures(observation, drawn(readings, MOST))), terms)
 
 
-def _mixed(known: Estimation, mixture: Average, verdict: VerdictWord, factor: float) -> Banded:
-    """Return case and knowledge with the moments of the mixture; its mean where the model's is not believed."""
+def _mixed(known: Estimation, mixture: Average, moved: Array | None, factor: float) -> Banded:
+    """Return case and knowledge with the moments of the mixture.
+
+    moved : from the model's mean of errors and unknowns to the mixture's; None where the model's is believed
+    """
     case = known.banded.case
     rests = {f.name: float(np.hypot(f.rest, np.sqrt(mixture.rests.get(f.name, 0.0)))) for f in case.errors.terms}
     wider = case.with_rests(rests)
-    moved, added = (mixture.moved, mixture.about_mixture) if verdict == "widened" else (None, mixture.about_model)
+    added = mixture.about_model if moved is None else mixture.about_mixture
     observation = replace(known.banded.knowledge.observation, errors=wider.errors)
     return Banded(wider, Knowledge(observation, _belief(known.knowledge.belief, moved, added, factor)))
 

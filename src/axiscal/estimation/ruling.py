@@ -8,6 +8,7 @@ from typing import Literal
 from axiscal.accuracy.expanded import Expanded
 from axiscal.estimation.checks import Checks
 from axiscal.inference.contradiction import Comparison
+from axiscal.measurement.reading import Reading
 
 VerdictWord = Literal["holds", "widened", "contradicted", "unchecked"]
 
@@ -25,6 +26,7 @@ class Ruling:
     vouched : U_def, what the readings can vouch for, standard uncertainty, m
     model : the share of the belief that the model as it is holds, other scales among it, 0 to 1
     inflated : the factor on the variances of the last resort (Birge), 1 where it is not needed
+    readings : those that were compared; one that others contradict is among them where a shape explains that as well
     checks : what readings say that were predicted before they were used, None where there were too few
     """
 
@@ -35,6 +37,7 @@ class Ruling:
     model: float = 1.0
     inflated: float = 1.0
     checks: Checks | None = None
+    readings: tuple[Reading, ...] = ()
 
     @property
     def promises(self) -> bool:

@@ -119,10 +119,11 @@ def compared(
     unit = float(np.sqrt(np.median(fitted.noise)))
     y, parts = solution(lower, fitted.values), whitened(lower, possible)
     ends = np.flatnonzero(np.diff(fitted.reading, append=-1) != 0)
-    shares = _shares(possible)
-    ratios = _ratios(parts, y, unit, ends)
-    along = ratios @ shares
-    found = _explained(possible, parts, y, unit, shares * ratios[-1])
+    logs = _log_ratios(parts, y, unit, ends) + np.log(_shares(possible))
+    highest = logs.max(axis=1)
+    along = np.exp(np.minimum(highest + np.log(np.sum(np.exp(logs - highest[:, None]), axis=1)), _MOST_LOG))
+    odds = np.exp(logs[-1] - max(float(highest[-1]) - _MOST_LOG, 0.0))  # beside each other right, however sure
+    found = _explained(possible, parts, y, unit, odds)
     few = drawn(chosen, _FEW)
     others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
     fits = _fit_of(parts, y)
@@ -181,20 +182,20 @@ def _shares(possible: Sequence[Departure]) -> Array:
     return np.array([PRIOR[each.family] / counts[each.family] / MODEL for each in possible])
 
 
-def _ratios(parts: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Array:
-    """Return p(y | h)/p(y | model) of each departure after each reading, averaged over sizes, (n, h).
+def _log_ratios(parts: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Array:
+    """Return log p(y | h)/p(y | model) of each departure after each reading, averaged over sizes, (n, h).
 
     parts : (m, h, 2) whitened b; y : (m,) whitened; M and u are sums over the readings so far
     """
     one, other = parts[:, :, 0], parts[:, :, 1]
     own, across, others = (np.cumsum(product, axis=0)[ends] for product in (one * one, one * other, other * other))
     pull, second = (np.cumsum(part * y[:, None], axis=0)[ends] for part in (one, other))
-    ratio = np.zeros_like(own)
+    ratio = np.full_like(own, -np.inf)
     for size, weight in zip(unit * SIZES, SIZE_WEIGHTS, strict=True):
         a, b, c = 1 + size**2 * own, 1 + size**2 * others, size**2 * across
         determinant = a * b - c * c
         gained = size**2 * (b * pull**2 - 2 * c * pull * second + a * second**2) / determinant
-        ratio += weight * np.exp(np.minimum(0.5 * gained, _MOST_LOG)) / np.sqrt(determinant)
+        ratio = np.logaddexp(ratio, np.log(weight) + 0.5 * (gained - np.log(determinant)))
     return ratio
 
 

@@ -37,17 +37,17 @@ class Widening:
     size: float
 
 
-class _Posterior(NamedTuple):
+class Posterior(NamedTuple):
     mean: Array
     covariance: Array
 
 
 def widening(evidence: Evidence, mixture: Mixture, rests: Mapping[str, float]) -> Widening:
     """Return what the mixture adds.  rests : as in `Widening`"""
-    mode = _posterior(evidence, mixture.logs[0])
+    mode = posterior(evidence, mixture.logs[0])
     whole = np.zeros_like(mode.covariance)
     for logs, weight in mixture.parts():
-        each = _posterior(evidence, logs)
+        each = posterior(evidence, logs)
         moved = each.mean - mode.mean
         whole += weight * (each.covariance + np.outer(moved, moved))
     return Widening(positive_root(whole - mode.covariance, np.diag(whole)), rests, mixture.size)
@@ -59,8 +59,9 @@ def mean_squares(mixture: Mixture, scales: Sequence[Scale], kind: Kind) -> dict[
     return {scale.owner: scale.stated * float(np.sqrt(mixture.mean_square(index))) for index, scale in mine}
 
 
-def _posterior(evidence: Evidence, logs: Array) -> _Posterior:
+def posterior(evidence: Evidence, logs: Array) -> Posterior:
+    """Return what readings make of errors and set-ups' unknowns at some scales."""
     prior, rows = evidence.prior(logs), evidence.rows
     lower = lower_root(evidence.covariance(logs))
     half = solution(lower, rows @ prior)
-    return _Posterior(half.T @ solution(lower, evidence.values), prior - half.T @ half)
+    return Posterior(half.T @ solution(lower, evidence.values), prior - half.T @ half)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from axiscal.error_model.iso230 import words
-from axiscal.estimation.believed import with_sides
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruling_of
 from axiscal.inference.contradiction import SURE, Comparison, Explanation
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.report.curves import value_unit
@@ -62,7 +62,7 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     unit = reading_unit(setup)
     size = f"{abs(to_unit(each.size, unit)):.2g} ± {2 * to_unit(each.std, unit):.2g} {unit}"
     if each.family == "bad":
-        index = estimation.readings.index(with_sides(estimation)[int(each.place)])
+        index = estimation.readings.index(ruling_of(estimation).readings[int(each.place)])
         return f"{estimation.name_of(index)} seems to be wrong by {size}", "take it again"
     again = f'state drift = "{abs(to_unit(each.size, unit)):.2g} {unit}/h" in the set-up, or measure when it is warm'
     how = f"by {size} in an hour" if each.family == "drift" else f"and level off after {size}"
