@@ -150,3 +150,11 @@ def test_a_set_up_that_moves_several_axes_goes_a_short_way() -> None:
     places = task.lattice.within(np.arange(0, len(task.lattice), 15))
     order = in_order(task, places)
     assert order.same_as(places)
+
+
+def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
+    task = levered(300)
+    places = task.lattice.within(np.arange(0, 100, 15))
+    order = in_order(task, Places.joined([places, places.at(2)]))
+    assert np.array_equal(order.poses[-1], places.poses[2])
+    assert order.same_as(Places.joined([places, places.at(2)]))

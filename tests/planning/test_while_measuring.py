@@ -97,7 +97,7 @@ def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start)
     known = campaign.known().accuracy.rms
     asked = question(campaign)
     campaign.record(source.read(campaign.request(asked)).value + OFF)
-    assert campaign.known().accuracy.rms == pytest.approx(known, rel=1e-5)  # how far the others are believed moves
+    assert campaign.known().accuracy.rms == pytest.approx(known, rel=1e-4)  # how far others are believed moves
     left = len(campaign.state.plan)
     question(campaign)
     assert [plan.basis for plan in plans(campaign)] == ["", "13 rejected"]

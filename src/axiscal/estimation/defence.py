@@ -27,6 +27,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
+from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
 
 COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump"})
@@ -179,10 +180,15 @@ class EffectMap:
 
 def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
     """Return V φ (w, r), φ as far as splines follow it, and the mean square over the volume of what they do not, m²."""
-    function = yardstick.errors.functions[departure.function or 0]
+    return _field(yardstick, departure.family, departure.place, departure.function or 0)
+
+
+@remembered
+def _field(yardstick: Yardstick, family: Family, place: float, index: int) -> tuple[Array, float]:
+    function = yardstick.errors.functions[index]
     axis, (low, high) = yardstick.errors.machine.axes[function.axis], yardstick.box[function.axis]
     at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
-    values, rows = shape(departure.family, departure.place, function, axis, at), function.basis.rows(at)
+    values, rows = shape(family, place, function, axis, at), function.basis.rows(at)
     followed = np.linalg.lstsq(rows, values, rcond=None)[0]
     lever = yardstick.moments.gram[function.columns, function.columns].sum()
     beside = float(lever * np.sum(np.mean((values - rows @ followed) ** 2, axis=0)))

@@ -6,7 +6,7 @@ of all of them, and of the two plain ones, the one whose readings, taken when th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,13 +16,15 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.exchange import Allowed, exchange
 from axiscal.design.plan.greedy import Trial, affordable
-from axiscal.design.plan.order import in_order, seconds_each, seconds_of
+from axiscal.design.plan.order import in_order, seconds_each
+from axiscal.design.plan.out_and_back import returns
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.task import Clock, Limits, Task
 from axiscal.design.plan.watch import Watch, retimed, watch
 from axiscal.estimation.defence import Defence, EffectMap, vouched
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 
 
 class _How(NamedTuple):
@@ -37,6 +39,10 @@ _ROUGHLY = _How(2, 3, 0.02)
 """p = 4: nearly the largest of promise and damages counts, and the search sees which of them come next."""
 _CLOSELY = _How(4, 4, 0.001)
 """p = 16: the largest of them counts."""
+_MANY = 120
+"""Unknowns beyond which only the plan that is the best for its model is exchanged, of time."""
+_FEW = 5
+"""Of fewer readings none is given up to watch a drift."""
 
 
 def guardable(task: Task, limits: Limits, scores: Scores) -> bool:
@@ -47,20 +53,35 @@ def guardable(task: Task, limits: Limits, scores: Scores) -> bool:
 def guarded(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Return a plan with as many readings of each set-up that can vouch for most."""
     search = _Guarding(task, trial, affordable(times, trial.setups, limits.slack))
-    tried = search.plain()
-    tried += [search.exchanged(places, search.watched, _ROUGHLY) for places in tried]
-    order = in_order(task, _best(task, limits, tried))
-    later = retimed(search.watched, order, np.cumsum(seconds_each(task, order)))
-    tried.append(search.exchanged(order, later, _CLOSELY))
-    return replace(trial, scores=search.scored(_best(task, limits, tried)))
+    tried = [_tried(task, places) for places in search.plain()]
+    starts = tried if task.observation.size <= _MANY else tried[:1]
+    tried += [_tried(task, search.exchanged(each.order, search.watched, _ROUGHLY)) for each in starts]
+    best = _best(limits, tried)
+    later = retimed(search.watched, best.order, best.ends)
+    tried.append(_tried(task, search.exchanged(best.order, later, _CLOSELY)))
+    best = _best(limits, tried)
+    closed = [_tried(task, places) for places in search.closed(best.order)]
+    return replace(trial, scores=search.scored(_best(limits, [*tried[:1], best, *closed]).order))
 
 
-def _best(task: Task, limits: Limits, tried: Sequence[Places]) -> Places:
+class _Tried(NamedTuple):
+    """Readings in their order.  ends : (m,) when each ends, s; vouched : what they can vouch for, m"""
+
+    order: Places
+    ends: Array
+    vouched: float
+
+
+def _tried(task: Task, places: Places) -> _Tried:
+    order = in_order(task, places)
+    ends = np.cumsum(seconds_each(task, order))
+    return _Tried(order, ends, vouched_along(task, order, ends).u_def)
+
+
+def _best(limits: Limits, tried: Sequence[_Tried]) -> _Tried:
     """Return the readings that vouch for most; the first of them are within the limits, others may take too long."""
-    most = np.inf if limits.budget is None else max(limits.budget, seconds_of(task, tried[0]))
-    return min(
-        (each for each in tried if seconds_of(task, each) <= most), key=lambda each: vouched_for(task, each).u_def
-    )
+    most = np.inf if limits.budget is None else max(limits.budget, float(tried[0].ends[-1]))
+    return min((each for each in tried if each.ends[-1] <= most), key=lambda each: each.vouched)
 
 
 class _Guarding:
@@ -84,6 +105,20 @@ class _Guarding:
         exchange(scores, self._allowed, how.sweeps, how.better)
         return scores.places
 
+    def closed(self, order: Places) -> Iterator[Places]:
+        """Yield the readings with one of a set-up of several axes given up for its first one once more, at its end.
+
+        So for each of them, and for all; on a way out and back the search finds such readings by itself.
+        """
+        losses, closed, every = self.scored(order).losses(), order, 0
+        for setup, mine in order.by_setup():
+            if not returns(self._task.observation.setups[setup]) and len(mine) > _FEW:
+                least = int(mine[1:][losses[mine[1:]].argmin()])
+                yield order.exchanged(least, order.at(int(mine[0])))
+                closed, every = closed.exchanged(least, order.at(int(mine[0]))), every + 1
+        if every > 1:
+            yield closed
+
     def scored(self, places: Places) -> Scores:
         """Return plain scores of readings, which count the promise alone."""
         scores = Scores(self._trial.scores.pool, self._task.state)
@@ -95,7 +130,12 @@ class _Guarding:
 def vouched_for(task: Task, places: Places) -> Defence:
     """Return what readings can vouch for, each taken when the way through all of them takes it."""
     order = in_order(task, places)
-    state, ends = task.state.opened(order), np.cumsum(seconds_each(task, order))
+    return vouched_along(task, order, np.cumsum(seconds_each(task, order)))
+
+
+def vouched_along(task: Task, order: Places, ends: Array) -> Defence:
+    """Return what readings in this order can vouch for.  ends : (m,) when each ends, s"""
+    state = task.state.opened(order)
     rows, variances, owner = state.rows(order)
     others = np.bincount(owner) - 1
     setups, columns = task.observation.setups, (order.setups, order.poses, order.approaches, ends, others)

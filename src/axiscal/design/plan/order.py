@@ -73,7 +73,7 @@ def in_order(task: Task, places: Places) -> Places:
 
 def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: dict[int, Covariance]) -> int:
     """Return the set-up that takes J down fastest per second.  after : the state with the readings of each"""
-    return max(groups, key=lambda setup: (state.value - after[setup].value) / seconds_of(task, groups[setup]))
+    return max(groups, key=lambda setup: (state.value - after[setup].value) / seconds_along(task, groups[setup]))
 
 
 def _by_setup(task: Task, places: Places) -> Places:
@@ -97,7 +97,19 @@ def _on_a_short_way(task: Task, places: Places) -> Places:
         first = way_seconds(machine, setup, here, places.poses, approaches)
     if returns(setup):
         return out_and_back(machine, setup, places, approaches, here)
-    return places.within(np.array(route(travel_table(machine, setup, places.poses, approaches), first), dtype=np.intp))
+    once, again = _repeats(places)
+    table = travel_table(machine, setup, places.poses[once], approaches[once])
+    short = once[np.array(route(table, None if first is None else first[once]), dtype=np.intp)]
+    return places.within(np.concatenate([short, again]))
+
+
+def _repeats(places: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first readings of all places, and those of a place once more: these come last, to show a drift."""
+    seen, first = set[tuple[float, ...]](), []
+    for row in np.column_stack([places.poses, places.approaches]).tolist():
+        first.append(tuple(row) not in seen)
+        seen.add(tuple(row))
+    return np.flatnonzero(first), np.flatnonzero(~np.array(first))
 
 
 def arriving(task: Task, order: Places) -> Array:

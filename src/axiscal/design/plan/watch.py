@@ -27,6 +27,8 @@ from axiscal.numerics import Array
 
 _WAY = 3600.0
 """s: the departures of the drift are asked for on a way of an hour, of which only the shape counts."""
+_WATCHED = 120
+"""Departures that a search keeps up to date, of time: their places are thinned, and what is printed counts them all."""
 _PARTS = 1000
 """Where no side is asked for, every other thousandth of the travel is read on the way back."""
 
@@ -127,7 +129,7 @@ def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Wa
     observation : of set-ups that read one number each; lattice : the candidates
     """
     times = _evenly(observation)
-    found = [each for each in _departures(observation, lattice, times) if each.family in COUNTED]
+    found = _thinned([each for each in _departures(observation, lattice, times) if each.family in COUNTED])
     found = sorted(found, key=lambda each: each.columns.shape[1])
     fields = [
         (np.zeros((len(yardstick.root.matrix), 1)), 0.0) if each.function is None else field(yardstick, each)
@@ -144,6 +146,18 @@ def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Wa
         np.array([1.0 / groups.count(group) for group in groups]),
         times,
     )
+
+
+def _thinned(found: Sequence[Departure]) -> list[Departure]:
+    """Return departures of all families and owners, of no more places than there is time to watch."""
+    groups: dict[tuple[str, str], list[Departure]] = {}
+    for each in found:
+        groups.setdefault((each.family, each.owner), []).append(each)
+    most, kept = max(_WATCHED // max(len(groups), 1), 1), list[Departure]()
+    for members in groups.values():
+        chosen = np.linspace(0, len(members) - 1, min(most, len(members)) + 2).round().astype(int)
+        kept += members if len(members) <= most else [members[index] for index in chosen[1:-1]]
+    return kept
 
 
 def _departures(observation: Observation, lattice: Places, times: Times) -> Sequence[Departure]:

@@ -1,0 +1,46 @@
+"""A drift over a planned campaign of one axis is found or counted, whatever the estimate makes of it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.design.plan.plan import make_plan
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.defence import defended
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.ruled import ruled
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+from tests.design.test_out_and_back import minutes, one_axis
+
+
+@cache
+def guarded_plan() -> Places:
+    """Return twenty places that vouch for what they promise."""
+    return make_plan(one_axis()[1], Limits(readings=20), bounded=False, guard=True).places
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_ten_micrometres_of_drift_are_found_or_counted(seed: int) -> None:
+    case, task = one_axis()
+    places = guarded_plan()
+    truth = Simulator(case.description.machine, case.description.setups).drawn(seed)
+    rng, setup, times = np.random.default_rng(seed), case.description.setups[0], minutes(task, places)
+    readings = []
+    for pose, side, time in zip(places.poses.tolist(), places.approaches.astype(int).tolist(), times, strict=True):
+        drifted = 10e-6 * (time - times[0]) / np.ptp(times)
+        value = truth.read(setup, tuple(pose), tuple(side), rng) + drifted
+        readings.append(Reading("laser", tuple(pose), tuple(side), value, time=float(time)))
+    known = ruled(concluded(case, readings))
+    function, at = case.errors.functions[0], np.linspace(0.0, 1.0, 401)
+    mean, _ = known.estimate().curve(function.name, at)
+    missed = truth.curves[0](at) - mean
+    left = float(np.std(missed))
+    assert known.ruling is not None
+    assert known.ruling.verdict != "holds"
+    assert left < 2 * max(known.accuracy.rms, defended(known).u_def)
+    assert left < 3e-6
