@@ -20,6 +20,9 @@ from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.poses import read_poses
 from axiscal.measurement.readers.truth_curves import read_truth
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Created, Event, Recorded, Stored
+from axiscal.record.store import content_of
 from tests.generators.texts import machine_text
 from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
 from tests.measurement.test_level_survey import SURVEY
@@ -60,6 +63,15 @@ def _kind(name: str, text: str, read: Callable[[Path], object]) -> Kind:
     return Kind(name, text.encode(), read)
 
 
+def _record() -> bytes:
+    """Return the file of a record with two readings."""
+    created = Created(MACHINE, CAMPAIGN, "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
+    readings = [Recorded(Reading("along x", (0.1 * n, 0.1), (1, 0), 1e-6 * n)) for n in (1, 2)]
+    happened: list[Event] = [created, *readings]
+    events = [Stored(n, "2026-01-01T00:00:00.000+00:00", event) for n, event in enumerate(happened, 1)]
+    return content_of(events)[0]
+
+
 def _recorded(path: Path) -> None:
     Campaign.open(path, write=False).close()
 
@@ -76,7 +88,7 @@ KINDS = (
     _kind("printer.cfg", MESH, read_any),
     _kind("own.csv", OWN, read_any),
     _kind("survey.txt", SURVEY, read_any),
-    _kind("mill.axiscal", CAMPAIGN, _recorded),
+    Kind("mill.axiscal", _record(), _recorded),
 )
 
 

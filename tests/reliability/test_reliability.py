@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability import bad_files, changed, power_loss, record_faults, set_faults, writers
+from tests.reliability import bad_files, changed, fuzz, power_loss, record_faults, set_faults, writers
 from tests.reliability.trial import Trial
 
 
@@ -62,6 +62,11 @@ def test_eight_processes_at_once_lose_and_double_nothing() -> None:
 
 def test_the_corpus_is_as_large_as_is_said() -> None:
     assert len(list(bad_files.corpus())) >= 300
+
+
+@pytest.mark.parametrize("kind", bad_files.KINDS, ids=lambda kind: kind.name)
+def test_a_file_changed_at_random_is_an_error_of_ours_or_still_good(kind: bad_files.Kind) -> None:
+    fuzz.fuzzed(kind, 25)
 
 
 @pytest.mark.parametrize("kind", bad_files.KINDS, ids=lambda kind: kind.name)
