@@ -105,8 +105,11 @@ class RunningControl:
 
     def _still(self) -> bool:
         before = self.pins("pos-cmd"), self.sent()  # a correction over another axis comes at a limited speed
-        time.sleep(0.003)  # three servo cycles: "in position" may come a cycle early
-        return (self.pins("pos-cmd"), self.sent()) == before
+        for _ in range(4):  # on a busy computer without real time the next servo cycle may be late
+            time.sleep(0.003)  # three servo cycles: "in position" may come a cycle early
+            if (self.pins("pos-cmd"), self.sent()) != before:
+                return False
+        return True
 
     def _settled(self) -> bool:
         self.stat.poll()
