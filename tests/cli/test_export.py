@@ -20,7 +20,7 @@ MACHINE = machine_text(
     tool=50,
     name="Bench",
 )
-CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 9\n' + "".join(
+CAMPAIGN = 'machine = "machine.toml"\n[target]\nreadings = 15\n' + "".join(
     f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nunknowns = {{}}\n' + reach_of(MACHINE)
     for d in "xyz"
 )
