@@ -47,7 +47,9 @@ def application(counter: Counter, admitted: Admission) -> Guard:
         Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
         *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
     ]
-    app = Starlette(routes=routes, exception_handlers={HTTPException: _not_here}, lifespan=_watching(counter))
+    app = Starlette(
+        routes=routes, exception_handlers={HTTPException: _not_here, Exception: _defect}, lifespan=_watching(counter)
+    )
     app.router.redirect_slashes = False
     return Guard(app, admitted)
 
@@ -137,6 +139,12 @@ async def _not_here(request: Request, failure: Exception) -> Response:
     status = failure.status_code if isinstance(failure, HTTPException) else 500
     code, said = ("method", "This cannot be done here") if status == 405 else ("missing", "There is nothing here")
     return problem(status, code, said)
+
+
+async def _defect(request: Request, failure: Exception) -> Response:
+    kind = type(failure).__name__
+    said = f"A defect in axiscal: {kind}: {failure}. What is on the disk is kept; look at the last readings"
+    return problem(500, "defect", said)
 
 
 def _watching(counter: Counter) -> Callable[[Starlette], AbstractAsyncContextManager[None]]:

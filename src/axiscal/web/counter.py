@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Self, TypeVar
@@ -64,7 +65,7 @@ class Counter:
     async def watch(self) -> None:
         """Look at the record again and again, for what others write."""
         self._loop = asyncio.get_running_loop()
-        await self._run(Desk.think)
+        self._later(Desk.think)
         while True:
             await asyncio.sleep(LOOKS)
             await self._run(Desk.look)
@@ -96,7 +97,7 @@ class Counter:
         return await asyncio.get_running_loop().run_in_executor(self._thread, partial(_held, step, self._desk))
 
     def _later(self, step: Callable[[Desk], None]) -> None:
-        self._thread.submit(_held, step, self._desk)
+        self._thread.submit(_held, step, self._desk).add_done_callback(_told)
 
     def _publish(self, state: StateShape) -> None:
         """Take a new state from the campaign's thread."""
@@ -108,6 +109,13 @@ class Counter:
     def _take(self, state: StateShape) -> None:
         news, self._news, self.state = self._news, asyncio.Event(), state
         news.set()
+
+
+def _told(done: Future[None]) -> None:
+    """Say on stderr what went wrong where nobody waits for an answer."""
+    failure = done.exception()
+    if failure is not None:
+        logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
 
 @one_thread()

@@ -219,7 +219,8 @@ class DoneShape(Shape):
 class ProblemShape(Shape):
     """A step that was not done: a code for programs, a sentence for people.
 
-    problem : "overtaken", "surprising", "refused", "malformed", "forbidden", "host", "missing", "method", "large"
+    problem : "overtaken", "surprising", "refused", "malformed", "forbidden", "host", "missing", "method", "large",
+        "defect"
     """
 
     problem: str
