@@ -11,6 +11,7 @@ import numpy as np
 from axiscal.accuracy.criterion import Root, joint_root
 from axiscal.belief import Belief
 from axiscal.description.target import Target
+from axiscal.design.plan.order import in_order
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
 from axiscal.design.plan.task import Limits, Task
@@ -25,6 +26,7 @@ from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
+from axiscal.planning.plane_start import plane_start
 from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
@@ -45,6 +47,8 @@ def planned_places(
     limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
     if not len(task.lattice):
         return ()
+    if begin := _first(case, task, readings, gaps):
+        return begin
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
@@ -52,6 +56,15 @@ def planned_places(
     if not len(coming):
         coming = _begun(task, limits, patience)
     return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
+
+
+def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[Gap]) -> tuple[Place, ...]:
+    """Return the readings with which a plane begins whose scales are to be learnt, where they can be read."""
+    start = plane_start(case, readings)
+    if not len(start):
+        return ()
+    places = _with_room(case, in_order(task, start))
+    return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
 def _begun(task: Task, limits: Limits, patience: float) -> Places:

@@ -1,0 +1,91 @@
+"""Nine readings come first where a plane's size is to be learnt, on the raster, each once, gaps apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
+from axiscal.measurement.reading import Reading
+from axiscal.planning.plane_start import plane_start
+from axiscal.planning.planner import next_places
+from axiscal.record.events import Asked, Gap
+
+MACHINE = """
+chain = "w-Y'-b-X-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[errors]
+EZX = { std = "60 um", knots = 5, length = "150 mm" }
+EZY = { std = "60 um", knots = 5, length = "100 mm" }
+"""
+PLANE = 'EZXY = { std = "40 um", knots = 5, length = ["150 mm", "100 mm"], rest = "2 um" }\n'
+CAMPAIGN = """
+machine = "machine.toml"
+scales = "estimate"
+[target]
+readings = 14
+[[setups]]
+name = "bed"
+instrument = "probe"
+direction = "z"
+moves = ["X", "Y"]
+reach = { X = ["0 mm", "300 mm"], Y = ["0 mm", "200 mm"] }
+noise = "2 um"
+raster = { X = "20 mm", Y = "20 mm" }
+"""
+ALONE = CAMPAIGN.replace('moves = ["X", "Y"]', 'moves = ["X"]')
+ALONE = ALONE.replace(', Y = ["0 mm", "200 mm"]', "").replace(', Y = "20 mm"', "")
+
+
+def _case(campaign: str = CAMPAIGN, machine: str = MACHINE + PLANE) -> Case:
+    return Case(campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml"))
+
+
+def test_nine_places_on_the_raster_come_first_and_then_the_plan() -> None:
+    known = estimated(_case(), ())
+    places = next_places(known.case, known.knowledge, ())
+    poses = np.array([place.pose for place in places])
+    assert len(places) == 9
+    assert {round(1e3 * y) for y in poses[:, 0]} == {0, 100, 200}
+    assert {round(1e3 * x) for x in poses[:, 1]} == {0, 160, 300}
+    readings = [Reading(p.setup, p.pose, p.approach, 1e-5 * i) for i, p in enumerate(places)]
+    left = plane_start(_case(), readings[:4])
+    assert len(left) == 5
+    known = estimated(_case(), readings)
+    assert len(next_places(known.case, known.knowledge, known.readings, known.outliers)) == 5
+
+
+def test_a_place_that_cannot_be_read_is_left_out() -> None:
+    known = estimated(_case(), ())
+    places = next_places(known.case, known.knowledge, ())
+    gaps = (Gap(Asked(0, places[2]), "the clamp is there"),)
+    again = next_places(known.case, known.knowledge, (), (), gaps)
+    assert {place.pose for place in again} == {place.pose for place in places} - {places[2].pose}
+
+
+@pytest.mark.parametrize(
+    ("campaign", "machine"),
+    [
+        (CAMPAIGN.replace('"estimate"', '"stated"'), MACHINE + PLANE),
+        (CAMPAIGN, MACHINE),
+        (CAMPAIGN.replace("readings = 14", "readings = 8"), MACHINE + PLANE),
+        (ALONE, MACHINE + PLANE),
+        (CAMPAIGN.replace('direction = "z"', 'direction = "x"'), MACHINE + PLANE),
+    ],
+    ids=["scales as stated", "no plane", "few readings", "one axis", "not seen"],
+)
+def test_else_the_plan_comes_at_once(campaign: str, machine: str) -> None:
+    assert len(plane_start(_case(campaign, machine), ())) == 0
+
+
+def test_of_several_set_ups_none_begins_so() -> None:
+    case = _case()
+    two = replace(case.description, setups=(*case.description.setups, replace(case.description.setups[0], name="more")))
+    assert len(plane_start(Case(two), ())) == 0
