@@ -28,6 +28,8 @@ from axiscal.numerics import Array
 
 _SMALLEST = 1e-300
 """No division by nought."""
+_HOPELESS = 1e200
+"""Of a power, so that sums of many stay below the largest float; a curve of millimetres went beyond it."""
 
 
 class Standing(NamedTuple):
@@ -201,7 +203,8 @@ class DefendedScores(Scores):
         return result
 
     def _raised(self, values: Array) -> Array:
-        """Return values to the power p."""
+        """Return values to the power p; hopeless ones are as hopeless as a float can say."""
+        values = np.minimum(values, _HOPELESS ** (0.5**self._squarings))
         for _ in range(self._squarings):
             values = np.square(values)
         return values
