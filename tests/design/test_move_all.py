@@ -8,13 +8,21 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.move_all import _free, _value, moved
 from axiscal.design.plan.task import Task
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.charts.arrivals import has_room
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Unknown
+from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from tests.generators.designs import levered, problem, random_poses, splines
+from tests.generators.kinematics import in_travel, tip
 
 
 def drawn(asked: Task, seed: int, count: int) -> Places:
@@ -61,7 +69,7 @@ def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
 
     def left(shares: Array) -> float:
         poses = places.poses.copy()
-        for reading, axis, low, high, share in zip(*free, shares, strict=True):
+        for reading, axis, low, high, share in zip(*free[:4], shares, strict=True):
             poses[reading, axis] += share * (high - low)
         return asked.state.after_readings(places.moved(poses)).value / total
 
@@ -74,3 +82,32 @@ def test_what_stands_on_a_raster_stays() -> None:
     asked = replace(asked, observation=Observation(asked.observation.errors, setups))
     places = drawn(asked, 0, 5)
     assert moved(asked.state, places) is places
+
+
+@pytest.mark.parametrize("instrument", ["rtest", "sphere"])
+def test_readings_on_a_chart_move_along_its_coordinates_and_can_still_be_taken(instrument: str) -> None:
+    text = f'''
+machine = "dmu60"
+[[artefacts]]
+name = "ball"
+balls = {{ low = ["200 mm", "0 mm", "-80 mm"] }}
+[[setups]]
+name = "it"
+instrument = "{instrument}"
+artefact = "ball"
+approach = "both"
+'''
+    case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+    machine, (setup,) = case.description.machine, case.description.setups
+    lattice = spread(machine, case.description.setups, 60)
+    places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // 6))[:6])
+    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    found = moved(state, places)
+    assert state.after_readings(found).value < 0.999 * state.after_readings(places).value
+    assert setup.chart is not None
+    assert np.abs(found.poses - places.poses).max() > 1e-3
+    for pose in found.poses:
+        assert in_travel(machine, pose)
+        assert np.linalg.norm(tip(machine, pose) - [0.2, 0.0, -0.08]) < 1e-9
+    at = setup.chart.places(found.poses)
+    assert np.all(has_room(setup.chart, at, sides_of(setup.chart, at, found.approaches)))

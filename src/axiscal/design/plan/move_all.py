@@ -7,13 +7,18 @@ here: where two of them would share a cell, the true J decides whether the move 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
+from axiscal.measurement.chart_places import arrivals_of
+from axiscal.measurement.charts.arrivals import has_room
+from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Places
+from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest
 
@@ -26,30 +31,42 @@ _ITERATIONS = 80
 class _Free(NamedTuple):
     """The coordinates that may change, each (f,).
 
-    reading : whose; axis : which; low, high : of a reading of its set-up, m or rad
+    reading : whose; axis : which, of the machine or of its chart; low, high : of a reading of its set-up, m or rad
+    charts : of each; None where it is an axis itself
     """
 
     reading: NDArray[np.intp]
     axis: NDArray[np.intp]
     low: Array
     high: Array
+    charts: tuple[Chart | None, ...]
 
     def of(self, places: Places) -> Array:
         """Return them, (f,) m or rad."""
-        coordinates: Array = places.poses[self.reading, self.axis]
+        coordinates: Array = places.poses[self.reading, np.minimum(self.axis, places.poses.shape[1] - 1)]
+        for k, chart in enumerate(self.charts):
+            if chart is not None:
+                coordinates[k] = chart.places(places.poses[[self.reading[k]]])[0, self.axis[k]]
         return coordinates
 
     def put(self, places: Places, coordinates: Array) -> Places:
-        """Return the places with other values of them, (f,) m or rad."""
+        """Return the places with other values of them, (f,) m or rad; where a chart gives no pose it stays."""
         poses = places.poses.copy()
-        poses[self.reading, self.axis] = coordinates
+        for k, chart in enumerate(self.charts):
+            if chart is None:
+                poses[self.reading[k], self.axis[k]] = coordinates[k]
+                continue
+            at = chart.places(poses[[self.reading[k]]])
+            at[0, self.axis[k]] = coordinates[k]
+            found = chart.poses(at)[0]
+            poses[self.reading[k]] = found if np.all(np.isfinite(found)) else poses[self.reading[k]]
         return places.moved(poses)
 
 
 def moved(state: Covariance, places: Places) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
-    state : before the first.  Coordinates on a raster stay, and places on a chart.
+    state : before the first.  Coordinates on a raster stay; what leaves what its chart can give goes back.
     """
     free = _free(state, places)
     if not len(free.reading):
@@ -64,19 +81,45 @@ def moved(state: Covariance, places: Places) -> Places:
 
     start = (free.of(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
+    ended = _that_can_be_taken(state, places, ended)
     return ended if state.after_readings(ended).value < state.after_readings(places).value else places
 
 
+def _that_can_be_taken(state: Covariance, before: Places, after: Places) -> Places:
+    """Return places on charts as they can be come to from their sides; those that cannot are as they were before."""
+    poses, approaches = after.poses.copy(), after.approaches.copy()
+    machine, setups = state.observation.machine, state.observation.setups
+    for i, number in enumerate(after.setups.tolist()):
+        chart = setups[number].chart
+        if chart is None or np.array_equal(poses[i], before.poses[i]):
+            continue
+        sides = sides_of(chart, chart.places(before.poses[[i]]), before.approaches[[i]])
+        at = chart.places(poses[[i]])
+        if has_room(chart, at, sides)[0]:
+            approaches[i] = arrivals_of(machine, setups[number], chart, at, sides)[0]
+        else:
+            poses[i] = before.poses[i]
+    return Places(after.setups, poses, approaches)
+
+
 def _free(state: Covariance, places: Places) -> _Free:
-    axes, setups = state.observation.machine.axes, state.observation.setups
-    free = [
-        (i, k, *setups[setup].span(axes[k], k))
-        for i, setup in enumerate(places.setups.tolist())
-        for k in setups[setup].moves
-        if setups[setup].raster[k] == 0 and setups[setup].chart is None
-    ]
-    reading, axis, low, high = np.array(free).reshape(-1, 4).T
-    return _Free(reading.astype(np.intp), axis.astype(np.intp), low, high)
+    found = [each for i, number in enumerate(places.setups.tolist()) for each in _coordinates(state, i, number)]
+    reading, axis, low, high = np.array([each[:4] for each in found]).reshape(-1, 4).T
+    return _Free(reading.astype(np.intp), axis.astype(np.intp), low, high, tuple(each[4] for each in found))
+
+
+def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple[int, int, float, float, Chart | None]]:
+    """Yield the coordinates of a reading that are on no raster, with their ends, and the chart that they are of."""
+    setup, axes = state.observation.setups[number], state.observation.machine.axes
+    if setup.chart is None:
+        for k in setup.moves:
+            if setup.raster[k] == 0:
+                yield reading, k, *setup.span(axes[k], k), None
+        return
+    for k in range(setup.chart.size):
+        low, high, step, *_ = setup.chart.bounds(k)
+        if step == 0:
+            yield reading, k, low, high, setup.chart
 
 
 def _value(state: Covariance, places: Places, free: _Free) -> tuple[float, Array]:
@@ -104,4 +147,5 @@ def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
     first = np.searchsorted(owner, np.arange(2 * count + 1))
     ends = [rows[first[k] : first[k + 1]] for k in range(2 * count)]
     apart = (own.of(further) - own.of(nearer)) / span
+    apart = np.where(apart > 0, apart, 1.0)  # where a chart gives no pose beside it, nothing changes
     return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]
