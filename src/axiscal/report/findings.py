@@ -68,6 +68,7 @@ def findings(estimation: Estimation) -> list[Finding]:
         *_outliers(estimation),
         *contradictions(estimation, compared),
         *symptoms,
+        *_missing_planes(estimation),
         *wide_bands(estimation),
         *_aliasing(estimation),
         *_drift(estimation),
@@ -156,8 +157,19 @@ def _off(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
     end = "the bands use what the readings say" if learnt else 'review it, or let scales = "estimate" learn it'
     text = f"The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
     if misfit.kind == "noise" and misfit.found > misfit.stated:
-        text += _together(estimation.case.description.setup(misfit.owner), estimation.case.description.machine)
+        together = _together(estimation.case.description.setup(misfit.owner), estimation.case.description.machine)
+        text += f" Or {together}" if together else ""
     return Finding("prior-misfit", None if misfit.kind == "noise" else misfit.owner, text)
+
+
+def _missing_planes(estimation: Estimation) -> Iterator[Finding]:
+    """Say of readings that contradict the model which error of two axes it does not describe."""
+    ruling, described = ruling_of(estimation), estimation.case.description
+    if ruling.verdict != "contradicted" or not ruling.comparison.caused:
+        return
+    for setup in described.setups:
+        if together := _together(setup, described.machine):
+            yield Finding("lack-of-fit", None, f"Perhaps {together}")
 
 
 def _together(setup: Setup, machine: Machine) -> str:
@@ -169,7 +181,7 @@ def _together(setup: Setup, machine: Machine) -> str:
     along = int(np.argmax(np.abs(setup.direction))) + (3 if INSTRUMENTS[setup.instrument].reads == "angle" else 0)
     first, second = sorted(moving)
     name = f"E{COMPONENTS[along]}{first}{second}"
-    return f" Or {first} and {second} do together what no sum of their curves follows: describe it as {name}."
+    return f"{first} and {second} do together what no sum of their curves follows: describe it as {name}."
 
 
 def _named(misfit: Misfit, estimation: Estimation) -> tuple[str, str]:
