@@ -26,6 +26,7 @@ def plausible_with_sides(estimation: Estimation) -> list[Reading]:
 
 
 def _side_known(reading: Reading, case: Case) -> bool:
-    """Whether what a reading repeats is not another side of a reversal."""
-    moves = case.description.setup(reading.setup).moves
-    return all(reading.approach[axis] != 0 for axis in case.errors.reversing.intersection(moves))
+    """Whether what a reading repeats is not another side of a reversal; of those that a probe evens out none counts."""
+    setup, axes = case.description.setup(reading.setup), case.errors.machine.axes
+    sided = [k for k in setup.moves if k in case.errors.reversing and (axes[k].rotary or not setup.mean_sides)]
+    return all(reading.approach[axis] != 0 for axis in sided)
