@@ -89,6 +89,6 @@ def test_report_tables_and_result_name_the_state_of_the_record(
     readmes = list((tmp_path / "out" / "tables").rglob("README.txt"))
     assert readmes
     for readme in readmes:
-        _, zeros, origin = readme.read_text().splitlines()[:3]
+        _, zeros, *others = readme.read_text().splitlines()
         assert zeros.startswith("ZERO WORK OFFSETS")
-        assert origin == f"From the record mill.axiscal at event {found['event']}: {found['hash']}"
+        assert f"From the record mill.axiscal at event {found['event']}: {found['hash']}" in others

@@ -110,8 +110,7 @@ def introduced(
     text = offered.readme.replace("\nThese files hold ", f"\n{expected}\n{vouched}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"
-        title, zeros, rest = text.split("\n", 2)  # what has to be zeroed anew stays where everybody looks
-        text = "\n".join([title, zeros, origin, rest])
+        text = text.replace("\nThese files hold ", f"\n{origin}\nThese files hold ", 1)
     if warnings:
         text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
     return replace(offered, readme=text)
