@@ -43,7 +43,7 @@ def test_the_list_has_every_reading_where_it_was_planned(seed: int) -> None:
     assert sorted(int(row["reading"]) for row in rows) == list(range(1, len(plan.places) + 1))
     for row in rows:
         place = plan.places[int(row["reading"]) - 1]
-        assert row["setup"] == place.setup
+        assert re.sub(_SHIELD, "", row["setup"]) == place.setup
         signs = [
             axis.name + "+-"[side < 0] for axis, side in zip(plan.machine.axes, place.approach, strict=True) if side
         ]
@@ -51,6 +51,10 @@ def test_the_list_has_every_reading_where_it_was_planned(seed: int) -> None:
         for axis, value in zip(plan.machine.axes, place.pose, strict=True):
             off = math.degrees(value) - float(row[f"{axis.name}_deg"]) if axis.rotary else value - _metres(row, axis)
             assert math.isclose(off, 360 * round(off / 360) if axis.cyclic else 0, abs_tol=1.01e-4)
+
+
+_SHIELD = r"^'(?='*[=+\-@\t\r])"
+"""The apostrophe before text that a spreadsheet would compute (docs/campaign.md)."""
 
 
 def _metres(row: dict[str, str], axis: Axis) -> float:
