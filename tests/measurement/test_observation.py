@@ -41,6 +41,12 @@ def mounted(machine: Machine, instrument: str, direction: tuple[float, float, fl
     return Setup(name, instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station)
 
 
+def zeroed(machine: Machine, instrument: str) -> Setup:
+    """Return a set-up along x whose zero and slope are open, and nothing else."""
+    setup = mounted(machine, instrument, (1.0, 0.0, 0.0))
+    return replace(setup, unknowns=(Unknown("zero", 1e-4), Unknown("slope", 1e-4)))
+
+
 def at(*pose: float) -> Places:
     """Return one place of the first set-up, from the positive side of all axes."""
     return Places.one(0, np.array(pose), np.ones(len(pose)))
@@ -84,7 +90,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
 
 def test_columns_are_errors_then_set_ups_then_cells() -> None:
     model = ErrorModel(load_machine("one-axis"))
-    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    setup = zeroed(model.machine, "interferometer")
     observation = visited(Observation(model, (setup, replace(setup, name="second"))), at(0.5))
     assert observation.unknowns_of(0).tolist() == [22, 23]
     assert observation.unknowns_of(1).tolist() == [24, 25]
@@ -96,7 +102,7 @@ def test_columns_are_errors_then_set_ups_then_cells() -> None:
 
 def test_the_slope_is_counted_from_the_middle_of_the_travel() -> None:
     model = ErrorModel(load_machine("one-axis"))
-    observation = Observation(model, (mounted(model.machine, "straightedge", (1.0, 0.0, 0.0)),))
+    observation = Observation(model, (zeroed(model.machine, "straightedge"),))
     rows = observation.rows(0, np.array([[0.0], [0.5], [1.0]]), np.zeros((3, 1))).rows
     assert rows[:, 22:].tolist() == [[1.0, -0.5], [1.0, 0.0], [1.0, 0.5]]
 
