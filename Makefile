@@ -45,7 +45,8 @@ QUICK := accuracy belief/test_belief_properties.py description docs/test_constan
 quick: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pytest -n 2 --ignore=tests/numerics/test_threads.py $(addprefix tests/,$(QUICK))
+	$(BIN)/pytest -n 2 --ignore=tests/numerics/test_threads.py --ignore=tests/description/test_sights.py \
+	    $(addprefix tests/,$(QUICK))
 
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
