@@ -41,12 +41,12 @@ test check: .venv/dev.stamp
 QUICK := accuracy belief/test_belief_properties.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py \
 	document error_model/test_gauge.py evaluation gcode/test_programs.py library/test_surface.py machine measurement/test_displacement.py \
 	measurement/test_instrument_files.py numerics record report/test_edges.py report/test_wording.py units
+SLOW := accuracy/test_as_one.py accuracy/test_expanded.py description/test_sights.py numerics/test_threads.py record/test_store.py
 
 quick: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pytest -n 2 --ignore=tests/numerics/test_threads.py --ignore=tests/description/test_sights.py \
-	    $(addprefix tests/,$(QUICK))
+	$(BIN)/pytest -n 2 $(addprefix --ignore=tests/,$(SLOW)) $(addprefix tests/,$(QUICK))
 
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
