@@ -101,6 +101,5 @@ def _reversals(errors: ErrorModel) -> list[list[int]]:
 
 
 def _rest(errors: ErrorModel, poses: Array) -> float:
-    variances = np.array([f.rest**2 / (4 if f.kind == "reversal" else 1) for f in errors.terms])
     squares = np.sum(errors.levers(poses) ** 2, axis=2).mean(axis=1)
-    return float(variances @ squares)
+    return float(errors.rests**2 @ squares)

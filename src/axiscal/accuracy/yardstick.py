@@ -173,10 +173,13 @@ class Yardstick:
     @cached_property
     def _correction(self) -> Array:
         """What the rests add to the variance at each pose, less the constant shifts that are not counted, m²."""
-        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.terms])
-        added: Array = np.sum((self.errors.levers(self._poses[0]) * rests[:, None, None]) ** 2, axis=(0, 2))
-        corrected: Array = added + self._hidden - np.sum(self._here**2, axis=(1, 2))
+        corrected: Array = np.sum(self._loose**2, axis=(0, 2)) + self._hidden - np.sum(self._here**2, axis=(1, 2))
         return corrected
+
+    @cached_property
+    def _loose(self) -> Array:
+        """What one standard deviation of each rest does at each pose, (terms, m, 3), m."""
+        return self.errors.levers(self._poses[0]) * self.errors.rests[:, None, None]
 
     @cached_property
     def evenly(self) -> NDArray[np.bool_]:
@@ -189,21 +192,22 @@ class Yardstick:
 
         factor : F (n, r) with C = F Fᵀ
         """
-        own = factor[: self.errors.size]
-        if own.shape[1] > own.shape[0]:
-            own = np.linalg.qr(own.T).R.T
-        seen = (self.rows.reshape(-1, self.errors.size) @ own).reshape(len(self.rows), 3, -1)
-        rests = np.array([f.rest / (2 if f.kind == "reversal" else 1) for f in self.errors.terms])
-        loose = (self.errors.levers(self._poses[0]) * rests[:, None, None]).transpose(1, 2, 0)
+        seen = self._seen(factor).reshape(len(self.rows), 3, -1)
+        loose = self._loose.transpose(1, 2, 0)
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
         counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
         return counted
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
+        seen = self._seen(factor)
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        return spread
+
+    def _seen(self, factor: Array) -> Array:
+        """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.  factor : F (n, r)"""
         own = factor[: self.errors.size]
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
             own = np.linalg.qr(own.T).R.T
-        seen = self.rows.reshape(-1, self.errors.size) @ own
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
-        return spread
+        seen: Array = self.rows.reshape(-1, self.errors.size) @ own
+        return seen

@@ -112,8 +112,7 @@ def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
     """
     rows = estimate.model.rows(poses, approaches)
     spread = (rows - rows.mean(axis=0)) @ estimate.factor
-    rests = np.array([f.rest / 2 if f.kind == "reversal" else f.rest for f in estimate.model.terms])
-    rest = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, rests**2)
+    rest = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
 
 

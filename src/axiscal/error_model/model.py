@@ -127,6 +127,11 @@ class ErrorModel:
         return {plane.name: plane for plane in self.planes}
 
     @cached_property
+    def rests(self) -> Array:
+        """Standard deviation of the rest of each term, (terms,) m or rad; a reversal adds half of itself to a side."""
+        return np.array([term.rest / (2 if term.kind == "reversal" else 1) for term in self.terms])
+
+    @cached_property
     def reversing(self) -> frozenset[int]:
         """The axes that have a reversal: what is seen there depends on the side from which they come."""
         return frozenset(function.axis for function in self.functions if function.kind == "reversal")

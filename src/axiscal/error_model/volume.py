@@ -126,6 +126,5 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
 
 
 def _rest(model: ErrorModel, levers: Array, axes: list[_AxisMoments]) -> float:
-    variances = np.array([f.rest**2 / (4 if f.kind == "reversal" else 1) for f in model.terms])
     squares: Array = np.einsum("fc...,fc...->f...", levers, levers)
-    return float(variances @ averaged([a.plain for a in axes], squares, ()))
+    return float(model.rests**2 @ averaged([a.plain for a in axes], squares, ()))
