@@ -20,15 +20,8 @@ from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.simulation import Simulator
+from tests.generators.laser_axis import MACHINE
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", knots = 21, rest = "0.3 um" }
-EXX_reversal = { std = "3 um" }
-"""
 CAMPAIGN = """machine = "m"
 [target]
 readings = 20

@@ -9,9 +9,8 @@ import numpy as np
 
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import block
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 
 BAND = 2.0
@@ -40,7 +39,6 @@ def expectation(known: Estimation, place: Place) -> Expectation:
 def expectations(known: Estimation, places: Sequence[Place]) -> tuple[Expectation, ...]:
     """Return what the readings so far say of the next one, wherever it may be, each by itself."""
     case, knowledge = known.banded
-    values = {setup.name: INSTRUMENTS[setup.instrument].values for setup in case.description.setups}
-    blanks = [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * (values[p.setup] - 1)) for p in places]
+    blanks = blank_readings(case.description.setups, places)
     innovations = block(knowledge, blanks, np.zeros(len(blanks))).innovations
     return tuple(Expectation(-np.atleast_1d(each.value), np.atleast_1d(each.std)) for each in innovations)

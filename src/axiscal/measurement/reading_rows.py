@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.visits import visited
@@ -91,6 +91,12 @@ def places_of(setups: Sequence[Setup], readings: Sequence[Reading]) -> Places:
     poses = np.array([reading.pose for reading in readings], dtype=float).reshape(-1, axes)
     approaches = np.array([reading.approach for reading in readings], dtype=float).reshape(-1, axes)
     return Places(np.array([names[reading.setup] for reading in readings], dtype=np.intp), poses, approaches)
+
+
+def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Reading]:
+    """Return readings of nought at places: for what does not depend on what they will show."""
+    more = {setup.name: len(directions_of(setup)) - 1 for setup in setups}
+    return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup]) for p in places]
 
 
 def times_of(readings: Sequence[Reading]) -> Array:
