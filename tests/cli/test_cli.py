@@ -19,18 +19,7 @@ from axiscal.campaign.sources import Answer, Request
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli import app
 from axiscal.exceptions import SourceError
-
-CAMPAIGN = """\
-machine = "one-axis"
-[target]
-readings = 4
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.5 um"
-"""
+from tests.generators.texts import FOUR_READINGS
 
 
 @dataclass(frozen=True)
@@ -61,7 +50,7 @@ Command = Callable[..., Outcome]
 @pytest.fixture
 def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """Run a command in a folder that holds a campaign."""
-    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    (tmp_path / "c.toml").write_text(FOUR_READINGS)
     monkeypatch.chdir(tmp_path)
 
     def command(*words: str) -> Outcome:
@@ -339,7 +328,7 @@ def test_a_resumed_simulation_is_the_same_run(axiscal: Command, monkeypatch: pyt
 
 def test_a_changed_description_does_not_resume(axiscal: Command, tmp_path: Path) -> None:
     axiscal("run", "c.toml", "--source", "sim", "--out", "d")
-    (tmp_path / "c.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 5"))
+    (tmp_path / "c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 5"))
     axiscal("run", "c.toml", "--source", "sim", "--out", "d", "--resume").refused("has been changed")
 
 
@@ -380,7 +369,7 @@ def spawned(folder: Path, *words: str) -> subprocess.Popen[str]:
 
 
 def test_ctrl_c_keeps_the_readings_and_says_how_to_go_on(tmp_path: Path) -> None:
-    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    (tmp_path / "c.toml").write_text(FOUR_READINGS)
     waiting = instrument(tmp_path, "if number == 3: time.sleep(60)")
     process = spawned(tmp_path, "run", "c.toml", "--source", waiting, "--out", "d")
     assert process.stderr is not None

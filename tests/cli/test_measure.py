@@ -16,18 +16,8 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
+from tests.generators.texts import FOUR_READINGS
 
-CAMPAIGN = """\
-machine = "one-axis"
-[target]
-readings = 4
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.5 um"
-"""
 PATIENCE = 60.0
 """s: for a prompt to come on a busy computer."""
 
@@ -71,7 +61,7 @@ class Terminal:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with a campaign that has been started."""
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    (tmp_path / "campaign.toml").write_text(FOUR_READINGS)
     start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
     subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
     return tmp_path

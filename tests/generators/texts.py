@@ -4,6 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+FOUR_READINGS = """\
+machine = "one-axis"
+[target]
+readings = 4
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+noise = "0.5 um"
+"""
+"""A campaign of four readings on the built-in machine of one axis."""
+
 Std = str | tuple[str, int, int]
 """Of an error: its std, or also the knots and the length, mm or deg, of its curve."""
 

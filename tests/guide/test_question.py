@@ -9,11 +9,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.guide.question import Question
 from axiscal.machine import load_machine
 from axiscal.record.events import Asked
-from tests.web.served import CAMPAIGN
+from tests.generators.texts import FOUR_READINGS
 
 
 def test_a_place_that_was_read_before_is_said_with_its_number(tmp_path: Path) -> None:
-    described = campaign_from_texts(CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    described = campaign_from_texts(FOUR_READINGS, "campaign.toml", load_machine("one-axis").text, "one-axis")
     with Campaign.create(tmp_path / "mill.axiscal", described) as campaign:
         first = campaign.next()
         assert isinstance(first, Asked)

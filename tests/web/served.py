@@ -14,17 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-CAMPAIGN = """\
-machine = "one-axis"
-[target]
-readings = 4
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.5 um"
-"""
+from tests.generators.texts import FOUR_READINGS
+
 PATIENCE = 60.0
 """s: for an answer on a busy computer."""
 
@@ -90,7 +81,7 @@ class Served:
         return self.call("state").document
 
 
-def started(folder: Path, campaign: str = CAMPAIGN) -> Path:
+def started(folder: Path, campaign: str = FOUR_READINGS) -> Path:
     """Return the record of a campaign that has been started in a folder."""
     (folder / "campaign.toml").write_text(campaign)
     start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]

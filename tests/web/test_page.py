@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from tests.generators.texts import FOUR_READINGS
 from tests.web.browser import Browser, Page
-from tests.web.served import CAMPAIGN, served, started
+from tests.web.served import served, started
 
 SIZES = [(390, 844), (768, 1024), (1400, 900)]
 HOSTILE = "<img src=x onerror=alert(1)>\"&'</script><svg/onload=alert(2)>"
@@ -215,7 +216,7 @@ def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Brow
 @pytest.mark.chromium
 def test_what_people_write_is_text_and_nothing_else(browser: Browser, tmp_path: Path) -> None:
     name = HOSTILE.replace("\\", "\\\\").replace('"', '\\"')
-    record = started(tmp_path, CAMPAIGN.replace('name = "laser"', f'name = "{name}"'))
+    record = started(tmp_path, FOUR_READINGS.replace('name = "laser"', f'name = "{name}"'))
     page = browser.page(390, 844)
     with served(record) as server:
         page.open(server.address)
