@@ -18,7 +18,7 @@ help:
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; MACHINES=8 of each attack)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
-	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: an hour or two)"
+	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
@@ -68,7 +68,7 @@ certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))
 
 reliability: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability $(if $(LONG),--long)
+	$(BIN)/python -m tests.reliability $(if $(LONG),--long) $(PYTHONS:%=--python %)
 
 fuzz: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from tests.certify import belief, coverage, gcode, machines, one_joint_cases
+from tests.certify import belief, coverage, gcode, least_squares, machines, models, one_joint_cases
 
 LIMIT = 1e-9
 LATTICE = 1_000_000
@@ -54,6 +54,22 @@ def million_updates(updates: int, first: int) -> Iterator[Finding]:
         yield Finding(f"{what}, not positive {verdict.bad}", verdict.error <= limit and verdict.bad == 0)
 
 
+def random_models(cases: int, first: int) -> Iterator[Finding]:
+    """Yield the error of means and standard deviations of random models, against ball arithmetic."""
+    worst = max((models.error(models.random_model(np.random.default_rng(s))), s) for s in range(first, first + cases))
+    text = f"worst relative error {worst[0]:.1e} (seed {worst[1]}), limit {models.LIMIT:g}"
+    yield Finding(text, worst[0] <= models.LIMIT)
+
+
+def reference_regressions(cases: int, _first: int) -> Iterator[Finding]:
+    """Yield the correct digits of NIST's regressions through a flat prior."""
+    for name, asked in list(least_squares.DIGITS.items())[:cases]:
+        found, deviations = least_squares.digits(name)
+        more = f", of their standard deviations {deviations:.1f}" if np.isfinite(deviations) else ""
+        text = f"{name}: correct digits of the coefficients {found:.1f}{more}, asked {asked:g}"
+        yield Finding(text, min(found, deviations) >= asked)
+
+
 def bands(drawn: int, first: int) -> Iterator[Finding]:
     """Yield how often the printed 95 % holds on that many virtual machines of each built-in kind."""
     low, high = coverage.CLAIMED - coverage.SLACK, coverage.CLAIMED + coverage.SLACK
@@ -77,6 +93,8 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
     "belief": (million_updates, 1_000_000, "updates of five problems"),
+    "models": (random_models, 500, "random models of up to 120 unknowns, up to 12 decades"),
+    "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
     "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
     "gcode": (measuring_programs, 2_000, "random plans as measuring programs"),
 }

@@ -6,7 +6,7 @@ import pytest
 
 from tests.certify import __main__ as campaign
 
-SMALL = {"one-joint": 3, "machines": 1}
+SMALL = {"one-joint": 3, "machines": 1, "models": 2, "regressions": 4}
 
 
 def started(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:

@@ -7,11 +7,11 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 
-from tests.reliability import bad_files, changed, power_loss, record_faults, set_faults, writers
+from tests.reliability import bad_files, changed, power_loss, record_faults, same_bytes, set_faults, writers
 from tests.reliability.trial import Trial
 
 
-def trials(long: bool) -> Sequence[Callable[[], Trial]]:
+def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
     """Return what is tried, in the order of the table."""
     return (
         record_faults.begun,
@@ -28,6 +28,7 @@ def trials(long: bool) -> Sequence[Callable[[], Trial]]:
         lambda: writers.at_once(8, 10_000 if long else 250),
         lambda: changed.many(100_000),
         bad_files.read_all,
+        lambda: same_bytes.compared(long, pythons),
     )
 
 
@@ -35,10 +36,11 @@ def main(words: Sequence[str]) -> int:
     """Print the table as it grows; return 1 if anything was lost."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--long", action="store_true", help="as often as before a release; an hour or two")
-    long = parser.parse_args(words).long
+    parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
+    args = parser.parse_args(words)
     print("| what was tried | how many | lost | |\n|---|---|---|---|", flush=True)
     begin, lost = time.monotonic(), 0
-    for tried in trials(long):
+    for tried in trials(args.long, args.python):
         trial = tried()
         lost += trial.lost
         print(f"| {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability import bad_files, changed, fuzz, power_loss, record_faults, set_faults, writers
+from tests.reliability import bad_files, changed, fuzz, power_loss, record_faults, same_bytes, set_faults, writers
 from tests.reliability.trial import Trial
 
 
@@ -84,3 +87,34 @@ def test_a_bad_file_is_one_error_of_ours_or_still_good(kind: bad_files.Kind, tmp
             except AxiscalError as failure:
                 refused += len(str(failure)) > 20
     assert refused > 10
+
+
+def test_other_surroundings_give_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def few(_seeds: int, _folder: Path) -> Iterator[same_bytes.Surroundings]:
+        yield same_bytes.Surroundings(
+            "all", {"PYTHONHASHSEED": "7", "TZ": "Asia/Kathmandu", "OPENBLAS_NUM_THREADS": "2"}
+        )
+
+    monkeypatch.setattr(same_bytes, "CAMPAIGNS", ("printer",))
+    monkeypatch.setattr(same_bytes, "_variables", few)
+    trial = same_bytes.compared(long=False)
+    assert (trial.tried, trial.lost) == (1, 0)
+
+
+def test_surroundings_that_give_other_bytes_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def texts(place: same_bytes.Surroundings) -> list[Mapping[str, str]]:
+        return [{"table.csv": "1,5" if place.name == "locale de_DE" else "1.5"}]
+
+    monkeypatch.setattr(same_bytes, "_texts", texts)
+    monkeypatch.setattr(same_bytes, "installed", lambda _name, _folder: True)
+    trial = same_bytes.compared(long=True)
+    assert (trial.tried, trial.lost, trial.detail) == (21 + 3 + 3 + 2, 1, "other bytes: locale de_DE")
+
+
+def test_a_language_that_is_tried_is_really_spoken(tmp_path: Path) -> None:
+    if not same_bytes.installed("de_DE", tmp_path):
+        pytest.skip("needs Debian's locales")
+    said = "import locale; locale.setlocale(locale.LC_ALL, ''); print(locale.localeconv()['decimal_point'])"
+    env = {"LOCPATH": str(tmp_path), "LC_ALL": "de_DE.UTF-8"}
+    run = subprocess.run([sys.executable, "-c", said], env=env, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == ","

@@ -53,18 +53,24 @@ def environment(sources: str) -> dict[str, str]:
     return {**os.environ, **fixed, "PYTHONPATH": os.pathsep.join(folders), "PATH": tools}
 
 
-def played(scenario: Scenario, sources: str) -> Outcome:
-    """Return what the campaign gives with these sources, see `environment`."""
+def played(
+    scenario: Scenario, sources: str, elsewhere: Mapping[str, str] | None = None, python: str = sys.executable
+) -> Outcome:
+    """Return what the campaign gives with these sources, see `environment`.
+
+    elsewhere : variables that are not as usual;  python : the interpreter, with everything that the package needs
+    """
+    env = environment(sources) | dict(elsewhere or {})
     with tempfile.TemporaryDirectory() as parent:
         folder = Path(parent, scenario.name)
         shutil.copytree(scenario.folder, folder)
-        said = tuple(_answer(command, folder, environment(sources)) for command in scenario.commands)
+        said = tuple(_answer(command, folder, env, python) for command in scenario.commands)
         return Outcome(scenario, said, gathered(folder, scenario))
 
 
-def _answer(command: Command, folder: Path, env: Mapping[str, str]) -> Said:
+def _answer(command: Command, folder: Path, env: Mapping[str, str], python: str) -> Said:
     run = subprocess.run(
-        [sys.executable, "-m", "axiscal.cli", *command.words],
+        [python, "-m", "axiscal.cli", *command.words],
         cwd=folder,
         env=env,
         stdin=subprocess.DEVNULL,

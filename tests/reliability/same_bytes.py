@@ -1,0 +1,93 @@
+"""The same campaigns in other surroundings: hash seeds, time zones, languages, threads, interpreters."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.reliability.trial import Trial
+from tests.scenarios.playing import Outcome, played
+from tests.scenarios.scenario import scenario
+
+CAMPAIGNS = ("iso_test", "printer", "learnt")
+SOURCES = Path(__file__).resolve().parents[2] / "src"
+LOCALES = ("de_DE", "tr_TR")
+ZONES = ("Asia/Kathmandu", "America/St_Johns", "Pacific/Kiritimati")
+_SPENT = re.compile(r"\b\d+(\.\d+)? s\b")
+_NAMED = re.compile(r'"python": "[\d.]+"|\b[0-9a-f]{64}\b')
+"""A document names its interpreter, so the hash of what names it differs with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """Where a campaign is played: variables of the process, and the interpreter."""
+
+    name: str
+    variables: Mapping[str, str] = field(default_factory=dict)
+    python: str = sys.executable
+
+
+def compared(long: bool, pythons: Sequence[str] = ()) -> Trial:
+    """Return how many surroundings gave other bytes than the usual ones.
+
+    long : 21 hash seeds instead of 3;  pythons : interpreters in which the package's requirements are installed
+    """
+    with TemporaryDirectory() as folder:
+        usual = _texts(Surroundings("as usual"))
+        places = list(_variables(21 if long else 3, Path(folder)))
+        other = [place.name for place in places if _texts(place) != usual]
+        other += [
+            python for python in pythons if _unnamed(_texts(Surroundings(python, python=python))) != _unnamed(usual)
+        ]
+        named = [place.name for place in places if place.name.startswith("locale")] + [_version(p) for p in pythons]
+    what = "surroundings in which three campaigns give the same bytes"
+    detail = f"other bytes: {', '.join(other)}" if other else f"hash seeds, zones, threads, {', '.join(named)}"
+    return Trial(what, len(places) + len(pythons), len(other), detail)
+
+
+def _version(python: str) -> str:
+    run = subprocess.run([python, "--version"], capture_output=True, text=True, check=True)
+    return run.stdout.strip()
+
+
+def _unnamed(texts: list[Mapping[str, str]]) -> list[Mapping[str, str]]:
+    """Return the texts without the interpreter's version, and without the hashes of what holds it."""
+    return [{name: _NAMED.sub("<named>", text) for name, text in one.items()} for one in texts]
+
+
+def _variables(seeds: int, folder: Path) -> Iterator[Surroundings]:
+    yield from (Surroundings(f"hash seed {s}", {"PYTHONHASHSEED": str(s)}) for s in range(seeds))
+    yield from (Surroundings(f"zone {zone}", {"TZ": zone}) for zone in ZONES)
+    for threads in ("1", "2", "4"):
+        yield Surroundings(f"{threads} threads", {"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads})
+    for name in LOCALES:
+        if installed(name, folder):
+            own = {"LOCPATH": str(folder), "LC_ALL": f"{name}.UTF-8", "LANG": f"{name}.UTF-8"}
+            yield Surroundings(f"locale {name}", own)
+
+
+def installed(name: str, folder: Path) -> bool:
+    """Return whether the language could be compiled into the folder (by localedef, from Debian's package locales)."""
+    tool = shutil.which("localedef")
+    if tool is None:
+        return False
+    words = [tool, "-i", name, "-f", "UTF-8", str(folder / f"{name}.UTF-8")]
+    return subprocess.run(words, capture_output=True, check=False, env=dict(os.environ)).returncode == 0
+
+
+def _texts(place: Surroundings) -> list[Mapping[str, str]]:
+    """Return files and answers of all campaigns, by name; without the seconds that the work took."""
+    outcomes = (played(scenario(name), str(SOURCES), place.variables, place.python) for name in CAMPAIGNS)
+    return [_all(outcome) for outcome in outcomes]
+
+
+def _all(outcome: Outcome) -> Mapping[str, str]:
+    answers = {f"answer {i}": _SPENT.sub("<spent>", f"{s.status}{s.out}{s.err}") for i, s in enumerate(outcome.said)}
+    return dict(outcome.files) | answers
