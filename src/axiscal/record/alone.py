@@ -14,6 +14,10 @@ _NAP = 0.002
 """Seconds between two looks, at most; by chance, so that nobody is always too late."""
 _AGAIN = 0.05
 """Seconds within which whoever has held a file does not come first again; any longer than a nap would do."""
+_LOOKS = 500
+"""Looks before anybody gives up: a process that the system left without a processor for seconds has waited for that,
+not for the file. An idle machine makes thousands of them in the usual patience; a tenth or ten times as many would do.
+"""
 
 if sys.platform == "win32":
     import msvcrt
@@ -57,13 +61,15 @@ class HeldError(Exception):
 def alone(handle: int, patience: float) -> Iterator[None]:
     """Hold an open file, so that no other process is in such a block of the same file; the system lets go at a kill.
 
-    Raises HeldError if another one holds it for longer than `patience` seconds, OSError where files cannot be held.
+    Raises HeldError if another one holds it for longer than `patience` seconds and at each of many looks, OSError where
+    files cannot be held.
     """
-    until = time.monotonic() + patience
+    until, looks = time.monotonic() + patience, 0
     if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
         time.sleep(_NAP * random.random())
     while not _taken(handle):
-        if time.monotonic() > until:
+        looks += 1
+        if looks > _LOOKS and time.monotonic() > until:
             raise HeldError
         time.sleep(_NAP * random.random())
     try:
