@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import re
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -14,16 +14,10 @@ from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
 from axiscal.planning.vouched import Vouched
-from axiscal.report.figures import accuracy
+from axiscal.report.figures import accuracy, innovations, places
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty
 from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
-
-
-def _figures(page: str) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads(page.split('id="figures">')[1].split("</script>")[0])
-    return found
-
 
 EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
 VOUCHED = Vouched(17.0, "0 readings could vouch for 17 um (standard uncertainty).")
@@ -70,8 +64,9 @@ def test_extreme_figures_still_make_a_page(size: float) -> None:
         "EXX", "X", "positioning of X", [0.0, 1.0, 2.0], scaled, [size] * 3, [size] * 3, [size] * 3, "mm", "um"
     )
     constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
-    figures = _figures(render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size)))
-    assert len(figures) == 2
+    page = render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size))
+    assert page.count('class="picture"') == 2 * 3 + 3  # both views of the accuracy and the curve, at three widths
+    assert not re.search(r"\b(?:nan|inf)\b", page.split("<main>")[1].split("</main>")[0])
 
 
 def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
@@ -91,8 +86,9 @@ def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
 
 def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
     rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, z, 1.0, 1.0, 2.0, 1.0) for n, z in ((1, 0.5), (2, 900.0), (3, -40.0))]
-    figures = _figures(render(_bare(history=rows, readings=3)))
-    usual, unusual, _ = figures[-1]["data"]
+    drawn = innovations(_bare(history=rows, readings=3))
+    assert drawn is not None
+    usual, unusual, _ = drawn["data"]
     assert usual["y"] == [0.5]
     assert list(zip(unusual["y"], unusual["marker"]["symbol"], strict=True)) == [
         (6.0, "triangle-up"),
@@ -109,16 +105,16 @@ def test_targets_are_judged_in_the_verdict() -> None:
 
 def test_minutes_view_hides_the_traditional_plan_whose_minutes_are_unknown() -> None:
     rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, 0, 1, 9.0 - n, 9.0, 3.0 * n, traditional_rms_um=9.0) for n in range(3)]
-    accuracy = _figures(render(_bare(history=rows)))[0]
-    minutes = accuracy["views"]["minutes"]
+    drawn = accuracy(_bare(history=rows))
+    minutes = drawn["views"]["minutes"]
     assert minutes["x"] == [0.0, 3.0, 6.0]
-    assert [accuracy["data"][index]["name"] for index in minutes["hidden"]] == ["traditional plan"]
+    assert [drawn["data"][index]["name"] for index in minutes["hidden"]] == ["traditional plan"]
     assert not [label for label in minutes["annotations"] if "traditional" in label["text"]]
 
 
 def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
     rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0, traditional_rms_um=5.005) for n in range(2)]
-    figure = _figures(render(_bare(history=rows)))[0]
+    figure = accuracy(_bare(history=rows))
     low, high = figure["layout"]["yaxis"]["range"]
     margin = figure["layout"]["margin"]
     pixels = (figure["layout"]["height"] - margin["t"] - margin["b"]) / (high - low)
@@ -130,7 +126,7 @@ def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
 
 def test_one_axis_is_shown_against_the_order_of_the_readings() -> None:
     rows = [HistoryRow(n, "a", {"X": 10.0 * n}, 1.0, 0.0, 1.0, 1.0, 2.0, 1.0) for n in (1, 2, 3)]
-    place = _figures(render(_bare(history=rows, readings=3)))[1]
+    (place,) = places(_bare(history=rows, readings=3))
     assert (place["data"][0]["x"], place["data"][0]["y"]) == ([10.0, 20.0, 30.0], [1.0, 2.0, 3.0])
 
 

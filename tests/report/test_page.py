@@ -17,6 +17,7 @@ import pytest
 
 from axiscal.error_model.iso230 import words
 from axiscal.planning.vouched import Vouched
+from axiscal.report.gallery import groups, panel_figure
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty
 from axiscal.report.summary import (
@@ -218,19 +219,6 @@ def _without_libraries(page: str) -> str:
     return page[: page.index("<script>")]
 
 
-def _figures(page: str) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads(page.split('id="figures">')[1].split("</script>")[0])
-    return found
-
-
-def _strings(value: Any) -> list[str]:
-    if isinstance(value, dict):
-        return [text for item in value.values() for text in _strings(item)]
-    if isinstance(value, list):
-        return [text for item in value for text in _strings(item)]
-    return [value] if isinstance(value, str) else []
-
-
 @pytest.fixture(scope="module")
 def summary() -> Summary:
     return five_axis_summary()
@@ -259,18 +247,10 @@ def test_no_text_can_become_markup_or_script(summary: Summary, page: str, text: 
     """reliability.md 12: every text field holds an attack; the page must keep the elements and attributes it has."""
     attacked, honest = _Page(render(_with_every_text(summary, text))), _Page(page)
     assert set(attacked.tags) <= set(honest.tags)
-    assert attacked.tags.count("script") == honest.tags.count("script") == 3
+    assert attacked.tags.count("script") == honest.tags.count("script") == 1
     assert attacked.tags.count("style") == 1
     assert {(tag, name) for tag, name, _ in attacked.attributes} <= {(tag, name) for tag, name, _ in honest.attributes}
     assert {value for _, name, value in attacked.attributes if name == "href"} <= {"#warnings"}
-
-
-@pytest.mark.parametrize("text", HOSTILE_TEXTS)
-def test_plot_labels_show_text_letter_by_letter(summary: Summary, text: str) -> None:
-    """plotly.js understands tags and entities in labels, so both must be escaped a second time."""
-    for string in _strings(_figures(render(_with_every_text(summary, text)))):
-        assert not re.search(r"<(?!br>|extra></extra>|/extra>)", string)
-        assert not re.search(r"&(?!amp;|lt;|gt;)", string)
 
 
 def test_the_hostile_text_is_still_shown(summary: Summary) -> None:
@@ -315,12 +295,11 @@ def test_every_curve_and_constant_is_shown_with_its_words(summary: Summary, page
         assert f"<b>{curve.name}</b> <span>{words(curve.name)}</span>" in page
     for constant in summary.constants:
         assert f"<b>{constant.name}</b> <span>{words(constant.name)}</span>" in page
-    assert len(_figures(page)) == page.count('data-figure="') == 30 + 1 + 5 + 1 + 1
 
 
-def test_bands_are_196_standard_deviations_around_the_mean(summary: Summary, page: str) -> None:
+def test_bands_are_196_standard_deviations_around_the_mean(summary: Summary) -> None:
     curve = summary.curves[0]
-    whole, seen = _figures(page)[1]["data"][1:3]
+    whole, seen = panel_figure(curve, [-50.0, 50.0], 200)["data"][1:3]
     for trace, std in ((whole, curve.std), (seen, curve.std_seen)):
         upper = np.array(trace["y"][:61])
         lower = np.array(trace["y"][61:][::-1])
@@ -328,12 +307,18 @@ def test_bands_are_196_standard_deviations_around_the_mean(summary: Summary, pag
         np.testing.assert_allclose((upper - lower) / 2, 1.959964 * np.array(std), rtol=1e-3)
 
 
-def test_panels_of_one_row_share_their_scale_and_hold_everything(summary: Summary, page: str) -> None:
-    panels = _figures(page)[1:4]
-    (shared,) = {tuple(panel["ranges"]["shared"]) for panel in panels}
+def test_panels_of_one_row_share_their_scale_and_hold_everything(summary: Summary) -> None:
+    panels = [panel for group in groups(summary.curves[:3]) for row in group.rows for panel in row]
+    (shared,) = {tuple(panel.figure["ranges"]["shared"]) for panel in panels}
     for curve in summary.curves[:3]:
         assert shared[0] < min(m - 1.96 * s for m, s in zip(curve.mean, curve.std, strict=True))
         assert shared[1] > max(m + 1.96 * s for m, s in zip(curve.mean, curve.std, strict=True))
+
+
+def test_the_page_is_light(page: str) -> None:
+    """A report of thirty curves and many readings can be mailed, and is drawn before any script runs."""
+    assert len(page.encode()) < 1e6
+    assert len(render(five_axis_summary(600)).encode()) < 1e6
 
 
 def _chromium(url: str, folder: Path) -> tuple[str, list[str]]:
@@ -353,21 +338,75 @@ def _chromium(url: str, folder: Path) -> tuple[str, list[str]]:
 
 @pytest.mark.chromium
 @pytest.mark.parametrize("text", [None, HOSTILE])
-def test_a_browser_draws_every_picture_without_an_error(summary: Summary, tmp_path: Path, text: str | None) -> None:
+def test_a_browser_shows_the_page_without_an_error(summary: Summary, tmp_path: Path, text: str | None) -> None:
     shown = summary if text is None else _with_every_text(summary, text)
     file = tmp_path / "report.html"
     file.write_text(render(shown), encoding="utf-8")
     drawn, errors = _chromium(file.as_uri(), tmp_path)
-    wanted = len(_figures(file.read_text(encoding="utf-8")))
     assert errors == []
-    assert f'data-drawn="{wanted}"' in drawn
-    assert drawn.count('class="plot-container') == wanted
+    assert drawn.count('class="picture"') >= len(summary.curves)
 
 
 @pytest.mark.chromium
 def test_the_browser_check_notices_a_broken_page(page: str, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
-    file.write_text(page.replace("drawInTurn();\n})();", "drawInTurn(); alert(1);\n})();"), encoding="utf-8")
-    drawn, errors = _chromium(file.as_uri(), tmp_path)
+    file.write_text(page.replace('"use strict";', '"use strict"; alert(1);'), encoding="utf-8")
+    _, errors = _chromium(file.as_uri(), tmp_path)
     assert errors
-    assert "data-drawn" not in drawn
+
+
+@pytest.mark.chromium
+@pytest.mark.parametrize("width", [1400, 768, 390])
+def test_nothing_is_cut_and_no_words_lie_on_each_other(page: str, tmp_path: Path, width: int) -> None:
+    found = _laid_out(page, tmp_path, width)
+    assert found == {"width": width, "beyond": [], "overlapping": [], "cut": []}
+
+
+@pytest.mark.chromium
+def test_the_layout_check_notices_what_is_wrong(page: str, tmp_path: Path) -> None:
+    broken = page.replace("</main>", '<div style="width: 3000px">x</div></main>')
+    tick = re.search(r'<text x="[^"]*" y="[^"]*"', page)
+    assert tick is not None
+    twice = broken.replace(tick[0], f"{tick[0]}>lies on the other</text>{tick[0]}", 1)
+    found = _laid_out(twice, tmp_path, 1400)
+    assert found["beyond"]
+    assert found["overlapping"]
+
+
+_MEASURE = """
+window.addEventListener("load", () => {
+  const inner = document.documentElement.clientWidth, found = {width: innerWidth, beyond: [], overlapping: [], cut: []};
+  for (const each of document.querySelectorAll("main *")) {
+    const box = each.getBoundingClientRect();
+    if (each.closest(".scroll") && !each.matches(".scroll")) continue;
+    if (box.width && (box.right > inner + 1 || box.left < -1)) found.beyond.push(each.tagName + " " + each.className);
+    if (each.clientWidth && each.scrollWidth > each.clientWidth + 1 && getComputedStyle(each).overflowX === "hidden")
+      found.cut.push(each.tagName + " " + each.textContent.slice(0, 40));
+  }
+  for (const svg of document.querySelectorAll("svg.picture")) {
+    const boxes = [...svg.querySelectorAll("text")].map((t) => [t.textContent, t.getBoundingClientRect()])
+      .filter(([, box]) => box.width > 0);
+    boxes.forEach(([text, a], i) => {
+      for (const [other, b] of boxes.slice(i + 1))
+        if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
+            Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
+          found.overlapping.push(svg.getAttribute("aria-label") + ": " + text + " | " + other);
+    });
+  }
+  parent.postMessage(JSON.stringify(found), "*");
+});
+"""
+
+
+def _laid_out(page: str, folder: Path, width: int) -> dict[str, Any]:
+    """Return what lies beyond the page or on something else, in a frame of a width, as the browser lays it out."""
+    free = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
+    (folder / "inner.html").write_text(free.replace("</body>", f"<script>{_MEASURE}</script></body>"), encoding="utf-8")
+    (folder / "outer.html").write_text(
+        "<body><pre id=found></pre><script>addEventListener('message', (e) => {"
+        "document.getElementById('found').textContent = e.data; })</script>"
+        f'<iframe src="inner.html" style="width:{width}px;height:900px;border:0"></iframe></body>'
+    )
+    drawn, _ = _chromium((folder / "outer.html").as_uri(), folder)
+    found: dict[str, Any] = json.loads(html.unescape(drawn.split('id="found">')[1].split("</pre>")[0]))
+    return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +108,7 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
     assert command(["reproduce", "--json", "--out", str(tmp_path / "paper")]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((tmp_path / "paper" / "reproduce.json").read_text())
-    assert (tmp_path / "paper" / "reproduce.html").stat().st_size > 1e6
+    assert (tmp_path / "paper" / "reproduce.html").stat().st_size > 1e5
 
 
 @pytest.mark.chromium
@@ -118,6 +117,4 @@ def test_a_browser_draws_every_figure(experiment: Experiment, tmp_path: Path) ->
     page.write_text(render(experiment), encoding="utf-8")
     drawn, errors = chromium(page.as_uri(), tmp_path)
     assert errors == []
-    wanted = len(re.findall(r'<div class="plot"', page.read_text(encoding="utf-8")))
-    assert wanted == 3 + 2 + 12 + 2 + 2
-    assert f'data-drawn="{wanted}"' in drawn
+    assert drawn.count('class="picture"') == 3 + 2 + 12 + 2 + 2

@@ -1,4 +1,4 @@
-"""Pictures as plain dicts for plotly.js; colours are CSS variables that the page resolves, on screen and on paper."""
+"""Pictures as plain dicts that `drawing` makes SVG of; colours are CSS variables that the page resolves."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from axiscal.report.digits import number, numbers
+from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.sentences import (
     axis_unit,
     coordinate,
@@ -20,14 +21,11 @@ from axiscal.report.sentences import (
 )
 from axiscal.report.summary import HistoryRow, Iso230, Summary
 
-Figure = dict[str, Any]
-
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "triangle-down", "pentagon", "star", "hexagon")
 """Marker of each set-up, in order; they repeat after the last."""
 
 _ORDER_COLOURS = [[0, "#00224e"], [0.5, "#8a7f78"], [1, "#f2c230"]]
 """From early to late; a matter of taste."""
-_SHOW_TEXT = {"hovertemplate": "%{text}<extra></extra>"}
 _LARGEST_Z = 6.0
 """Standard deviations up to which a picture reaches; what is farther is drawn at its edge, with its number."""
 _SMALLEST = 1e-12
@@ -36,25 +34,14 @@ _LOW_LEVEL = 0.1
 """Share of the last RMS from which a line for it is worth drawing."""
 
 
-def plain(text: str) -> str:
-    """Return text that plotly.js shows letter by letter: its labels understand tags and entities."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
 def axis_style(title: str, **more: Any) -> Figure:
     """Return the common style of a plot axis."""
-    grid = {"gridcolor": "var(--grid)", "zeroline": False, "linecolor": "var(--rule)", "tickcolor": "var(--rule)"}
-    text = {"title": {"text": title, "standoff": 4, "font": {"size": 11}}, "tickfont": {"size": 10.5}}
-    return {**grid, **text, "ticks": "outside", "ticklen": 3, "fixedrange": True, "automargin": False, **more}
+    return {"gridcolor": "var(--grid)", "linecolor": "var(--rule)", "title": {"text": title}, **more}
 
 
 def layout(x: Figure, y: Figure, height: int, **more: Any) -> Figure:
-    """Return the common layout of a plot."""
-    paper = {"paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)", "showlegend": False, "dragmode": False}
-    hover = {"bgcolor": "var(--card)", "bordercolor": "var(--rule)", "font": {"color": "var(--ink)", "size": 12}}
-    font = {"family": "var(--font)", "color": "var(--soft)", "size": 12}
-    size = {"height": height, "margin": {"l": 46, "r": 10, "t": 8, "b": 42}}
-    return {**paper, **size, "font": font, "hoverlabel": hover, "xaxis": x, "yaxis": y, **more}
+    """Return the common layout of a plot; height in pixels."""
+    return {"height": height, "margin": {"l": 46, "r": 10, "t": 8, "b": 42}, "xaxis": x, "yaxis": y, **more}
 
 
 def accuracy(summary: Summary) -> Figure:
@@ -65,8 +52,8 @@ def accuracy(summary: Summary) -> Figure:
     levels = _levels(summary)
     traces = [_accuracy_trace(line, steps) for line in lines] + [_level_trace(level, steps) for level in levels]
     span = _log_range([value for line in lines for value in line.values] + [level.value for level in levels])
-    y = axis_style("TCP standard deviation, µm", type="log", dtick="D2", tickformat="~r", range=span)
-    drawn = layout(axis_style("readings"), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN, hovermode="x unified")
+    y = axis_style("TCP standard deviation, µm", type="log", range=span)
+    drawn = layout(axis_style("readings"), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN)
     usual = [index for index, line in enumerate(lines) if line.name == _TRADITIONAL]
     ends = [
         _label(li, f"{li.name} {figure(li.value)}", up, True)
@@ -79,7 +66,7 @@ def accuracy(summary: Summary) -> Figure:
         "readings": {"x": steps, "title": "readings", "hidden": [], "annotations": [*ends, *labels]},
         "minutes": {"x": minutes, "title": "minutes of machine time", "hidden": usual, "annotations": [*kept, *labels]},
     }
-    return {"data": traces, "layout": drawn, "views": views}
+    return {"data": traces, "layout": drawn, "views": views, "wide": True}
 
 
 _TRADITIONAL = "traditional plan"
@@ -145,12 +132,11 @@ def _unseen(summary: Summary) -> float | None:
 def _accuracy_trace(line: _Line, steps: list[int]) -> Figure:
     style = {"line": {"color": line.colour, "width": line.width, "dash": line.dash}}
     marker = {"marker": {"color": line.colour, "size": 7}, "mode": "lines" if len(steps) > 1 else "markers"}
-    hover = {"hovertemplate": "%{y:.4g} µm", "name": line.name}
-    return {"type": "scatter", "x": steps, "y": line.values, **style, **marker, **hover}
+    return {"type": "scatter", "x": steps, "y": line.values, "name": line.name, **style, **marker}
 
 
 def _level_trace(level: _Line, steps: list[int]) -> Figure:
-    style = {"line": {"color": level.colour, "width": level.width, "dash": level.dash}, "hoverinfo": "skip"}
+    style = {"line": {"color": level.colour, "width": level.width, "dash": level.dash}}
     return {"type": "scatter", "mode": "lines", "x": steps, "y": [level.value] * len(steps), **style}
 
 
@@ -177,7 +163,7 @@ def _label(line: _Line, text: str, shift: float, at_end: bool) -> Figure:
         "yanchor": "middle" if at_end else "bottom",
         "font": {"color": line.colour, "size": 12.5 if at_end else 11},
     }
-    return {**place, **style, "text": text, "xshift": 6, "yshift": shift, "showarrow": False, "borderpad": 0}
+    return {**place, **style, "text": text, "xshift": 6, "yshift": shift}
 
 
 def innovations(summary: Summary) -> Figure | None:
@@ -201,12 +187,11 @@ def innovations(summary: Summary) -> Figure | None:
         "x1": 1,
         "y0": -2,
         "y1": 2,
-        "layer": "below",
-        "line": {"width": 0},
     }
     y = axis_style("surprise, standard deviations", range=[-reach - 0.5, reach + 0.5], dtick=2)
     x = axis_style("reading")
-    return {"data": traces, "layout": layout(x, y, 260, shapes=[{**band, "fillcolor": "var(--whole)"}])}
+    drawn = layout(x, y, 260, shapes=[{**band, "fillcolor": "var(--whole)"}])
+    return {"data": traces, "layout": drawn, "wide": True}
 
 
 def _class_of(row: HistoryRow, z: float) -> str:
@@ -219,15 +204,15 @@ def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol
     symbols = [
         symbol if not out else "triangle-up" if z > 0 else "triangle-down" for out, z in zip(off, shown, strict=True)
     ]
-    text = [f"{_reading_text(row)}<br>surprise {figure(z)} standard deviations" for row, z in found]
+    text = [f"{_reading_text(row)}\nsurprise {figure(z)} standard deviations" for row, z in found]
     marker = {"color": colour, "size": 8 if symbol == "x" else 6.5, "symbol": symbols}
     points = {"x": [row.reading for row, _ in found], "y": numbers(shown, "innovations"), "text": text}
-    return {"type": "scatter", "mode": "markers", "marker": marker, "cliponaxis": False, **_SHOW_TEXT, **points}
+    return {"type": "scatter", "mode": "markers", "marker": marker, "cliponaxis": False, **points}
 
 
 def _reading_text(row: HistoryRow) -> str:
-    value = "" if row.value_um is None else f"<br>{plain(quantity(row.value_um, row.unit))}"
-    return f"reading {row.reading}, {plain(row.setup or '')}<br>{plain(position_text(row.position))}{value}"
+    value = "" if row.value_um is None else f"\n{quantity(row.value_um, row.unit)}"
+    return f"reading {row.reading}, {row.setup or ''}\n{position_text(row.position)}{value}"
 
 
 def places(summary: Summary) -> list[Figure]:
@@ -256,7 +241,6 @@ def _place_figure(rows: list[HistoryRow], across: str, up: str | None, summary: 
         "y": numbers(second, title),
         "marker": _order_marker(both, summary, 8.5),
         "text": [_reading_text(row) for row in both],
-        **_SHOW_TEXT,
     }
     drawn = layout(axis_style(axis_title(across)), axis_style(title), 260, margin={"l": 56, "r": 12, "t": 8, "b": 40})
     return {"data": [{"type": "scatter", "mode": "markers", **trace}], "layout": drawn}
@@ -272,41 +256,19 @@ def _order_marker(rows: list[HistoryRow], summary: Summary, size: float) -> Figu
 
 def axis_title(axis: str) -> str:
     """Return "X, mm" or "C, °"."""
-    return plain(f"{axis}, {unit_text(axis_unit(axis))}")
-
-
-def space(summary: Summary) -> Figure | None:
-    """Return where the TCP stood in the workpiece frame, in three dimensions, or nothing where that is unknown."""
-    rows = [row for row in summary.history if row.tcp_mm is not None]
-    if not rows:
-        return None
-    x, y, z = (numbers([(row.tcp_mm or ())[i] for row in rows], "tcp_mm") for i in range(3))
-    marker = {**_order_marker(rows, summary, 4.5), "symbol": "circle", "opacity": 1}
-    hover = {"text": [_reading_text(row) for row in rows], **_SHOW_TEXT}
-    trace = {"type": "scatter3d", "mode": "markers", "x": x, "y": y, "z": z, "marker": marker, **hover}
-    axis = {"backgroundcolor": "rgba(0,0,0,0)", "gridcolor": "var(--grid)", "color": "var(--soft)", "zeroline": False}
-    scene: Figure = {f"{n}axis": {**axis, "title": {"text": f"{n}, mm"}, "tickfont": {"size": 10}} for n in "xyz"}
-    scene |= {"aspectmode": "data" if _is_solid(x, y, z) else "cube", "dragmode": "turntable"}
-    scene["camera"] = {"eye": {"x": 0.95, "y": -1.15, "z": 0.55}, "projection": {"type": "orthographic"}}
-    drawn = layout({}, {}, 540, margin={"l": 0, "r": 0, "t": 0, "b": 0}, scene=scene)
-    return {"data": [trace], "layout": drawn}
-
-
-def _is_solid(*coordinates: list[float]) -> bool:
-    spans = [max(values) - min(values) for values in coordinates]
-    return min(spans) > 0.1 * max(spans)
+    return f"{axis}, {unit_text(axis_unit(axis))}"
 
 
 def iso230(block: Iso230) -> Figure:
     """Return mean and mean ± 2 s of both directions at each target (ISO 230-2)."""
-    title = plain(f"deviation, {unit_text(block.value_unit)}")
+    title = f"deviation, {unit_text(block.value_unit)}"
     traces = [
         *_direction("up", block, block.mean_up, block.std_up, "var(--accent)", "var(--seen)"),
         *_direction("down", block, block.mean_down, block.std_down, "var(--truth)", "var(--truth-band)"),
     ]
-    x = axis_style(plain(f"{block.axis}, {unit_text(block.position_unit)}"))
+    x = axis_style(f"{block.axis}, {unit_text(block.position_unit)}")
     drawn = layout(x, axis_style(title), 300, margin={"l": 56, "r": 12, "t": 8, "b": 42})
-    return {"data": traces, "layout": drawn}
+    return {"data": traces, "layout": drawn, "wide": True}
 
 
 def _direction(
@@ -318,12 +280,12 @@ def _direction(
     target, middle = numbers(block.target, "targets"), numbers(mean, f"mean {name}", size)
     spread = numbers(std, f"std {name}", size)
     text = [
-        plain(f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}")
+        f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}"
         for t, m, s in zip(target, middle, spread, strict=True)
     ]
     marks = {"line": {"color": colour, "width": 1.8}, "marker": {"size": 5.5, "color": colour}}
     line = {"type": "scatter", "mode": "lines+markers", "x": target, "y": middle, "text": text, **marks}
-    return [band(target, middle, [2 * s for s in spread], fill), {**line, **_SHOW_TEXT}]
+    return [band(target, middle, [2 * s for s in spread], fill), {**line}]
 
 
 def band(position: list[float], middle: list[float], half: list[float], fill: str) -> Figure:
@@ -331,7 +293,7 @@ def band(position: list[float], middle: list[float], half: list[float], fill: st
     upper = [m + h for m, h in zip(middle, half, strict=True)]
     lower = [m - h for m, h in zip(middle, half, strict=True)]
     outline = {"x": position + position[::-1], "y": numbers(upper + lower[::-1], "a band")}
-    style = {"fill": "toself", "fillcolor": fill, "line": {"width": 0}, "mode": "lines", "hoverinfo": "skip"}
+    style = {"fill": "toself", "fillcolor": fill, "mode": "lines"}
     return {"type": "scatter", **outline, **style}
 
 

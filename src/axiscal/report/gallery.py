@@ -8,8 +8,9 @@ from itertools import groupby
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.report.digits import number, numbers
-from axiscal.report.figures import Figure, axis_style, band, finite_range, layout, plain
-from axiscal.report.sentences import axis_unit, coordinate, figure, quantity, unit_text
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import axis_style, band, finite_range, layout
+from axiscal.report.sentences import axis_unit, figure, quantity, unit_text
 from axiscal.report.summary import CurvePoint, CurveSummary
 
 _HEIGHT, _HEIGHT_ALONE = 210, 360
@@ -72,17 +73,13 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
         band(positions, mean, whole, "var(--whole)"),
         band(positions, mean, seen, "var(--seen)"),
         *_truth(curve),
-        _mean(curve, positions, mean, whole),
+        _mean(positions, mean),
         *_points(curve),
     ]
-    x = axis_style(
-        plain(f"{curve.axis}, {unit_text(curve.position_unit)}"), range=_span(positions), nticks=6, **_turns(curve)
-    )
-    y = axis_style(
-        plain(unit_text(curve.value_unit)), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)"
-    )
+    x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", range=_span(positions), nticks=6, **_turns(curve))
+    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
     ranges = {"shared": shared, "own": finite_range(_content(curve))}
-    return {"data": traces, "layout": layout(x, y, height), "ranges": ranges}
+    return {"data": traces, "layout": layout(x, y, height), "ranges": ranges, "wide": height == _HEIGHT_ALONE}
 
 
 def _span(positions: list[float]) -> list[float]:
@@ -96,39 +93,36 @@ def _turns(curve: CurveSummary) -> Figure:
     return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
 
 
-def _mean(curve: CurveSummary, positions: list[float], mean: list[float], whole: list[float]) -> Figure:
-    text = [
-        plain(f"{coordinate(x)} {unit_text(curve.position_unit)}: {figure(m)} ± {quantity(w, curve.value_unit)}")
-        for x, m, w in zip(positions, mean, whole, strict=True)
-    ]
-    style = {"line": {"color": "var(--accent)", "width": 1.8}, "hovertemplate": "%{text}<extra></extra>"}
-    return {"type": "scatter", "mode": "lines", "x": positions, "y": mean, "text": text, **style}
+def _mean(positions: list[float], mean: list[float]) -> Figure:
+    style = {"line": {"color": "var(--accent)", "width": 1.8}}
+    return {"type": "scatter", "mode": "lines", "x": positions, "y": mean, **style}
 
 
 def _truth(curve: CurveSummary) -> list[Figure]:
     if curve.truth is None:
         return []
     positions, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
-    style = {"line": {"color": "var(--truth)", "width": 1.6, "dash": "4px,3px"}, "hoverinfo": "skip"}
+    style = {"line": {"color": "var(--truth)", "width": 1.6, "dash": "4px,3px"}}
     return [{"type": "scatter", "mode": "lines", "x": positions, "y": value, **style}]
 
 
 def _points(curve: CurveSummary) -> list[Figure]:
-    kinds = (False, "circle", "var(--ink)"), (True, "x", "var(--alarm)")
+    kinds = (False, "circle", "var(--ink)"), (True, "circle-open", "var(--alarm)")
     chosen = (([p for p in curve.points if p.rejected is rejected], s, c) for rejected, s, c in kinds)
     return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
 
 
 def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
-    bars = {"type": "data", "array": [number(BAND * p.std, "std of a point") for p in points], "width": 0}
-    bars |= {"thickness": 1, "color": "var(--whisker)"}
+    bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
     text = [_point_text(point, curve.value_unit) for point in points]
     data = {"x": numbers([p.position for p in points], "points"), "y": numbers([p.value for p in points], "points")}
-    marker = {"color": colour, "size": 5.5, "symbol": symbol, "line": {"color": "var(--card)", "width": 0.6}}
-    style = {"type": "scatter", "mode": "markers", "marker": marker, "hovertemplate": "%{text}<extra></extra>"}
+    edge = colour if symbol == "circle-open" else "var(--card)"
+    marker = {"color": "var(--card)" if edge == colour else colour, "size": 5.0, "symbol": symbol, "round": True}
+    marker["line"] = {"color": edge, "width": 1.5 if edge == colour else 0.6}
+    style = {"type": "scatter", "mode": "markers", "marker": marker}
     return {**data, **style, "error_y": bars, "text": text}
 
 
 def _point_text(point: CurvePoint, unit: str) -> str:
     label = "" if point.reading is None else f"reading {point.reading}, "
-    return f"{label}{plain(point.setup)}<br>{plain(f'{figure(point.value)} ± {quantity(BAND * point.std, unit)}')}"
+    return f"{label}{point.setup}\n{f'{figure(point.value)} ± {quantity(BAND * point.std, unit)}'}"

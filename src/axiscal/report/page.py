@@ -7,7 +7,8 @@ import math
 from jinja2 import Environment
 
 from axiscal.report import figures, gallery, headline, plane_maps, sentences, whiskers
-from axiscal.report.standalone import Drawings, environment, inlined
+from axiscal.report.drawing.shown import shown
+from axiscal.report.standalone import environment, inlined
 from axiscal.report.summary import Summary
 
 _FILTERS = {
@@ -27,10 +28,10 @@ _GLYPHS = "●■◆▲✚✖▼⬟★⬢"
 
 def render(summary: Summary) -> str:
     """Return the report as one self-contained HTML page; raises SummaryError for figures that are not finite."""
-    drawn, known = Drawings(), math.inf if summary.withheld else 1.0
+    known = math.inf if summary.withheld else 1.0
     values = {
         "s": summary,
-        "draw": drawn.add,
+        "draw": shown,
         "groups": gallery.groups(summary.curves),
         "reversal_groups": gallery.groups(summary.reversals),
         "planes": plane_maps.panels(summary),
@@ -38,7 +39,6 @@ def render(summary: Summary) -> str:
         "accuracy": figures.accuracy(summary) if summary.history else None,
         "innovations": figures.innovations(summary),
         "places": figures.places(summary),
-        "space": figures.space(summary),
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
         "unseen": sentences.unseen_size(summary),
         "occasion": sentences.occasion(summary),
@@ -51,7 +51,7 @@ def render(summary: Summary) -> str:
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
         **inlined(),
     }
-    page = _environment().get_template("report.html").render(values, figures_json=drawn.json)
+    page = _environment().get_template("report.html").render(values)
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.report.digits import number, numbers
-from axiscal.report.figures import Figure, axis_style, layout, plain
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import axis_style, layout
 from axiscal.report.plane_summary import PlaneSummary
-from axiscal.report.sentences import coordinate, figure, unit_text
+from axiscal.report.sentences import unit_text
 from axiscal.report.summary import HistoryRow, Summary
 
 _HEIGHT = 290
@@ -54,32 +55,19 @@ def _map(plane: PlaneSummary, values: Grid, colours: Sequence[Sequence[object]],
     first, second = (numbers(at, f"position of {plane.name}") for at in plane.position)
     heights = [numbers(row, f"map of {plane.name}", len(first)) for row in zip(*values, strict=True)]
     largest = number(max(abs(value) for row in heights for value in row) or 1.0, plane.name)
-    text = [[_text(plane, x, y, value) for x, value in zip(first, row, strict=True)]
-            for y, row in zip(second, heights, strict=True)]  # fmt: skip
     trace = {
         "type": "heatmap",
         "x": first,
         "y": second,
         "z": heights,
-        "text": text,
-        "hovertemplate": "%{text}<extra></extra>",
         "colorscale": colours,
         "zmin": -largest if both else 0.0,
         "zmax": largest,
-        "zsmooth": "best",
-        "colorbar": {"thickness": 9, "outlinewidth": 0, "tickfont": {"size": 10}, "nticks": 6},
+        "colorbar": True,
     }
-    x, y = (axis_style(plain(f"{axis}, {unit_text(unit)}"), nticks=6, showgrid=False, range=[at[0], at[-1]])
+    x, y = (axis_style(f"{axis}, {unit_text(unit)}", nticks=6, showgrid=False, range=[at[0], at[-1]])
             for axis, unit, at in zip(plane.axes, plane.position_unit, (first, second), strict=True))  # fmt: skip
     return {"data": [trace], "layout": layout(x, y, _HEIGHT, margin={"l": 46, "r": 8, "t": 8, "b": 42})}
-
-
-def _text(plane: PlaneSummary, x: float, y: float, value: float) -> str:
-    at = ", ".join(
-        f"{axis} {coordinate(place)} {unit_text(unit)}"
-        for axis, place, unit in zip(plane.axes, (x, y), plane.position_unit, strict=True)
-    )
-    return plain(f"{at}: {figure(value)} {unit_text(plane.value_unit)}")
 
 
 def _places(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> Figure:
@@ -89,4 +77,4 @@ def _places(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> Figure:
     at = {name: numbers([position[axis] for position in read], axis)
           for name, axis in (("x", first), ("y", second))}  # fmt: skip
     marker = {"size": 4, "color": "#1c1b18", "line": {"color": "#f4f1e8", "width": 0.8}}
-    return {"type": "scatter", "mode": "markers", **at, "marker": marker, "hoverinfo": "skip", "cliponaxis": False}
+    return {"type": "scatter", "mode": "markers", **at, "marker": marker, "cliponaxis": False}

@@ -15,12 +15,14 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import place_text
 from axiscal.numerics import Array
 from axiscal.report.digits import numbers
-from axiscal.report.figures import SYMBOLS, Figure, axis_style, layout, plain
-from axiscal.report.standalone import Drawings, environment, inlined
+from axiscal.report.drawing.shown import shown
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import SYMBOLS, axis_style, layout
+from axiscal.report.standalone import environment, inlined
 from axiscal.units import to_unit
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173")
-_HEIGHT = 400
+_HEIGHT, _WIDTH = 400, 520
 """Pixels; a matter of taste."""
 _CIRCLE = np.linspace(0.0, math.tau, 73)
 """Mathematics: a circle drawn every five degrees."""
@@ -40,11 +42,11 @@ _VIEWS = (View(0, 1, "from above"), View(0, 2, "from the front"))
 
 def render(title: str, campaign: CampaignDescription, places: Sequence[Place]) -> str:
     """Return the page as self-contained HTML.  places : in the order in which they are read"""
-    drawn = Drawings()
     pictures = [
-        {"title": f"{frame}, {view.name}", "number": drawn.add(picture(campaign, places, view))}
+        {"title": title, "svg": shown(picture(campaign, places, view), title)}
         for frame, picture in (("On the workpiece", on_workpiece), ("In the machine", in_machine))
         for view in _VIEWS
+        for title in (f"{frame}, {view.name}",)
     ]
     used = list(dict.fromkeys(place.setup for place in places))
     legend = [
@@ -54,7 +56,7 @@ def render(title: str, campaign: CampaignDescription, places: Sequence[Place]) -
     text: str = (
         environment("axiscal.report")
         .get_template("room.html")
-        .render(title=title, pictures=pictures, legend=legend, figures_json=drawn.json, **inlined())
+        .render(title=title, pictures=pictures, legend=legend, **inlined())
     )
     return text
 
@@ -88,14 +90,13 @@ def in_machine(campaign: CampaignDescription, places: Sequence[Place], view: Vie
 def _readings(machine: Machine, places: Sequence[Place], at: Array, view: View) -> Iterator[Figure]:
     """Yield the way in order, and the readings of each set-up."""
     x, y = (_mm(at[:, way]) for way in (view.right, view.up))
-    yield {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": {"color": "var(--rule)", "width": 1}} | _QUIET
+    yield {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": {"color": "var(--rule)", "width": 1}, "name": ""}
     for k, name in enumerate(dict.fromkeys(place.setup for place in places)):
         mine = [number for number, place in enumerate(places) if place.setup == name]
-        said = [f"reading {n + 1}, {plain(name)}<br>{plain(place_text(machine.axes, places[n].pose))}" for n in mine]
+        said = [f"reading {n + 1}, {name}\n{place_text(machine.axes, places[n].pose)}" for n in mine]
         marker = {"color": colour(k), "symbol": SYMBOLS[k % len(SYMBOLS)], "size": 7}
         points = {"x": [x[n] for n in mine], "y": [y[n] for n in mine], "text": said}
-        show = {"hovertemplate": "%{text}<extra></extra>", "name": plain(name)}
-        yield {"type": "scatter", "mode": "markers", "marker": marker, **points, **show}
+        yield {"type": "scatter", "mode": "markers", "marker": marker, **points, "name": name}
 
 
 def _part(campaign: CampaignDescription, view: View) -> Iterator[Figure]:
@@ -120,10 +121,10 @@ def _kept_out(campaign: CampaignDescription, view: View) -> Iterator[Figure]:
 def _balls(campaign: CampaignDescription, view: View) -> Iterator[Figure]:
     for artefact in {setup.artefact.name: setup.artefact for setup in campaign.setups if setup.artefact}.values():
         x, y = (_mm(artefact.points[:, way]) for way in (view.right, view.up))
-        names = [plain(ball.name) for ball in artefact.balls]
+        names = [ball.name for ball in artefact.balls]
         marker = {"symbol": "circle-open", "size": 20, "color": "var(--ink)", "line": {"width": 2}}
-        shown = {"mode": "markers+text", "textposition": "top center", "name": plain(artefact.name)}
-        yield {"type": "scatter", "x": x, "y": y, "text": names, "marker": marker, "hoverinfo": "skip", **shown}
+        named = {"mode": "markers+text", "name": artefact.name}
+        yield {"type": "scatter", "x": x, "y": y, "text": names, "marker": marker, "hoverinfo": "skip", **named}
 
 
 def _outline(right: Array, up: Array, name: str, shade: str) -> Figure:
@@ -132,18 +133,15 @@ def _outline(right: Array, up: Array, name: str, shade: str) -> Figure:
 
 def _closed(x: list[float], y: list[float], name: str, shade: str) -> Figure:
     line = {"color": shade, "width": 1.5, "dash": "dot"}
-    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line, "name": name, "hoverinfo": "skip"}
+    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line, "name": name}
 
 
 def _mm(values: Array) -> list[float]:
     return [float(value) for value in numbers([to_unit(float(v), "mm") for v in values], "places of a plan")]
 
 
-_QUIET: Figure = {"hoverinfo": "skip", "name": ""}
-
-
 def _figure(traces: list[Figure], view: View, names: str) -> Figure:
     x = axis_style(f"{names[view.right]}, mm")
     y = axis_style(f"{names[view.up]}, mm", scaleanchor="x", scaleratio=1)
     margin = {"l": 52, "r": 12, "t": 12, "b": 44}
-    return {"data": traces, "layout": layout(x, y, _HEIGHT, margin=margin, hovermode="closest")}
+    return {"data": traces, "layout": layout(x, y, _HEIGHT, margin=margin, width=_WIDTH)}

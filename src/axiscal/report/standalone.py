@@ -1,10 +1,9 @@
-"""What every page of ours carries inside itself: figures, scripts and styles. It asks the network for nothing."""
+"""What every page of ours carries inside itself: scripts and styles. It asks the network for nothing."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import json
 from collections.abc import Iterable
 from functools import cache
 from importlib import resources
@@ -12,8 +11,6 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-
-from axiscal.report.figures import Figure
 
 
 def environment(package: str) -> Environment:
@@ -32,30 +29,8 @@ def environment(package: str) -> Environment:
 
 def inlined() -> dict[str, Any]:
     """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
-    scripts = [_plotly(), _static("report.js")]
+    scripts = [_static("report.js")]
     return {"css": Markup(_static("report.css")), "scripts": [Markup(s) for s in scripts], "policy": policy(scripts)}
-
-
-class Drawings:
-    """The figures of a page in the order in which the template places them."""
-
-    def __init__(self) -> None:
-        self._figures: list[Figure] = []
-
-    def add(self, figure: Figure) -> int:
-        """Take a figure and return the number under which the page finds it."""
-        self._figures.append(figure)
-        return len(self._figures) - 1
-
-    def json(self) -> Markup:
-        """Return all figures taken so far as JSON that is safe inside a script element."""
-        return script_json(self._figures)
-
-
-def script_json(value: Any) -> Markup:
-    """Return JSON without any character that could end a script element or a line of script."""
-    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
 def policy(scripts: Iterable[str]) -> str:
@@ -70,12 +45,6 @@ def policy(scripts: Iterable[str]) -> str:
 @cache
 def _hash(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-
-
-@cache
-def _plotly() -> str:
-    source = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
-    return source.replace("\r\n", "\n")  # as the HTML parser will, or the hash would not fit
 
 
 def _static(name: str) -> str:

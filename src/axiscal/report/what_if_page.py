@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 from axiscal.planning.what_if import PLANNED, TRADITIONAL, Alternative
 from axiscal.report.digits import numbers
-from axiscal.report.figures import Figure, axis_style, layout, plain
-from axiscal.report.standalone import Drawings, environment, inlined
+from axiscal.report.drawing.shown import shown
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import axis_style, layout
+from axiscal.report.standalone import environment, inlined
 from axiscal.units import to_unit
 
 _COLOURS = ("#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173", "#637939")
@@ -16,16 +18,15 @@ _OURS = "var(--accent)"
 
 def render(title: str, found: Sequence[Alternative], questions: Sequence[str] = ()) -> str:
     """Return the page as self-contained HTML.  questions : what the descriptions leave open"""
-    drawn = Drawings()
-    number = drawn.add(figure(found))
     rows = [
         {"colour": colour(i, each), "dashed": each.name == TRADITIONAL, **table_row(each)}
         for i, each in enumerate(found)
     ]
+    drawn = shown(figure(found), "Accuracy against minutes for each way to measure")
     text: str = (
         environment("axiscal.report")
         .get_template("what_if.html")
-        .render(title=title, questions=questions, rows=rows, figure=number, figures_json=drawn.json, **inlined())
+        .render(title=title, questions=questions, rows=rows, picture=drawn, **inlined())
     )
     return text
 
@@ -33,11 +34,12 @@ def render(title: str, found: Sequence[Alternative], questions: Sequence[str] = 
 def figure(found: Sequence[Alternative]) -> Figure:
     """Return RMS against minutes of machine time, a line for each way."""
     drawn = [draw(each, colour(i, each)) for draw in (_trace, _end) for i, each in enumerate(found)]
-    y = axis_style("TCP standard deviation, RMS, µm", type="log", dtick="D2", tickformat="~r")
+    y = axis_style("TCP standard deviation, RMS, µm", type="log")
     x = axis_style("minutes of machine time", rangemode="tozero")
     return {
         "data": sorted(drawn, key=lambda trace: trace["line" if "line" in trace else "marker"]["color"] == _OURS),
-        "layout": layout(x, y, 420, margin={"l": 56, "r": 16, "t": 10, "b": 46}, hovermode="closest"),
+        "layout": layout(x, y, 420, margin={"l": 56, "r": 16, "t": 10, "b": 46}),
+        "wide": True,
     }
 
 
@@ -60,25 +62,23 @@ def table_row(each: Alternative) -> dict[str, str | int]:
     }
 
 
-def _trace(each: Alternative, shown: str) -> Figure:
+def _trace(each: Alternative, hue: str) -> Figure:
     minutes = numbers([to_unit(s, "min") for s in each.seconds], each.name)
     rms = numbers([to_unit(r, "um") for r in each.rms], each.name)
     width, dash = (3, "solid") if each.name == PLANNED else (1.8, "dash" if each.name == TRADITIONAL else "solid")
-    hover = f"{plain(each.name)}<br>" + "%{y:.3g} µm after %{x:.1f} min, %{pointNumber} readings"
-    line = {"color": shown, "width": width, "dash": dash}
+    line = {"color": hue, "width": width, "dash": dash}
     return {
         "type": "scatter",
         "mode": "lines",
         "x": minutes,
         "y": rms,
         "line": line,
-        "hovertemplate": hover,
         "name": "",
     }
 
 
-def _end(each: Alternative, shown: str) -> Figure:
+def _end(each: Alternative, hue: str) -> Figure:
     """Return the dot where a way ends."""
     x, y = to_unit(each.seconds[-1], "min"), to_unit(each.rms[-1], "um")
-    marker = {"color": shown, "size": 9 if each.name == PLANNED else 7}
-    return {"type": "scatter", "mode": "markers", "x": [x], "y": [y], "marker": marker, "hoverinfo": "skip", "name": ""}
+    marker = {"color": hue, "size": 9 if each.name == PLANNED else 7}
+    return {"type": "scatter", "mode": "markers", "x": [x], "y": [y], "marker": marker}

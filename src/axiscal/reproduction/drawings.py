@@ -1,4 +1,4 @@
-"""The paper's figures 4, 5 and 7, and one it does not have, as plain dicts for plotly.js."""
+"""The paper's figures 4, 5 and 7, and one it does not have, as plain dicts that become SVG."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from axiscal.accuracy.expanded import BAND
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorFunction
 from axiscal.numerics import Array
-from axiscal.report.figures import Figure, axis_style, band, layout
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import axis_style, band, layout
 from axiscal.reproduction.experiment import SHOWN_SINGLE, SHOWN_STACKED, Experiment, Simulated
 from axiscal.reproduction.stack import UNIT, GreedyPlan
 
@@ -52,7 +53,7 @@ def _curve(
         _control_points(basis.knots, belief.mean[columns]),
         _readings(plan, shown, readings, function, span[0]),
     ]
-    x = axis_style(f"t<sub>{function.axis + 1}</sub>" if len(plan.stack.machine.axes) > 1 else "t", dtick=2)
+    x = axis_style(f"t{'₁₂₃'[function.axis]}" if len(plan.stack.machine.axes) > 1 else "t", dtick=2)
     y = axis_style("S(t)", range=list(span), dtick=1)
     return {"data": traces, "layout": layout(x, y, 290, margin=_MARGIN)}
 
@@ -62,8 +63,7 @@ def _estimate(t: Array, belief: Belief, rows: Array) -> list[Figure]:
     x, middle, half = (t / UNIT).tolist(), (mean / UNIT).tolist(), (std / UNIT).tolist()
     edges = [[m + sign * s for m, s in zip(middle, half, strict=True)] for sign in (1, -1)]
     dashed = [
-        {**_scatter(x, edge), "line": {"color": "var(--accent)", "width": 1, "dash": "4px,3px"}, "hoverinfo": "skip"}
-        for edge in edges
+        {**_scatter(x, edge), "line": {"color": "var(--accent)", "width": 1, "dash": "4px,3px"}} for edge in edges
     ]
     return [
         band(x, middle, half, "var(--whole)"),
@@ -73,7 +73,7 @@ def _estimate(t: Array, belief: Belief, rows: Array) -> list[Figure]:
 
 
 def _line(t: Array, values: Array, colour: str, width: float, name: str) -> Figure:
-    style = {"line": {"color": colour, "width": width}, "hovertemplate": name + " %{y:.3f} at %{x:.2f}<extra></extra>"}
+    style = {"line": {"color": colour, "width": width}}
     return {**_scatter((t / UNIT).tolist(), (values / UNIT).tolist()), **style}
 
 
@@ -84,7 +84,7 @@ def _scatter(x: Sequence[float], y: Sequence[float], mode: str = "lines") -> Fig
 def _control_points(knots: Array, values: Array) -> Figure:
     marker = {"symbol": "square-open", "size": 7, "color": "var(--accent)", "line": {"width": 1.6}}
     points = _scatter((knots / UNIT).tolist(), (values / UNIT).tolist(), "markers")
-    return {**points, "marker": marker, "cliponaxis": False, "hovertemplate": "control point %{y:.3f}<extra></extra>"}
+    return {**points, "marker": marker, "cliponaxis": False}
 
 
 def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: ErrorFunction, floor: float) -> Figure:
@@ -92,11 +92,10 @@ def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: Error
     x = plan.positions[:readings, function.axis].tolist()
     marker = {"size": 7, "color": "var(--ink)", "line": {"color": "var(--card)", "width": 0.8}}
     common = {"marker": marker, "cliponaxis": False, "text": [f"reading {k + 1}" for k in range(readings)]}
-    common |= {"hovertemplate": "%{text} at %{x:.4f}<extra></extra>"}
     if len(plan.stack.machine.axes) > 1:
         marker |= {"symbol": "circle-open", "line": {"color": "var(--ink)", "width": 1.4}}
         return {**_scatter(x, [floor + 0.22] * readings, "markers"), **common}
-    bars = {"type": "data", "array": [plan.stack.std] * readings, "width": 0, "thickness": 1.2, "color": "var(--ink)"}
+    bars = {"array": [plan.stack.std] * readings, "thickness": 1.2, "color": "var(--ink)"}
     values = [_value(shown.beliefs[k], shown.beliefs[k + 1], row) for k, row in enumerate(plan.rows[:readings])]
     return {**_scatter(x, values, "markers"), **common, "error_y": bars}
 
@@ -111,13 +110,13 @@ def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:
     variances, errors = experiment.single.overall_variances, experiment.squared_errors
     steps = list(range(len(variances)))
     mean, std = errors.mean(axis=0), errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
-    whiskers = {"type": "data", "array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4, "width": 5}
+    whiskers = {"array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4}
     traces = [
         _points(steps, variances, "overall variance J", "var(--truth)", "lines", width=2.6),
         _points(steps, experiment.spline_errors.tolist(), "the spline of figure 4", "var(--soft)", "lines", dash="dot"),
         {**_points(steps, mean.tolist(), "mean squared error", "var(--accent)", "markers"), "error_y": whiskers},
     ]
-    scale: dict[str, Any] = {"type": "log", "dtick": "D2"} if logarithmic else {"rangemode": "tozero"}
+    scale: dict[str, Any] = {"type": "log"} if logarithmic else {"rangemode": "tozero"}
     title = "variance × length" + (", logarithmic" if logarithmic else "")
     drawn = layout(axis_style("readings", dtick=1), axis_style(title, **scale), 330, margin={**_MARGIN, "l": 54})
     return {"data": traces, "layout": {**drawn, "shapes": [{**_KNEE, "x0": 7, "x1": 7}]}}
@@ -125,7 +124,7 @@ def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:
 
 def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode: str, **line: Any) -> Figure:
     style = {"line": {"color": colour, **line}, "marker": {"color": colour, "size": 7, "symbol": "square"}}
-    return {**_scatter(x, y, mode), **style, "hovertemplate": name + " %{y:.4f}<extra></extra>"}
+    return {**_scatter(x, y, mode), **style}
 
 
 def both_criteria(experiment: Experiment) -> list[Figure]:
@@ -148,7 +147,7 @@ def _pair(lines: list[list[float]], title: str, shapes: list[Figure]) -> Figure:
         _points(steps, lines[0], "chosen under joint", "var(--truth)", "lines", width=2.6),
         _points(steps, lines[1], "chosen under volume", "var(--accent)", "markers"),
     ]
-    y = axis_style(title, type="log", dtick="D2", tickformat="~r", range=[-2.05, 0.35])
+    y = axis_style(title, type="log", range=[-2.05, 0.35])
     drawn = layout(axis_style("readings", dtick=3), y, 330, margin={**_MARGIN, "l": 54})
     return {"data": traces, "layout": {**drawn, "shapes": [*shapes, {**_KNEE, "x0": 19, "x1": 19}]}}
 
@@ -163,10 +162,8 @@ def confounded(experiment: Experiment, readings: int) -> list[Figure]:
     one = np.zeros_like(height)
     one[:, functions[0].columns] = height[:, functions[0].columns]
     return [
-        _bare(t, belief, one, shown.truth, "S<sub>1</sub>(t)", "t"),
-        _bare(
-            t, belief, height, shown.truth, "S<sub>1</sub>(t) + S<sub>2</sub>(t) + S<sub>3</sub>(t)", "t, all joints"
-        ),
+        _bare(t, belief, one, shown.truth, "S₁(t)", "t"),
+        _bare(t, belief, height, shown.truth, "S₁(t) + S₂(t) + S₃(t)", "t, all joints"),
     ]
 
 

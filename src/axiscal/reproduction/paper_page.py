@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from axiscal.report.standalone import Drawings, environment, inlined
+from axiscal.report.drawing.shown import shown
+from axiscal.report.standalone import environment, inlined
 from axiscal.reproduction import drawings as figures
 from axiscal.reproduction.experiment import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, Experiment
 
 
 def render(experiment: Experiment) -> str:
     """Return the page as self-contained HTML."""
-    drawn = Drawings()
     values = {
-        "draw": drawn.add,
+        "draw": shown,
         "single": list(zip(SHOWN_SINGLE, figures.single_spline(experiment), strict=True)),
         "decrease": [figures.decrease(experiment, logarithmic=logarithmic) for logarithmic in (False, True)],
         "stacked": list(zip(SHOWN_STACKED, figures.stacked(experiment), strict=True)),
@@ -31,7 +31,5 @@ def render(experiment: Experiment) -> str:
         "errors": experiment.squared_errors.mean(axis=0).tolist(),
         **inlined(),
     }
-    page: str = (
-        environment("axiscal.reproduction").get_template("reproduce.html").render(values, figures_json=drawn.json)
-    )
+    page: str = environment("axiscal.reproduction").get_template("reproduce.html").render(values)
     return page

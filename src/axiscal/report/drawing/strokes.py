@@ -1,0 +1,131 @@
+"""Elements of SVG as text: lines through points with as few of them as the eye needs, marks, escaped words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+Point = tuple[float, float]
+
+_STRAIGHT = 0.12
+"""Pixels by which a point that is left out may lie off the line: nobody sees it."""
+DASHES = {"dot": "1.5,3", "dash": "6,4", "solid": ""}
+
+
+def text_safe(text: str) -> str:
+    """Return text for the inside of an element or an attribute; what XML cannot hold becomes a question mark."""
+    kept = "".join(each if _is_xml(ord(each)) else "?" for each in text)
+    return escape(kept, quote=True)
+
+
+def _is_xml(code: int) -> bool:
+    return code in (0x9, 0xA, 0xD) or 0x20 <= code < 0xD800 or 0xE000 <= code < 0xFFFE or code > 0xFFFF
+
+
+def short_number(value: float) -> str:
+    """Return a number of pixels to a tenth."""
+    text = f"{value:.1f}"
+    return ("0" if text == "-0.0" else text).removesuffix(".0")
+
+
+def way(points: Sequence[Point], closed: bool = False) -> str:
+    """Return the `d` of a line through points, in steps from one to the next."""
+    kept = simplified(points)
+    if not kept:
+        return ""
+    at = (round(kept[0][0], 1), round(kept[0][1], 1))
+    parts = [f"M{short_number(at[0])} {short_number(at[1])}"]
+    for x, y in kept[1:]:
+        to = (round(x, 1), round(y, 1))
+        across, down = short_number(to[0] - at[0]), short_number(to[1] - at[1])
+        parts.append(f"l{across}{down if down.startswith('-') else ' ' + down}")
+        at = to
+    return "".join(parts) + ("z" if closed else "")
+
+
+def simplified(points: Sequence[Point]) -> list[Point]:
+    """Return points without those that lie on the line between the ones that are kept (Douglas and Peucker)."""
+    if len(points) < 3:
+        return list(points)
+    keep, open_spans = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while open_spans:
+        first, last = open_spans.pop()
+        off, far = max(((_distance(points[i], points[first], points[last]), i) for i in range(first + 1, last)),
+                       default=(0.0, first))  # fmt: skip
+        if off > _STRAIGHT:
+            keep.add(far)
+            open_spans += [(first, far), (far, last)]
+    return [points[index] for index in sorted(keep)]
+
+
+def _distance(point: Point, start: Point, end: Point) -> float:
+    along = (end[0] - start[0], end[1] - start[1])
+    length = math.hypot(*along)
+    from_start = (point[0] - start[0], point[1] - start[1])
+    if length == 0:
+        return math.hypot(*from_start)
+    return abs(along[0] * from_start[1] - along[1] * from_start[0]) / length
+
+
+def line(d: str, colour: str, width: float, dash: str = "") -> str:
+    """Return a line that keeps its width whatever its group is stretched by."""
+    dashed = DASHES.get(dash, dash.replace("px", ""))
+    more = f' stroke-dasharray="{dashed}"' if dashed else ""
+    return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="{width:g}"{more}/>' if d else ""
+
+
+def dots(points: Sequence[Point], colour: str, size: float) -> str:
+    """Return round dots as one line of no length with round ends: they stay round when their group is stretched."""
+    d = "".join(dict.fromkeys(f"M{short_number(x)} {short_number(y)}h0" for x, y in points))
+    return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="{size:g}" stroke-linecap="round"/>' if d else ""
+
+
+_CORNERS = {
+    "square": (4, 45.0, 1.15),
+    "diamond": (4, 0.0, 1.2),
+    "triangle-up": (3, -90.0, 1.25),
+    "triangle-down": (3, 90.0, 1.25),
+    "pentagon": (5, -90.0, 1.1),
+    "hexagon": (6, 0.0, 1.1),
+}
+"""Symbol -> corners, angle of the first in degrees, and how much larger than a circle it is to look as large."""
+
+
+def mark(symbol: str, at: Point, size: float, colour: str, edge: str, width: float) -> str:
+    """Return one mark.  size : its diameter; edge, width : of its outline"""
+    base, hollow = symbol.removesuffix("-open"), symbol.endswith("-open")
+    outline = f' stroke="{colour if hollow else edge}" stroke-width="{width:g}"' if width else ""
+    fill = f'fill="{"none" if hollow else colour}"{outline}'
+    half = size / 2
+    if base == "circle":
+        return f'<circle cx="{short_number(at[0])}" cy="{short_number(at[1])}" r="{short_number(half)}" {fill}/>'
+    if base in ("x", "cross"):
+        arms = ((half, half), (half, -half)) if base == "x" else ((half, 0.0), (0.0, half))
+        d = "".join(f"M{short_number(at[0] - x)} {short_number(at[1] - y)}l{short_number(2 * x)} {short_number(2 * y)}"
+                    for x, y in arms)  # fmt: skip
+        return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="2"/>'
+    return f'<path d="{_polygon(base, at, half)}" {fill}/>'
+
+
+def _polygon(symbol: str, at: Point, half: float) -> str:
+    if symbol == "star":
+        turns = [(-90.0 + 36 * k, half * (1.3 if k % 2 == 0 else 0.55)) for k in range(10)]
+    else:
+        count, first, larger = _CORNERS[symbol]
+        turns = [(first + 360 * k / count, half * larger) for k in range(count)]
+    corners = [(at[0] + radius * math.cos(math.radians(turn)), at[1] + radius * math.sin(math.radians(turn)))
+               for turn, radius in turns]  # fmt: skip
+    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners) + "z"
+
+
+def words(text: str, at: Point, size: float, colour: str, anchor: str = "start", more: str = "") -> str:
+    """Return a line of text.  anchor : start, middle or end"""
+    place = f'x="{short_number(at[0])}" y="{short_number(at[1])}"'
+    where = "" if anchor == "start" else f' text-anchor="{anchor}"'
+    return f'<text {place} font-size="{size:g}" fill="{colour}"{where}{more}>{text_safe(text)}</text>'
+
+
+def title(text: str) -> str:
+    """Return what a pointer over the element shows."""
+    return f"<title>{text_safe(text)}</title>"
