@@ -16,7 +16,7 @@ help:
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; MACHINES=8 of each attack)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
@@ -62,7 +62,8 @@ docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.result
 
 trust: .venv/dev.stamp
-	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART)) $(if $(MACHINES),--attacked $(MACHINES))
+	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART)) $(if $(MACHINES),--attacked $(MACHINES)) \
+		$(if $(MINUTES),--minutes $(MINUTES)) $(if $(PROCESSES),--processes $(PROCESSES))
 
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))

@@ -1,12 +1,28 @@
-"""The attack table: what is put in shows in the truth, and its figures are those of the estimate."""
+"""The attack table: what is put in shows in the truth, figures are those of the estimate, and it goes on later."""
 
 from __future__ import annotations
 
-import pytest
+from pathlib import Path
 
-from benchmarks.trust.attacks import ATTACKS, Outcome, attack_rows, outcome
+import numpy as np
+import pytest
+from scipy import stats
+
+from benchmarks.trust import attack_table
+from benchmarks.trust.attack_table import CELLS, FIRST, Kept, Trial, attack_rows, attacked, goal_lines, limits
+from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
+
+
+def filled(path: Path, machines: int, word: str = "holds", ratio: float = 1.0) -> Kept:
+    """Return outcomes of so many machines in every cell."""
+    kept = Kept(path)
+    for index in range(machines):
+        for number in range(len(ATTACKS)):
+            for cell in CELLS:
+                kept.keep(Trial(number, *cell, FIRST + index), Outcome(ratio, 0.95, word))
+    return kept
 
 
 def test_there_are_at_least_sixteen_ways_of_being_wrong() -> None:
@@ -27,12 +43,72 @@ def test_what_is_in_another_unit_is_refused_and_a_turned_sign_is_not_seen() -> N
     assert turned.inside < 0.5
 
 
+def test_another_tool_is_no_error_of_five_axes_and_another_pivot_is() -> None:
+    none, tool, pivot = (BY_WORDS[f"five axes: {words}"] for words in ("nothing", "tool 50 µm too long", PIVOT))
+    right, longer, aside = (outcome(each, "even", "stated", 3) for each in (none, tool, pivot))
+    assert right.ratio < 1.5
+    assert longer.ratio > 2 * right.ratio  # stated to 5 um, it is ten times as far off
+    assert aside.ratio < 1.5  # what the prior of the axis line holds, the estimate finds
+
+
+PIVOT = "pivot of B 50 µm aside"
+
+
 def test_a_failure_is_silent_where_the_verdict_holds_and_the_truth_is_far_worse() -> None:
     assert Outcome(1.6, 0.5, "holds").silent
     assert not Outcome(1.6, 0.5, "unchecked").silent
     assert not Outcome(1.4, 0.9, "holds").silent
 
 
-def test_a_row_has_a_cell_for_each_of_places_and_priors() -> None:
-    row = next(row for row in attack_rows(1) if row.startswith("| nothing"))
-    assert row.count("|") == 8
+def test_a_row_has_a_cell_for_each_of_places_and_priors(tmp_path: Path) -> None:
+    rows = list(attack_rows(filled(tmp_path / "kept.jsonl", 2), 2))
+    assert len(rows) == len(ATTACKS)
+    assert all(row.count("|") == 8 for row in rows)
+    assert "1.0, 95%, 100%, **0%** (0%–84%)" in rows[0]  # (1 - 0.025^(1/2)), of none in two
+
+
+def test_the_limits_of_a_share_are_those_of_clopper_and_pearson() -> None:
+    low, high = limits(3, 40)
+    assert low == pytest.approx(stats.beta.ppf(0.025, 3, 38))
+    assert high == pytest.approx(stats.beta.ppf(0.975, 4, 37))
+
+
+def test_cells_beyond_the_goal_are_named(tmp_path: Path) -> None:
+    few, many = (" ".join(goal_lines(filled(tmp_path / f"{ratio}", 3, ratio=ratio), 3)) for ratio in (1.0, 2.0))
+    assert "More than that" not in few
+    assert "nothing (planned, stated) 100%" in many
+
+
+def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
+    path, tried = tmp_path / "kept.jsonl", []
+
+    def counted(attack: object, places: str, scales: str, seed: int) -> Outcome:
+        tried.append((places, scales, seed))
+        return Outcome(1.0, 0.95, "holds")
+
+    monkeypatch.setattr(attack_table, "outcome", counted)
+    monkeypatch.setattr(attack_table, "Pool", Here)
+    assert attacked(Kept(path), 2, 1, np.inf) == 2
+    path.write_text(path.read_text()[:-20])  # the last line was being written
+    assert attacked(Kept(path), 2, 1, np.inf) == 2
+    assert attacked(Kept(path), 3, 1, np.inf) == 3
+    assert len(tried) == 3 * len(CELLS) + 1
+    assert attacked(Kept(tmp_path / "other"), 2, 1, 0.0) == 0
+
+
+class Here:
+    """A pool that works here."""
+
+    def __init__(self, _processes: int) -> None:
+        self.imap_unordered = map
+
+    def __enter__(self) -> Here:
+        """Begin."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End."""
+
+    def terminate(self) -> None:
+        """Stop."""
