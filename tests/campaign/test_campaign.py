@@ -12,8 +12,9 @@ from typing import Protocol
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH, Ended
+from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimate import estimated

@@ -18,6 +18,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
 from tests.generators.texts import FOUR_READINGS
 
+STANDS = "Enter when it stands, or ? > "
 PATIENCE = 60.0
 """s: for a prompt to come on a busy computer."""
 
@@ -32,7 +33,7 @@ class Terminal:
             os.chdir(folder)
             signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
             words = [sys.executable, "-m", "axiscal.cli", "measure", *arguments]
-            os.execvpe(sys.executable, words, {**os.environ, "TERM": "dumb"})
+            os.execvpe(sys.executable, words, {**os.environ, "TERM": "dumb", "AXISCAL_LANGUAGE": "en"})
 
     def until(self, prompt: str) -> str:
         """Return what came on the screen up to and with a prompt since the last one."""
@@ -75,8 +76,8 @@ def kept(folder: Path) -> list[float]:
 
 def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal = Terminal(folder)
-    shown = terminal.until("Enter when it stands, or pause > ")
-    assert 'Set-up "laser": mount the interferometer, which reads along x, while X moves' in shown
+    shown = terminal.until(STANDS)
+    assert 'Set-up "laser": mount the instrument (interferometer); it reads along x, while X moves' in shown
     terminal.type("")
     shown = terminal.until("reading [um] > ")
     assert "reading 1 of 4" in shown
@@ -96,14 +97,91 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     for value in ("0.4", "1.1", "0.2"):
         terminal.type(value)
         shown = terminal.until("kept reading ")
-    assert "axiscal finish mill.axiscal --out DIR" in terminal.until("--out DIR")
+    assert "Done: 4 readings taken" in terminal.until("note or pause > ")
+    terminal.type("note it was 21.4 °C")
+    terminal.until("note or pause > ")
+    terminal.type("undo")
+    assert "Took back reading 4" in terminal.until("reading [um] > ")
+    terminal.type("0.2")
+    terminal.until("note or pause > ")
+    terminal.type("")
+    assert "mill-results/report.html" in terminal.until("result.json")
     assert terminal.ended() == 0
     assert kept(folder) == [-1.7, 0.4, 1.1, 0.2]
+    assert (folder / "mill-results" / "report.html").is_file()
+    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
+        assert [note.text for note in campaign.state.notes] == ["it was 21.4 °C"]
+
+
+TWO_SETUPS = (
+    FOUR_READINGS
+    + """
+[[setups]]
+name = "bar"
+instrument = "indicator"
+direction = "x"
+noise = "1 um"
+"""
+)
+
+
+def test_a_set_up_is_left_and_the_plan_goes_on_without_it(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text(TWO_SETUPS)
+    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
+    subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
+    terminal = Terminal(tmp_path)
+    first = re.findall(r'Set-up "(\w+)"', terminal.until(STANDS))[0]
+    terminal.type("leave the beam is lost")
+    other = re.findall(r'Set-up "(\w+)"', terminal.until(STANDS))[0]
+    assert {first, other} == {"laser", "bar"}
+    terminal.type("undo")
+    assert f'Set-up "{first}"' in terminal.until(STANDS)
+    terminal.type("leave no")
+    terminal.until(STANDS)
+    terminal.type("leave nor this one")
+    assert "Done: nothing is left to measure" in terminal.until("note or pause > ")
+    terminal.type("pause")
+    assert terminal.ended() == 0
+    with Campaign.open(tmp_path / "mill.axiscal", write=False) as campaign:
+        assert [(gap.reason, gap.whole) for gap in campaign.state.skipped] == [("no", True), ("nor this one", True)]
+
+
+def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) -> None:
+    terminal = Terminal(folder)
+    terminal.until(STANDS)
+    terminal.type("")
+    for value in ("1.2", "0.4"):
+        terminal.until("reading [um] > ")
+        terminal.type(value)
+    terminal.until("reading [um] > ")
+    terminal.type("stop")
+    shown = terminal.until("Enter to go on: ")
+    assert re.search(r"Now [\d.]+ um RMS; with the 2 readings to come, in about \d+ min, [\d.]+ um\.", shown)
+    assert re.search(r"linuxcnc.*: with its table [\d.]+ um RMS is to be expected", shown)
+    terminal.type("")
+    terminal.until("reading [um] > ")
+    terminal.type("stop")
+    terminal.until("Enter to go on: ")
+    terminal.type("yes")
+    terminal.until("result.json")
+    assert terminal.ended() == 0
+    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
+        assert campaign.state.finished == "ended by the operator"
+
+
+def test_a_number_before_the_set_up_stands_is_no_reading(folder: Path) -> None:
+    terminal = Terminal(folder)
+    terminal.until(STANDS)
+    terminal.type("1.5")
+    assert "press Enter when the set-up stands" in terminal.until(STANDS)
+    terminal.type("pause")
+    assert terminal.ended() == 0
+    assert kept(folder) == []
 
 
 def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> None:
     first = Terminal(folder)
-    first.until("pause > ")
+    first.until(STANDS)
     first.type("")
     first.until("reading [um] > ")
     first.type("2")
@@ -122,7 +200,7 @@ def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> 
 
 def test_a_question_that_another_program_has_answered_is_not_answered_twice(folder: Path) -> None:
     terminal = Terminal(folder)
-    terminal.until("pause > ")
+    terminal.until(STANDS)
     terminal.type("")
     terminal.until("reading [um] > ")
     record = [sys.executable, "-m", "axiscal.cli", "record", "mill.axiscal", "2.5 um"]
@@ -142,7 +220,7 @@ def test_a_question_that_another_program_has_answered_is_not_answered_twice(fold
 @pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGHUP])
 def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blow: signal.Signals) -> None:
     terminal = Terminal(folder)
-    terminal.until("pause > ")
+    terminal.until(STANDS)
     terminal.type("")
     terminal.until("reading [um] > ")
     terminal.type("3.5")
@@ -154,7 +232,7 @@ def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blo
 
 def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:
     terminal = Terminal(folder)
-    terminal.until("pause > ")
+    terminal.until(STANDS)
     time.sleep(0.3)  # between its prompt and its reading Python would heed the signal only after the next key
     os.write(terminal.terminal, b"\x03")
     said = " ".join(terminal.until("measure mill.axiscal").split())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.campaign.campaign import Milestone
+from axiscal.campaign.milestones import Milestone
 from axiscal.cli.progress import progress_line
 from axiscal.description.target import Target
 from axiscal.measurement.reading import Reading

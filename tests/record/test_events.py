@@ -14,6 +14,8 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    Note,
+    Noted,
     Planned,
     Recorded,
     Skipped,
@@ -32,7 +34,8 @@ readings = st.builds(
 )
 recorded = st.builds(Recorded, readings)
 asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))
-event = recorded | asked | st.builds(Skipped, st.text()) | st.builds(Finished, st.text()) | st.just(Undone(0))
+skipped, noted = st.builds(Skipped, st.text(), st.booleans()), st.builds(Noted, st.text())
+event = recorded | asked | skipped | noted | st.builds(Finished, st.text()) | st.just(Undone(0))
 
 
 def stored(events: list[Event]) -> list[Stored]:
@@ -124,6 +127,31 @@ def test_a_skipped_question_is_kept_with_its_reason() -> None:
     state = fold(stored([CREATED, QUESTION, Skipped("the beam is blocked")]))
     assert [(gap.asked, gap.reason) for gap in state.skipped] == [(QUESTION, "the beam is blocked")]
     assert state.pending is None
+
+
+def test_a_set_up_that_is_left_takes_its_readings_out_of_the_plan_and_taken_back_leaves_none_to_go_on_from() -> None:
+    other = Place("bar", (0.0,), (1,))
+    events: list[Event] = [
+        CREATED,
+        Planned((PLACE, PLAN.places[1], other)),
+        QUESTION,
+        Skipped("the beam is lost", rest=True),
+    ]
+    state = fold(stored(events))
+    assert (state.plan, state.skipped[0].whole, state.renew) == ((other,), True, True)
+    assert decode(*encode(events[-1])) == events[-1]
+    assert fold(stored([*events, Undone(4)])).plan == ()
+
+
+def test_a_skip_is_written_as_before_there_was_leaving() -> None:
+    assert encode(Skipped("blocked")) == ("skipped", '{"reason":"blocked"}')
+
+
+def test_a_note_changes_nothing_else_and_may_come_after_the_end() -> None:
+    events: list[Event] = [CREATED, QUESTION, Noted("21 degC"), VALUE, Finished("done"), Noted("new ball screw X")]
+    state = fold(stored(events))
+    assert state.notes == (Note("21 degC", "", 0), Note("new ball screw X", "", 1))
+    assert (len(state.readings), state.finished, decode(*encode(events[2]))) == (1, "done", events[2])
 
 
 def test_taking_back_an_answer_opens_its_question_again() -> None:

@@ -11,16 +11,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
 from axiscal.campaign.interrupt import noted_interrupts
+from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import described, refuse_absurd
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
@@ -43,6 +42,7 @@ from axiscal.record.events import (
     Event,
     Finished,
     Gap,
+    Noted,
     Planned,
     Recorded,
     Skipped,
@@ -59,31 +59,6 @@ Planner = Callable[
 
 PATIENCE = 25
 """So many skipped readings in a row are taken for a source that does not work."""
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would."""
-
-    state: State
-    accuracy: Accuracy
-    seconds: float
-    reached: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class Milestone:
-    """The last of so many readings taken (None: before the first), how well the machine was known, and the seconds."""
-
-    taken: int
-    reading: Reading | None
-    accuracy: Accuracy
-    seconds: float
-
-    @property
-    def number(self) -> int:
-        """The number of the reading, 0 before the first."""
-        return 0 if self.reading is None else self.reading.numbered(self.taken - 1)
 
 
 class Campaign:
@@ -235,13 +210,22 @@ class Campaign:
             what = f"the {instrument.name} gives {instrument.values} value{'s' * (instrument.values > 1)}, not {count}"
             raise ReadingError(what, "Give the values along x, y and z" if instrument.values > 1 else "Give one value")
 
-    def skip(self, reason: str) -> Asked:
-        """Note that the reading asked for cannot be taken, and return it; it is not asked for again."""
+    def skip(self, reason: str, *, rest: bool = False) -> Asked:
+        """Keep in mind that the reading asked for cannot be taken, and return it; it is not asked for again.
+
+        rest : neither can any other of its set-up, which is left
+        """
         asked = self.open_question()
         if not reason.strip():
             raise ReadingError("the reason is empty", "Say why the reading cannot be taken")
-        self._append(Skipped(reason.strip()))
+        self._append(Skipped(reason.strip(), rest))
         return asked
+
+    def note(self, text: str) -> None:
+        """Keep a sentence in the record, for those who read it later; it may come after the end."""
+        if not text.strip():
+            raise ReadingError("the note is empty", "Write what is to be kept in the record")
+        self._append(Noted(text.strip()))
 
     def undo(self) -> Undoable:
         """Take back the last reading, skip or finish, and return it; its question is open again."""

@@ -10,12 +10,17 @@ import typer
 
 from axiscal.exceptions import RecordError
 
+_COMPLETING = "_AXISCAL_COMPLETE"
+"""Set by a shell that asks for completions."""
+
 
 def own_record() -> Path:
     """Return the record that is meant where none is named: of AXISCAL_RECORD, or the only one here."""
     if named := os.environ.get("AXISCAL_RECORD"):
         return Path(named)
     here = sorted(Path.cwd().glob("*.axiscal"))
+    if _COMPLETING in os.environ:  # a shell asks what could be typed: there is nothing to refuse
+        return Path()
     if len(here) == 1:
         return here[0].relative_to(Path.cwd())
     names = ", ".join(path.name for path in here)
@@ -23,14 +28,29 @@ def own_record() -> Path:
     raise RecordError(what, "Name the one that is meant, or put its path into AXISCAL_RECORD", Path.cwd())
 
 
-RecordFile = Annotated[Path, typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.")]
+def records_here(incomplete: str) -> list[str]:
+    """Return the records in this folder whose names begin so, for a shell that completes what is typed."""
+    return sorted(path.name for path in Path.cwd().glob("*.axiscal") if path.name.startswith(incomplete))
+
+
+RecordFile = Annotated[
+    Path,
+    typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here),
+]
 OwnRecord = Annotated[
     Path,
     typer.Argument(
         metavar="RECORD",
         default_factory=own_record,
         show_default=False,
+        autocompletion=records_here,
         help="The campaign record, a file *.axiscal; AXISCAL_RECORD, or the only one here, where it is left out.",
+    ),
+]
+Language = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME", help="Of the person, such as en; default: AXISCAL_LANGUAGE, or the language of the computer."
     ),
 ]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]

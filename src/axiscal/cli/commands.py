@@ -23,6 +23,7 @@ _FILES = {
     "next": "next_reading",
     "record": "record",
     "undo": "undo",
+    "note": "note",
     "status": "status",
     "finish": "finish",
     "run": "run_loop",

@@ -6,7 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.milestones import Milestone
 from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
 from axiscal.compensation.on_top import unasked

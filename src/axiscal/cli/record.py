@@ -28,6 +28,9 @@ def record(
     ] = None,
     std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
     skip: Annotated[str | None, typer.Option(metavar="REASON", help="The reading cannot be taken, and why.")] = None,
+    leave: Annotated[
+        str | None, typer.Option(metavar="REASON", help="Nothing more can be read with this set-up, and why.")
+    ] = None,
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
@@ -48,20 +51,24 @@ def record(
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
       axiscal record mill.axiscal "0.4 um" --next
       axiscal record mill.axiscal --skip "the beam is blocked here"
+      axiscal record mill.axiscal --leave "the laser has to go back"
     """
 
     text = " ".join(value or [])
-    if (skip is None) == (not text):
-        raise typer.BadParameter("give either VALUE or --skip REASON")
-    if skip is not None and (std or at or setup or approach or accept):
-        raise typer.BadParameter("--skip is of the reading that was asked for; it takes only --next and --json")
+    reason = skip if leave is None else leave
+    if (reason is None) == (not text) or (skip is not None and leave is not None):
+        raise typer.BadParameter("give either VALUE or --skip REASON or --leave REASON")
+    if reason is not None and (std or at or setup or approach or accept):
+        raise typer.BadParameter("--skip and --leave are of what was asked for; they take only --next and --json")
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
     document: dict[str, object]
     with opened_to_write(record) as campaign:
-        if skip is not None:
-            asked = campaign.skip(skip)
-            message, document = f"Skipped {asked_text(campaign, asked)}: {skip.strip()}", {"skipped": asked.reading}
+        if reason is not None:
+            asked = campaign.skip(reason, rest=leave is not None)
+            done = "Left the set-up at" if leave is not None else "Skipped"
+            message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}"
+            document = {"skipped": asked.reading, "set_up_left": leave is not None}
         else:
             before = doubted(campaign)
             stood = Stand.of(campaign) if at is not None else None

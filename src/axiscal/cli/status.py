@@ -7,6 +7,7 @@ from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
 from axiscal.guide.question import asked_text
+from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
 
@@ -34,12 +35,17 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
     ]
-    lines += [f"Skipped {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
+
+
+def _gap_words(gap: Gap) -> str:
+    return "Left the set-up at" if gap.whole else "Skipped"
 
 
 def _document(campaign: Campaign) -> dict[str, object]:
@@ -57,7 +63,11 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "reached": status.reached,
         "finished": state.finished,
         "question": campaign.request(state.pending).message() if state.pending else None,
-        "skipped": [campaign.request(gap.asked).message() | {"reason": gap.reason} for gap in state.skipped],
+        "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
+        "skipped": [
+            campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
+            for gap in state.skipped
+        ],
     }
 
 

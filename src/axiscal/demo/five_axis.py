@@ -7,7 +7,8 @@ from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
-from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts

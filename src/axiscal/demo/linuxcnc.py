@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.campaign import Campaign, Milestone
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources.linuxcnc import Build, LinuxcncMachine, LinuxcncSource, Tables
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.compensation.effect import left_by, rms

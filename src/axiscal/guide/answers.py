@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import ReadingError
+from axiscal.guide.language import counted, said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup
@@ -29,15 +30,23 @@ class Value:
 class Word:
     """Something else than a reading.
 
-    action : "show", "undo", "skip", "pause", "help"; text : what followed, such as the reason of a skip
+    action : "show", or one of ACTIONS; text : what followed, such as the reason of a skip
     """
 
     action: str
     text: str = ""
 
 
-_WORDS = {"u": "undo", "s": "skip", "q": "pause", "p": "pause", "?": "help", "h": "help"}
-_WORDS |= {word: word for word in ("undo", "skip", "pause", "help")} | {"quit": "pause", "exit": "pause"}
+ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "more")
+"""What can be typed instead of a reading; `more` once a target is reached."""
+_SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "q": "pause", "p": "pause", "?": "help", "h": "help"}
+_SHORT |= {"quit": "pause", "exit": "pause", "finish": "stop", "end": "stop"}
+
+
+def action(word: str) -> str | None:
+    """Return what a word asks for, in English or in the language that is spoken; None for none, "" for no word."""
+    known = _SHORT | {each: each for each in ACTIONS} | {said(each).lower(): each for each in ACTIONS}
+    return known.get(word.lower()) if word else ""
 
 
 def answer(text: str, setup: Setup) -> Value | Word:
@@ -48,10 +57,11 @@ def answer(text: str, setup: Setup) -> Value | Word:
     word, _, rest = text.strip().partition(" ")
     if not word:
         return Word("show")
-    if word.lower() in _WORDS:
-        return Word(_WORDS[word.lower()], rest.strip())
+    if (wanted := action(word)) is not None:
+        return Word(wanted, rest.strip())
     if word[0].isalpha():
-        raise ReadingError(f'"{text.strip()}" is no reading and no word known here', "Type ? for what can be typed")
+        what = said('"{text}" is no reading and no word known here', text=text.strip())
+        raise ReadingError(what, said("Type ? for what can be typed"))
     return Value(_values(text.strip(), setup))
 
 
@@ -59,8 +69,9 @@ def _values(text: str, setup: Setup) -> Array:
     count = INSTRUMENTS[setup.instrument].values
     parts = _SEVERAL.split(text) if count > 1 else [text]
     if len(parts) != count:
-        what = f'"{text}" is {len(parts)} value{"s" * (len(parts) > 1)}, and the {setup.instrument} gives {count}'
-        raise ReadingError(what, "Type them in one line, as in 1.2 -0.4 0.8")
+        given = counted("one value", "{count} values", len(parts))
+        what = said('"{text}" is {given}, and the instrument gives {count}', text=text, given=given, count=count)
+        raise ReadingError(what, said("Type them in one line, as in {example}", example="1.2 -0.4 0.8"))
     return np.array([_value(part, setup) for part in parts])
 
 

@@ -8,6 +8,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.measurement.place_texts import shown_coordinate
 from axiscal.record.events import Asked
 
+_DIGITS = 4
+"""Behind the point: one more than controls show; a reading there differs by less than its noise."""
+
 
 @dataclass(frozen=True, slots=True)
 class AxisPlace:
@@ -24,12 +27,17 @@ class AxisPlace:
     changed: bool
     side: str
 
+    @property
+    def shown(self) -> str:
+        """The coordinate to a tenth of a micrometre, or of a thousandth of a degree, without zeros behind."""
+        return f"{round(self.value, _DIGITS) + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
+
 
 def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
-    """Return where the axes are to stand, in chain order."""
+    """Return where the axes are to stand, linear axes first, by their letters, as a control shows them."""
     setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
     before = readings[-1].pose if readings else None
-    return tuple(
+    found = (
         AxisPlace(
             axis=axis.name,
             value=shown_coordinate(asked.place.pose[k], axis),
@@ -40,3 +48,4 @@ def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
         )
         for k, axis in enumerate(campaign.description.machine.axes)
     )
+    return tuple(sorted(found, key=lambda place: (place.unit != "mm", place.axis)))

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+from axiscal.guide.language import said
 from axiscal.guide.question import Question
 from axiscal.guide.sign import reads_text
 
 
 def mount_sentence(question: Question) -> str:
     """Return what to mount and what it will read."""
-    moves = f", while {question.go.split(' = ')[0]} moves" if question.go.count("=") == 1 else ""
-    setup = question.setup
-    what = f"set up {setup.artefact.name}, and mount" if setup.artefact is not None else "mount"
-    return f"{what} the {setup.instrument}, which reads {reads_text(setup)}{moves}"
+    setup, reads = question.setup, reads_text(question.setup)
+    if setup.artefact is not None:
+        sentence = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
+        mounted = said(sentence, artefact=setup.artefact.name, instrument=said(setup.instrument), reads=reads)
+    else:
+        sentence = "mount the instrument ({instrument}); it reads {reads}"
+        mounted = said(sentence, instrument=said(setup.instrument), reads=reads)
+    if question.go.count("=") == 1:
+        return said("{mounted}, while {axis} moves", mounted=mounted, axis=question.go.split(" = ")[0])
+    return mounted
 
 
 def mount_steps(question: Question) -> tuple[tuple[str, str], ...]:
     """Return the steps, each as a short name and what to do."""
     zeroed = any(unknown.name.startswith("zero") for unknown in question.setup.unknowns)
     steps = (
-        ("park", question.parked),
-        ("go to", question.go),
-        ("then", "set its display to zero there; the zero need not be exact" if zeroed else ""),
+        (said("park"), question.parked),
+        (said("go to"), question.go),
+        (said("at"), question.touch),
+        (said("then"), said("set its display to zero there; the zero need not be exact") if zeroed else ""),
     )
     return tuple(step for step in steps if step[1])

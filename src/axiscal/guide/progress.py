@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
+from axiscal.guide.language import counted, said
 from axiscal.measurement.place import Place
-from axiscal.planning.promise import promised
+from axiscal.planning.promise import promised, reachable_rms
 from axiscal.units import format_quantity
 
 
@@ -19,6 +20,7 @@ class Progress:
     taken, coming : readings; coming holds the one that is asked for
     seconds, left : of machine time, used and to come by the plan
     before, now, promised : how well the machine was known at first, is known, and will be after the plan
+    floor : RMS that endless readings would leave, m
     """
 
     taken: int
@@ -28,6 +30,7 @@ class Progress:
     before: Accuracy
     now: Accuracy
     promised: Accuracy
+    floor: float
 
     @classmethod
     def of(cls, campaign: Campaign) -> Progress:
@@ -42,14 +45,15 @@ class Progress:
             before=case.yardstick.measure(case.prior),
             now=known.accuracy,
             promised=promised(*known.banded, places) if places else known.accuracy,
+            floor=reachable_rms(case),
         )
 
 
 def goals_text(target: Target) -> str:
     """Return what ends the campaign, the first of them that is reached: "U 10 um · RMS 2 um · 40 readings · 90 min"."""
-    lengths = (("U", target.expanded), ("RMS", target.rms), ("worst", target.worst))
+    lengths = (("U", target.expanded), ("RMS", target.rms), (said("worst"), target.worst))
     goals = [f"{name} {format_quantity(length, 'um', 3)}" for name, length in lengths if length is not None]
-    goals += [] if target.readings is None else [f"{target.readings} reading{'' if target.readings == 1 else 's'}"]
+    goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [format_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
 

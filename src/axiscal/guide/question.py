@@ -7,15 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.guide.axis_places import axis_places
 from axiscal.guide.expectation import Expectation, expectation
+from axiscal.guide.language import said
 from axiscal.guide.sign import sign_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.record.events import Asked
-
-_COMING = {1: "from below", -1: "from above"}
-"""Words for the two directions."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,20 +60,25 @@ class Question:
 
 def go_text(campaign: Campaign, asked: Asked) -> str:
     """Return where the axes go that move: "X = 120 mm"."""
-    setup = campaign.description.setup(asked.place.setup)
-    return place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
+    return _coordinates_text(campaign, asked, moves=True)
 
 
 def parked_text(campaign: Campaign, asked: Asked) -> str:
     """Return where the other axes stand."""
-    axes, setup = campaign.description.machine.axes, campaign.description.setup(asked.place.setup)
-    return place_text(axes, asked.place.pose, [k for k in range(len(axes)) if k not in setup.moves])
+    return _coordinates_text(campaign, asked, moves=False)
+
+
+def _coordinates_text(campaign: Campaign, asked: Asked, *, moves: bool) -> str:
+    """Return coordinates in the order of the control's display, as many digits as it shows."""
+    chosen = [place for place in axis_places(campaign, asked) if place.moves is moves]
+    return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in chosen)
 
 
 def coming_text(campaign: Campaign, asked: Asked) -> str:
     """Return from which sides to come: "X from below"; empty where none matters."""
-    axes = campaign.description.machine.axes
-    return ", ".join(f"{axes[k].name} {_COMING[s]}" for k, s in enumerate(asked.place.approach) if s)
+    below, above = said("from below"), said("from above")
+    sided = [place for place in axis_places(campaign, asked) if place.side]
+    return ", ".join(f"{place.axis} {below if place.side == '+' else above}" for place in sided)
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:
@@ -82,24 +86,25 @@ def touch_text(campaign: Campaign, asked: Asked) -> str:
     setup, machine = campaign.description.setup(asked.place.setup), campaign.description.machine
     if setup.contact == "free" or not len(setup.balls or (setup.station or ())):
         return ""
-    held = "all axes together, the tool point held (TRAORI, TCPM, G43.4)"
-    way = held if setup.contact == "held" else "off the ball, turn, and back to it"
+    held = setup.contact == "held"
+    turning, together = said("off the ball, turn, and back to it"), said("all axes together, the tool point held")
+    way = f"{together} (TRAORI, TCPM, G43.4)" if held else turning
     if setup.artefact is None:
         return way
     tip = frames(machine, np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
-    return f"ball {ball.name} of {setup.artefact.name}: {way}"
+    return said("ball {ball} of {artefact}: {way}", ball=ball.name, artefact=setup.artefact.name, way=way)
 
 
 def again_text(campaign: Campaign, asked: Asked) -> str:
     """Return which reading was taken at the same place before: together they show whether a zero has wandered."""
     readings = campaign.state.readings
     there = [reading.numbered(n) for n, reading in enumerate(readings) if reading.place == asked.place]
-    return f"where reading {there[-1]} was taken: go there anew, do not copy it" if there else ""
+    return said("where reading {number} was taken: go there anew, do not copy it", number=there[-1]) if there else ""
 
 
 def asked_text(campaign: Campaign, asked: Asked) -> str:
     """Return which reading was asked for: 'reading 7 in "laser" at X = 120 mm'."""
     setup = campaign.description.setup(asked.place.setup)
     where = place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
-    return f'reading {asked.reading} in "{setup.name}" at {where}'
+    return said('reading {number} in "{setup}" at {place}', number=asked.reading, setup=setup.name, place=where)

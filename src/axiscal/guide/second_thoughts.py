@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.guide.language import said
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.units import format_quantity
 
@@ -21,20 +22,19 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     before : what was doubted before it
     """
     last, now = len(campaign.state.readings) - 1, doubted(campaign)
-    said = [
-        f"with this one, {_shown(campaign, index)}, is no longer relied on. Read there again."
-        for index in sorted(now - before - {last})
-    ]
-    said += [f"with this one, {_shown(campaign, index)}, is believed." for index in before - now]
+    doubtful = "with this one, {reading}, is no longer relied on. Read there again."
+    minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
+    minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
     surprise = campaign.concluded().innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     vouched = campaign.state.readings[last].accepted
     if last not in now and not vouched and size >= _SURPRISING:
-        said.append(
-            f"it is {size:.1f} standard deviations from what was expected. It is believed so far; read there again "
-            "(axiscal undo, then axiscal record) if anything may have been wrong."
+        strange = (
+            "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
+            "there again if anything may have been wrong."
         )
-    return said
+        minds.append(said(strange, size=f"{size:.1f}"))
+    return minds
 
 
 def _shown(campaign: Campaign, index: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from axiscal.guide.language import said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import direction_text
 from axiscal.measurement.setup import Setup, Vector
@@ -11,13 +12,14 @@ def sign_text(setup: Setup) -> str:
     """Return when a reading of the set-up is positive; all are of the tool, seen from the workpiece."""
     instrument = INSTRUMENTS[setup.instrument]
     if instrument.values > 1:
-        return "+ where the tool stands too far towards +x, +y, +z, seen from the workpiece"
+        return said("+ where the tool stands too far towards {way}, seen from the workpiece", way="+x, +y, +z")
     if not instrument.model.directed:
-        return "+ where the distance is longer than it should be"
+        return said("+ where the distance is longer than it should be")
     way = _signed(direction_text(setup))
     if instrument.reads == "angle":
-        return f"+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
-    return f"+ where the tool stands too far towards {way}, seen from the workpiece"
+        turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
+        return said(turned, way=way)
+    return said("+ where the tool stands too far towards {way}, seen from the workpiece", way=way)
 
 
 def ways(setup: Setup) -> tuple[Vector, ...]:
@@ -32,10 +34,11 @@ def reads_text(setup: Setup) -> str:
     """Return what a set-up reads: "x, y and z", "the distance from its station", "along x" or "about -y"."""
     instrument = INSTRUMENTS[setup.instrument]
     if instrument.values > 1:
-        return "x, y and z"
+        return said("x, y and z")
     if not instrument.model.directed:
-        return "the distance from its station"
-    return f"{'along' if instrument.reads == 'length' else 'about'} {direction_text(setup)}"
+        return said("the distance from its station")
+    way = direction_text(setup)
+    return said("along {way}", way=way) if instrument.reads == "length" else said("about {way}", way=way)
 
 
 def _signed(direction: str) -> str:

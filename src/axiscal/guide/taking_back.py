@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.guide.language import counted, said
 from axiscal.guide.question import asked_text
 from axiscal.measurement.place_texts import reading_text
 from axiscal.record.events import Recorded, Skipped
@@ -22,7 +23,8 @@ class TakenBack:
     @property
     def sentence(self) -> str:
         """What was taken back and what is kept."""
-        return f"Took back {self.what}; {self.left} {'reading is' if self.left == 1 else 'readings are'} kept."
+        kept = counted("{count} reading is kept", "{count} readings are kept", self.left)
+        return said("Took back {what}; {kept}.", what=self.what, kept=kept)
 
 
 def take_back(campaign: Campaign) -> TakenBack:
@@ -44,5 +46,5 @@ def last_step(campaign: Campaign) -> tuple[str, int | None]:
         return reading_text(description.machine.axes, setup, reading, index), reading.number
     if isinstance(event, Skipped):
         asked = state.skipped[-1].asked
-        return f"the skip of {asked_text(campaign, asked)}", asked.reading
-    return "the end", None
+        return said("the skip of {reading}", reading=asked_text(campaign, asked)), asked.reading
+    return said("the end"), None

@@ -18,6 +18,7 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.time_taken import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
+from axiscal.planning.promise import reachable_rms
 from axiscal.units import format_quantity, to_unit
 
 _NAMED = 3
@@ -53,11 +54,6 @@ def out_of_reach(case: Case) -> str | None:
         hidden = " ".join(part.text for part in case.hidden[:_NAMED])
         help_text = f"another set-up would help. What cannot be seen: {hidden}"
     return f"{said}; {wanted}. The campaign stops at the target for what can be seen; {help_text}"
-
-
-def reachable_rms(case: Case) -> float:
-    """Return the RMS over the volume that endless readings would leave, m."""
-    return math.hypot(case.yardstick.unseen_rms, math.sqrt(case.yardstick.moments.rest))
 
 
 @one_thread()

@@ -60,7 +60,7 @@ def at_gap(case: Case, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray
     result = np.zeros(len(poses), dtype=bool)
     for gap in gaps:
         if case.index(gap.place.setup) == setup:
-            result |= np.all(np.abs(poses - np.array(gap.place.pose)) < _NEAR * lengths, axis=1)
+            result |= gap.whole | np.all(np.abs(poses - np.array(gap.place.pose)) < _NEAR * lengths, axis=1)
     return result
 
 

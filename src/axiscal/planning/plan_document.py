@@ -12,8 +12,8 @@ from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
-from axiscal.planning.feasibility import reachable_rms
 from axiscal.planning.next_readings import placed
+from axiscal.planning.promise import reachable_rms
 from axiscal.planning.proposal import Proposal
 from axiscal.planning.vouched import departure_rows, vouched_by_plan
 from axiscal.units import to_unit

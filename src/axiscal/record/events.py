@@ -59,9 +59,17 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """The reading asked for cannot be taken."""
+    """The reading asked for cannot be taken; rest : nor any other that its set-up still has to give."""
 
     reason: str
+    rest: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """Something that a person wants to be read later; it changes nothing, and may come after the end."""
+
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +86,7 @@ class Finished:
     because: str
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Undone | Finished
+Event = Created | Planned | Asked | Recorded | Skipped | Noted | Undone | Finished
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,19 +100,29 @@ class Stored:
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A reading that was asked for and could not be taken."""
+    """A reading that was asked for and could not be taken; whole : nor any other of its set-up."""
 
     asked: Asked
     reason: str
+    whole: bool = False
 
     def holds(self, place: Place) -> bool:
-        """Whether a planned place is this one."""
-        return (place.setup, place.pose) == (self.place.setup, self.place.pose)
+        """Whether a planned place cannot be read."""
+        return place.setup == self.place.setup and (self.whole or place.pose == self.place.pose)
 
     @property
     def place(self) -> Place:
         """Where it was to be taken."""
         return self.asked.place
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """What was noted, when (UTC, ISO 8601), and after which reading: its number, 0 before the first."""
+
+    text: str
+    at: str
+    after: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +145,7 @@ class State:
     plan : places that have been planned and not been asked for yet; plan_basis : what they were planned on
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
+    notes : what was noted on the way
     last : number of the last event
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
@@ -140,6 +159,7 @@ class State:
     plan_basis: str = ""
     renew: bool = False
     undo: tuple[Undoable, ...] = ()
+    notes: tuple[Note, ...] = ()
     last: int = 0
     name: str = ""
 
@@ -182,13 +202,14 @@ class Folding:
         self._plan_basis = ""
         self._renew = False
         self._undo: list[Undoable] = []
+        self._notes: list[Note] = []
         self._highest: list[int] = []
         self._last = 0
 
     def copied(self) -> Folding:
         """Return another that goes on from here."""
         other = copy(self)
-        for name in ("_readings", "_skipped", "_plan", "_undo", "_highest"):
+        for name in ("_readings", "_skipped", "_plan", "_undo", "_notes", "_highest"):
             setattr(other, name, list(getattr(self, name)))
         return other
 
@@ -204,6 +225,7 @@ class Folding:
             self._plan_basis,
             self._renew,
             tuple(self._undo),
+            tuple(self._notes),
             self._last,
         )
 
@@ -219,6 +241,9 @@ class Folding:
             self._ask(event)
         elif isinstance(event, Undone):
             self._take_back(event)
+        elif isinstance(event, Noted):
+            after = self._readings[-1].number or len(self._readings) if self._readings else 0
+            self._notes.append(Note(event.text, stored.at, after))
         else:
             self._undo.append(Undoable(stored.number, event, self._pending))
             self._take(event)
@@ -235,7 +260,7 @@ class Folding:
             raise EventOrderError("the campaign was created twice")
         if not first and self._created is None:
             raise EventOrderError("the first event is not the creation of the campaign")
-        if self._finished is not None and not isinstance(stored.event, Undone):
+        if self._finished is not None and not isinstance(stored.event, Undone | Noted):
             raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
@@ -247,7 +272,7 @@ class Folding:
         elif self._pending is None:
             raise EventOrderError("a reading was skipped that nobody had asked for")
         else:
-            gap = Gap(self._pending, event.reason)
+            gap = Gap(self._pending, event.reason, event.rest)
             self._skipped.append(gap)
             self._counted(gap.asked.reading)
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
@@ -276,8 +301,9 @@ class Folding:
             self._readings.pop()
             self._highest.pop()
         elif isinstance(step.event, Skipped):
-            self._skipped.pop()
+            gap = self._skipped.pop()
             self._highest.pop()
+            self._plan = [] if gap.whole else self._plan  # a plan without the set-up is none to go on from
         else:
             self._finished = None
         self._pending, self._renew = step.pending, True

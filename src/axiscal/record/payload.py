@@ -10,10 +10,10 @@ from typing import Any
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import Asked, Created, Event, Finished, Planned, Recorded, Skipped, Undone
+from axiscal.record.events import Asked, Created, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
 
 KINDS: Mapping[str, type[Event]] = {
-    kind.__name__.lower(): kind for kind in (Created, Planned, Asked, Recorded, Skipped, Undone, Finished)
+    kind.__name__.lower(): kind for kind in (Created, Planned, Asked, Recorded, Skipped, Noted, Undone, Finished)
 }
 
 
@@ -52,6 +52,8 @@ def _fields(event: Event) -> dict[str, object]:
             circumstances = {"accepted": reading.accepted, "time": reading.time}
             numbered = {} if reading.number is None else {"reading": reading.number}
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
+        case Skipped(reason, False):
+            return {"reason": reason}  # as older versions wrote it
     return asdict(event)
 
 
@@ -95,6 +97,12 @@ def _text(value: object) -> str:
     return value
 
 
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither true nor false")
+    return value
+
+
 _SIDES = frozenset((-1, 0, 1))
 """From where an axis comes; 0 where nobody said."""
 
@@ -116,11 +124,9 @@ def _created(fields: Mapping[str, Any]) -> Created:
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:
     std = None if fields["std"] is None else _std(fields["std"])
-    accepted = fields.get("accepted", False)  # older records could not say it
+    accepted = _flag(fields.get("accepted", False))  # older records could not say it
     others = tuple(_read_number(value) for value in fields.get("others", ()))
     time = None if fields.get("time") is None else _number(fields["time"])
-    if not isinstance(accepted, bool):
-        raise ValueError(f"{accepted!r} is neither true nor false")
     number = None if fields.get("reading") is None else _whole(fields["reading"])
     at, value = _place(fields), _read_number(fields["value"])
     return Recorded(Reading(at.setup, at.pose, at.approach, value, std, None, accepted, others, time, number))
@@ -134,7 +140,8 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     ),
     "asked": lambda fields: Asked(_whole(fields["reading"]), _place(fields)),
     "recorded": _recorded,
-    "skipped": lambda fields: Skipped(_text(fields["reason"])),
+    "skipped": lambda fields: Skipped(_text(fields["reason"]), _flag(fields.get("rest", False))),
+    "noted": lambda fields: Noted(_text(fields["text"])),
     "undone": lambda fields: Undone(_whole(fields["event"])),
     "finished": lambda fields: Finished(_text(fields["because"])),
 }

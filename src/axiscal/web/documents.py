@@ -89,7 +89,7 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
         mounting=[StepShape(name=name, what=what) for name, what in mount_steps(question)],
         places=[
             CoordinateShape(axis=c.axis, value=c.value, unit=c.unit, moves=c.moves, changed=c.changed, side=c.side)
-            for c in sorted(axis_places(campaign, asked), key=lambda c: (c.unit != "mm", c.axis))
+            for c in axis_places(campaign, asked)
         ],
         touch=question.touch,
         again=question.again,

@@ -1,0 +1,34 @@
+"""`axiscal note`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.printing import say, say_document
+from axiscal.cli.texts import count_text
+
+
+def note(
+    record: RecordFile,
+    text: Annotated[list[str], typer.Argument(metavar="TEXT", help="What is to be kept.")],
+    json: Json = False,
+) -> None:
+    """Keep a sentence in the record: who measured, how warm it was, what was repaired.
+
+    It changes nothing that is computed, is shown by `axiscal status`, and may come after the end of the campaign.
+
+    \b
+    Example:
+      axiscal note mill.axiscal "new ball screw X"
+    """
+    with opened_to_write(record) as campaign:
+        campaign.note(" ".join(text))
+        kept = campaign.state.notes
+    if json:
+        say_document({"schema": "axiscal-note/1", "note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)})
+    else:
+        say(f"Noted; it is on the disk ({count_text(len(kept), 'note')} so far).")

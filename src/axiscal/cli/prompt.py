@@ -1,0 +1,199 @@
+"""The dialogue at the prompt: one question after the other, until there is none or the person pauses."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from pathlib import Path
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Ended
+from axiscal.cli.printing import say
+from axiscal.cli.prompt_texts import expected_text, headline, help_text, mounting_text, question_lines
+from axiscal.cli.texts import micrometres
+from axiscal.exceptions import AxiscalError, OvertakenError
+from axiscal.guide.answers import Value, Word, action, answer
+from axiscal.guide.expectation import SURPRISING
+from axiscal.guide.language import counted, said
+from axiscal.guide.progress import Progress
+from axiscal.guide.question import Question
+from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.stopping import CONTROLS, table_left
+from axiscal.guide.taking_back import take_back
+from axiscal.record.events import Asked
+from axiscal.units import to_unit
+
+
+class _Then(Enum):
+    """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
+
+    SAME = auto()
+    ANEW = auto()
+    STANDS = auto()
+    FINISH = auto()
+    PAUSE = auto()
+
+
+class Prompt:
+    """The dialogue about one campaign; it remembers which set-up the person has mounted.
+
+    out : folder for the results
+    """
+
+    def __init__(self, campaign: Campaign, out: Path) -> None:
+        self.campaign, self.out = campaign, out
+        readings = campaign.state.readings
+        self.mounted = readings[-1].setup if readings else ""
+
+    def held(self) -> bool:
+        """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
+        then = _Then.ANEW
+        while then is _Then.ANEW:
+            then = self._answered(self.campaign.next())
+        return then is _Then.FINISH
+
+    def _answered(self, asked: Asked | Ended) -> _Then:
+        if isinstance(asked, Ended):
+            return self._ended(asked)
+        question = Question.of(self.campaign, asked)
+        if question.setup.name != self.mounted:
+            say(mounting_text(question))
+            then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
+            if then is not _Then.STANDS:
+                return then
+            self.mounted = question.setup.name
+        say(headline(self.campaign, question))
+        say(question_lines(question))
+        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True)
+
+    def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
+        """Ask until something has been done; a refusal is said, and the same is asked again."""
+        then = _Then.SAME
+        while then is _Then.SAME:
+            try:
+                typed = answer(input(prompt), question.setup)
+                then = self._heed(typed, question) if standing else self._heed_mounting(typed, question)
+            except OvertakenError:
+                self.campaign.looked_at_again()
+                say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
+                then = _Then.ANEW
+            except AxiscalError as failure:
+                say(f"  {failure}")
+        return then
+
+    def _heed_mounting(self, typed: Value | Word, question: Question) -> _Then:
+        if isinstance(typed, Value):
+            say("  " + said("That is a reading; press Enter when the set-up stands, then type it."))
+            return _Then.SAME
+        return _Then.STANDS if typed.action == "show" else self._heed(typed, question)
+
+    def _heed(self, typed: Value | Word, question: Question) -> _Then:
+        if isinstance(typed, Value):
+            return self._keep(typed, question)
+        match typed.action:
+            case "pause":
+                return _Then.PAUSE
+            case "undo":
+                say(f"  {take_back(self.campaign).sentence}")
+                return _Then.ANEW
+            case "skip":
+                self.campaign.skip(typed.text or input("  " + said("why can it not be taken?") + " "))
+                say("  " + said("skipped; the plan is made anew around it"))
+                return _Then.ANEW
+            case "leave":
+                return self._leave(typed.text, question)
+            case "note":
+                self._note(typed.text)
+            case "stop":
+                return self._stop()
+            case "help":
+                say(help_text())
+            case _:
+                say(question_lines(question))
+        return _Then.SAME
+
+    def _keep(self, typed: Value, question: Question) -> _Then:
+        vouched = False
+        surprise = question.expected.surprise(typed.values)
+        if surprise >= SURPRISING:
+            far = "That is {size} standard deviations from what is expected, {expected}."
+            say("  " + said(far, size=f"{surprise:.1f}", expected=expected_text(question)))
+            choice = said("Type k to keep it, v to keep it and vouch for it, Enter to read again:")
+            word = input(f"  {choice} ").strip().lower()
+            if word not in ("k", "v"):
+                return _Then.SAME
+            vouched = word == "v"
+        before = doubted(self.campaign)
+        value, *others = (float(each) for each in typed.values)
+        kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
+        at = question.go or said('set-up "{setup}"', setup=question.setup.name)
+        say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
+        for sentence in others_doubted(self.campaign, before):
+            say("  " + said("Mind: {sentence}", sentence=sentence))
+        return _Then.ANEW
+
+    def _leave(self, reason: str, question: Question) -> _Then:
+        setup = question.setup.name
+        self.campaign.skip(reason or said("the set-up was left"), rest=True)
+        say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
+        return _Then.ANEW
+
+    def _note(self, text: str) -> None:
+        self.campaign.note(text or input("  " + said("what is to be kept in the record?") + " "))
+        say("  " + said("noted; it is on the disk"))
+
+    def _stop(self) -> _Then:
+        """Say what there would be if the campaign ended here, and end it where the person wants that."""
+        now = Progress.of(self.campaign)
+        stands = "Now {now} RMS; with the {coming} to come, in about {minutes} min, {promised}."
+        coming = counted("{count} reading", "{count} readings", now.coming)
+        minutes, promised = f"{to_unit(now.left, 'min'):.0f}", micrometres(now.promised.rms)
+        say("  " + said(stands, now=micrometres(now.now.rms), coming=coming, minutes=minutes, promised=promised))
+        for line in tables_lines(self.campaign):
+            say(f"  {line}")
+        choice = said("Type yes to end it here and write the results, Enter to go on:")
+        if input(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+            return _Then.SAME
+        return _Then.FINISH
+
+    def _ended(self, ended: Ended) -> _Then:
+        """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
+        known = Progress.of(self.campaign)
+        taken = counted("{count} reading", "{count} readings", known.taken)
+        done = "Done: {because}. RMS {rms}, worst {worst}, {taken} in {minutes} min."
+        minutes, rms, worst = f"{to_unit(known.seconds, 'min'):.0f}", known.now.rms, known.now.worst
+        figures = {"rms": micrometres(rms), "worst": micrometres(worst), "minutes": minutes}
+        say("\n" + said(done, because=ended.because, taken=taken, **figures))
+        prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
+        then = _Then.SAME
+        while then is _Then.SAME:
+            try:
+                then = self._heed_at_end(*input(prompt).strip().partition(" ")[::2])
+            except AxiscalError as failure:
+                say(f"  {failure}")
+        return then
+
+    def _heed_at_end(self, word: str, rest: str) -> _Then:
+        match action(word):
+            case "":
+                return _Then.FINISH
+            case "more":
+                self.campaign.next(beyond=True)
+                return _Then.ANEW
+            case "undo":
+                say(f"  {take_back(self.campaign).sentence}")
+                return _Then.ANEW
+            case "note":
+                self._note(rest)
+            case "pause":
+                return _Then.PAUSE
+        return _Then.SAME
+
+
+def tables_lines(campaign: Campaign) -> list[str]:
+    """Return what the table of each control would reach with the readings so far; those of one figure together."""
+    found: dict[str, list[str]] = {}
+    for control in CONTROLS:
+        left = table_left(campaign, control)
+        reached = said("with its table {expected} RMS is to be expected", expected=micrometres(left.expected))
+        found.setdefault(left.refusal or reached, []).append(control)
+    return [f"{', '.join(names)}: {words}" for words, names in found.items()]

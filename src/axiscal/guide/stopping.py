@@ -1,0 +1,44 @@
+"""What there would be if the campaign ended now: the table of each control, tried as it would be loaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.compensation import registry
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.on_top import informed
+from axiscal.exceptions import ReadingError, TableError
+
+CONTROLS = tuple(name for name in registry.CONTROLLERS if name != "csv")
+"""Controls that hold tables."""
+
+
+@dataclass(frozen=True, slots=True)
+class TableLeft:
+    """What is to be expected over the volume with the table of one control: RMS as estimated before, and with it, m.
+
+    refusal : why there is no table for it, "" where there is one
+    """
+
+    controller: str
+    before: float
+    expected: float
+    refusal: str = ""
+
+
+def table_left(campaign: Campaign, controller: str) -> TableLeft:
+    """Return what the table of a control would do if the readings so far were all; nothing is written."""
+    estimation = campaign.concluded()
+    try:
+        options = informed(ExportOptions(), campaign.description, controller)
+        offered = registry.export(estimation.estimate(), controller, options)
+    except (TableError, ReadingError) as refusal:
+        return TableLeft(controller, 0.0, 0.0, f"{refusal.what}.")
+    return TableLeft(controller, offered.effect.before, offered.expected)
+
+
+def results_beside(record: Path) -> Path:
+    """Return the folder for the results of a record, beside it."""
+    return record.with_suffix("").with_name(f"{record.stem}-results")
