@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
+from axiscal.numerics.ties import TIE
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -132,10 +133,11 @@ def _at(x: Array, size: int) -> Array:
 
 
 def _best(n: Array, d: Array, x: Array) -> Array:
-    """Return the position in each row of x (b, k) where N/D is largest: (b,)."""
+    """Return the position in each row of x (b, k) where N/D is largest, the lowest of several: (b,)."""
     shapes = _at(x, max(n.shape[1], d.shape[1]))
     ratio = _quotient(_sum(n, shapes), _sum(d, shapes))
-    found: Array = np.take_along_axis(x, ratio.argmax(axis=1)[:, None], axis=1)[:, 0]
+    best = ratio.max(axis=1, keepdims=True)
+    found: Array = np.where(ratio >= best - TIE * np.abs(best), x, np.inf).min(axis=1)
     return found
 
 

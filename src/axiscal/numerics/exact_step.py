@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import check_forms, maximise_ratio, nodes, resampled
+from axiscal.numerics.ties import TIE, first_best_each
 
 Forms = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
 """(positions (b, k), interval (b,)) -> numerator and denominator there, each (b, k); denominator positive."""
@@ -110,7 +111,7 @@ class _Search:
         numerator, denominator = self.forms(position, owner)
         check_forms(numerator, denominator)
         ratio = numerator / denominator
-        pick = np.arange(len(owner)), ratio.argmax(axis=1)
+        pick = np.arange(len(owner)), first_best_each(ratio, TIE)
         value, where = ratio[pick], position[pick]
         order = np.argsort(value, kind="stable")
         better = order[value[order] > self.value[owner[order]]]

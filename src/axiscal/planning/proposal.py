@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -53,9 +52,7 @@ def proposed(
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(
-        make_plan(task, limits, patience=math.inf, guard=guard, progress=progress)
-    )  # the same plan on any machine
+    return Proposal(make_plan(task, limits, guard=guard, progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:

@@ -14,19 +14,21 @@ from numpy.typing import NDArray
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.move_all import moved
+from axiscal.design.plan.patience import Patience, work_of_climb
 from axiscal.design.step.best_step import best_of, climbed_on_chart
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best, ranked
 
 Allowed = Callable[[Scores, int], NDArray[np.bool_]]
 """(scores, slot) -> which candidates (M,) may stand in that slot."""
 
 _SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
-_BETTER = 1e-9
-"""Rounding of a gain, with room: what is no better is not exchanged for ever."""
+_BETTER = 1e-7
+"""Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
 _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
@@ -37,9 +39,6 @@ _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
 
-Spent = Callable[[], bool]
-
-
 def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> None:
     """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work.
 
@@ -48,7 +47,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
     work = 0.0
     for _ in range(sweeps):
         count = 0
-        for slot in np.argsort(scores.losses(), kind="stable"):
+        for slot in ranked(-scores.losses(), ALIKE):
             if work > _WORK:
                 return
             changed = _exchanged(scores, int(slot), allowed, better)
@@ -67,7 +66,7 @@ def _work_of_change(scores: Scores) -> float:
 def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
     gains, own = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
-    best = int(gains.argmax())
+    best = first_best(gains, ALIKE)
     if not gains[best] > own * (1 + better):
         return False
     scores.leave(slot)
@@ -75,16 +74,19 @@ def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bo
     return True
 
 
-def polish(scores: Scores, allowed: Allowed, rounds: int, spent: Spent) -> None:
+def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
+    work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
     for _ in range(rounds):
         before = scores.state.value
-        if not spent():
+        if not patience.spent:
             _move(scores)
+            patience.take(work * len(scores.members))
         for slot in range(len(scores.members)):
-            if spent():
+            if patience.spent:
                 return
             _polished(scores, slot, allowed)
+            patience.take(work)
         if before - scores.state.value <= _worth(scores) * before:
             return
 
@@ -118,13 +120,13 @@ def _climbed(scores: Scores, gains: Array, old: Places) -> Places:
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
     scorer, lattice = scores.pool.scorer(scores.state), scores.pool.lattice
-    order = np.argsort(-gains, kind="stable")[:_CANDIDATES]
+    order = ranked(gains, ALIKE, _CANDIDATES)
     if np.all(np.isfinite(gains)) and _small(scorer, lattice):
         return best_of(scorer, lattice).place
     begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
     climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
-    best = max(climbs, key=lambda climb: float(climb.gains.max()))
-    top = int(best.gains.argmax())
+    best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
+    top = first_best(best.gains, ALIKE)
     return Places.one(best.setup, best.poses[top], best.approaches[top])
 
 

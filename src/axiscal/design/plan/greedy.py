@@ -15,6 +15,7 @@ from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.openings import openings
 from axiscal.design.plan.task import Clock, Limits, Task
 from axiscal.measurement.place import Places
+from axiscal.numerics.ties import ALIKE, first_best
 
 _COARSE = 1000
 _PICKS = 50
@@ -134,7 +135,7 @@ def filled(
         if not open_to.any():
             break
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
-        best = int(rate.argmax())
+        best = first_best(rate, ALIKE)
         gain = scores.enter(best, bundle=bundle)
         meter, spent = meter.after(*scores.last), spent + float(cost[best])
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:

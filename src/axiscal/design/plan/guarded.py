@@ -25,6 +25,7 @@ from axiscal.estimation.defence import Defence, EffectMap, vouched
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best
 
 
 class _How(NamedTuple):
@@ -81,7 +82,8 @@ def _tried(task: Task, places: Places) -> _Tried:
 def _best(limits: Limits, tried: Sequence[_Tried]) -> _Tried:
     """Return the readings that vouch for most; the first of them are within the limits, others may take too long."""
     most = np.inf if limits.budget is None else max(limits.budget, float(tried[0].ends[-1]))
-    return min((each for each in tried if each.ends[-1] <= most), key=lambda each: each.vouched)
+    fitting = [each for each in tried if each.ends[-1] <= most]
+    return fitting[first_best(-np.array([each.vouched for each in fitting]), ALIKE)]
 
 
 class _Guarding:
@@ -113,7 +115,7 @@ class _Guarding:
         losses, closed, every = self.scored(order).losses(), order, 0
         for setup, mine in order.by_setup():
             if not returns(self._task.observation.setups[setup]) and len(mine) > _FEW:
-                least = int(mine[1:][losses[mine[1:]].argmin()])
+                least = int(mine[1:][first_best(-losses[mine[1:]], ALIKE)])
                 yield order.exchanged(least, order.at(int(mine[0])))
                 closed, every = closed.exchanged(least, order.at(int(mine[0]))), every + 1
         if every > 1:

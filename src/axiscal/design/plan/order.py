@@ -13,6 +13,7 @@ from axiscal.measurement.time_taken import reading_seconds, travel_table
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route
+from axiscal.numerics.ties import ALIKE, first_best
 
 
 def seconds_of(task: Task, places: Places) -> float:
@@ -73,7 +74,8 @@ def in_order(task: Task, places: Places) -> Places:
 
 def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: dict[int, Covariance]) -> int:
     """Return the set-up that takes J down fastest per second.  after : the state with the readings of each"""
-    return max(groups, key=lambda setup: (state.value - after[setup].value) / seconds_along(task, groups[setup]))
+    rates = [(state.value - after[setup].value) / seconds_along(task, group) for setup, group in groups.items()]
+    return list(groups)[first_best(np.array(rates), ALIKE)]
 
 
 def _by_setup(task: Task, places: Places) -> Places:

@@ -9,7 +9,6 @@ design, so that no plan is worse than one of these. While measuring, `renewal.re
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -24,17 +23,17 @@ from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
 from axiscal.design.plan.guarded import guardable, guarded
 from axiscal.design.plan.order import arriving, in_order, seconds_each
+from axiscal.design.plan.patience import PATIENCE, Patience
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import fitted
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Places
 from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import ALIKE, first_best
 
 Progress = Callable[[str], None]
 
-PATIENCE = 20.0
-"""Seconds that climbing off the lattice may take unless said otherwise."""
 _FEWEST = 3
 """Two readings contradict nothing, wherever they are."""
 _ROUNDS = 6
@@ -95,12 +94,11 @@ def make_plan(
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
-    patience : seconds for climbing off the lattice
+    patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted; progress : is given what is being done, in words
     guard : whether what its readings would not show is made small along with J
     """
     _refuse(task, limits)
-    spent = Patience(patience)
     times = clock(task)
     progress("which set-ups")
     setups = chosen_setups(task, limits, times)
@@ -108,7 +106,7 @@ def make_plan(
     progress("readings chosen together")
     trial = _together(task, limits, times, pool, setups)
     progress("off the lattice")
-    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, spent)
+    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     trial = fitted(task, limits, times, trial)
     fresh = task.here is None and len(trial.scores.members) >= _FEWEST
     if guard and fresh and guardable(task, limits, trial.scores):
@@ -117,16 +115,6 @@ def make_plan(
     progress("the bound")
     bound = _bound(task, limits, times, pool, trial) if bounded else None
     return _plan(task, limits, trial, bound, len(pool))
-
-
-class Patience:
-    """Says when time is up."""
-
-    def __init__(self, seconds: float) -> None:
-        self._until = time.monotonic() + seconds
-
-    def __call__(self) -> bool:
-        return time.monotonic() > self._until
 
 
 def _refuse(task: Task, limits: Limits) -> None:
@@ -155,7 +143,7 @@ def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setu
         trials.append(replace(greedy, scores=scores))
     for trial in trials:
         exchange(trial.scores, affordable(times, setups, limits.slack))
-    return min(trials, key=lambda trial: trial.scores.state.value)
+    return trials[first_best(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
 
 
 def _bound(task: Task, limits: Limits, times: Clock, pool: Pool, trial: Trial) -> Bound:

@@ -18,10 +18,11 @@ from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable
 from axiscal.design.plan.guarded import guardable
 from axiscal.design.plan.order import arriving, in_order, seconds_along
-from axiscal.design.plan.plan import Patience
+from axiscal.design.plan.patience import Patience
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import drop, fitted
 from axiscal.measurement.place import Places
+from axiscal.numerics.ties import ALIKE, first_best
 
 _SWEEPS = 3
 _WORTH = 0.01
@@ -34,7 +35,7 @@ _MORE = 10
 def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, guard: bool = False) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
-    limits : what is left of them; patience : seconds for climbing off the lattice
+    limits : what is left of them; patience : operations that climbing off the lattice may take
     guard : whether what is left was chosen for what it shows beside the model: then none is exchanged for a reading
         that is better under the model
     None are returned where there is no time for any of these set-ups.
@@ -95,5 +96,5 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
         full = limits.readings is not None and len(scores.members) >= limits.readings
         if met or full or (limits.budget is not None and not limits.accurate):
             break
-        scores.enter(int((scores.gains / (cost if limits.timed else 1.0)).argmax()))
+        scores.enter(first_best(scores.gains / (cost if limits.timed else 1.0), ALIKE))
     return replace(trial, met=met)

@@ -12,6 +12,7 @@ from axiscal.design.plan.exchange import exchange
 from axiscal.design.plan.greedy import Trial, affordable
 from axiscal.design.plan.order import seconds_of
 from axiscal.design.plan.task import Clock, Limits, Task
+from axiscal.numerics.ties import ALIKE, first_best
 
 _SHRINKS = 60
 """Halvings of a time: to a second of any budget after twenty."""
@@ -33,7 +34,7 @@ def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
 
 def drop(scores: Scores, times: Clock) -> None:
     """Take out the reading that is worth least per second."""
-    slot = int((scores.losses() / times.reading[scores.places.setups]).argmin())
+    slot = first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE)
     scores.leave(slot)
     scores.close(slot)
 
@@ -63,6 +64,7 @@ def _extended(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
         rate = np.where(cost <= left, trial.scores.gains / cost, -np.inf)
         if not np.isfinite(rate.max()):
             break
-        left -= float(cost[int(rate.argmax())])
-        trial.scores.enter(int(rate.argmax()))
+        best = first_best(rate, ALIKE)
+        left -= float(cost[best])
+        trial.scores.enter(best)
     return trial

@@ -27,6 +27,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.exact_step import gain_forms
 from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import TIE, first_best, ranked
 
 _APART = 0.12
 _STARTS = 16
@@ -116,7 +117,8 @@ def best_of(scorer: Scorer, lattice: Places) -> Step:
     for climb in finalists:
         if len(climb.moves) > 1 and climb.setup not in charted:
             climb.finish()
-    return max((_step(climb) for climb in finalists), key=lambda step: step.gain)
+    steps = [_step(climb) for climb in finalists]
+    return steps[first_best(np.array([step.gain for step in steps]), TIE)]
 
 
 def _best_on_chart(scorer: Scorer, setup: int, lattice: Places) -> Climb:
@@ -138,7 +140,7 @@ def climbed_on_chart(begun: Climb, rounds: int = ROUNDS) -> Climb:
         ChartClimb.begun(begun.scorer, begun.setup, *way) for way in zip(begun.poses, begun.approaches, strict=True)
     )
     ended = [climb.finished(rounds) for climb in climbs if climb is not None]
-    best = max(ended, key=lambda climb: climb.gain)
+    best = ended[first_best(np.array([climb.gain for climb in ended]), TIE)]
     if not best.gain > begun.gains.max():
         return begun.best(1, 0.0, 1.0)
     return Climb(begun.scorer, begun.setup, best.pose[None], best.approach[None], np.array([best.gain]))
@@ -177,7 +179,7 @@ def _parked(scorer: Scorer, setup: int) -> Climb:
 def _from_lattice(scorer: Scorer, lattice: Places) -> list[Climb]:
     """Return good readings that stand apart, the best of every set-up among them, after sweeps over lattice lines."""
     gains = scorer.gains(lattice)
-    order = np.argsort(-gains, kind="stable")
+    order = ranked(gains, TIE)
     _, firsts = np.unique(lattice.setups[order], return_index=True)
     chosen = np.unique(np.concatenate([order[firsts], order[:_LOOKED_AT]]))
     climbs = []
@@ -208,7 +210,7 @@ def _sifted(climb: Climb, stage: int, best: float) -> Climb:
 
 
 def _step(climb: Climb) -> Step:
-    best = int(climb.gains.argmax())
+    best = first_best(climb.gains, TIE)
     pose, approach = climb.poses[best], climb.approaches[best]
     scorer = climb.scorer
     rows, covariances = (part[0] for part in scorer.observation.numbers(climb.setup, pose[None], approach[None]))

@@ -22,6 +22,7 @@ from axiscal.measurement.observation import directions_of
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.exact_step import maximise_along
+from axiscal.numerics.ties import TIE, first_best
 
 _NODES, _NODES_OF_MORE = 17, 21
 """A piece is begun with so many; what they do not follow is halved."""
@@ -101,12 +102,12 @@ class ChartClimb:
     def _at_best(self, places: Array) -> ChartClimb:
         """Return the climb at the best of places (m, size), or where it is."""
         gains = self._gains(places) if len(places) else np.array([-np.inf])
-        best = int(gains.argmax())
+        best = first_best(gains, TIE)
         return replace(self, place=places[best], gain=float(gains[best])) if gains[best] > self.gain else self
 
     def _best_line(self) -> ChartClimb:
         """Return the climb at the best place along any one coordinate."""
-        return max((self._along(number) for number in range(self.chart.size)), key=lambda climb: climb.gain)
+        return _first_best([self._along(number) for number in range(self.chart.size)])
 
     def _along(self, number: int) -> ChartClimb:
         end = self.chart.bounds(number)
@@ -123,14 +124,14 @@ class ChartClimb:
 
         alone = len(directions_of(self.scorer.observation.setups[self.setup])) == 1
         found, value = maximise_along(forms, cut[:, 0], cut[:, 1], _NODES if alone else _NODES_OF_MORE)
-        return self._at_best(places_along(self.place, number, found[[int(value.argmax())]]))
+        return self._at_best(places_along(self.place, number, found[[first_best(value, TIE)]]))
 
     def _turned(self) -> ChartClimb:
         """Return the climb from the best of the sides that are allowed."""
         allowed = [float(side) for side in self.scorer.observation.setups[self.setup].sides]
-        turned = (replace(self, sides=np.array(sides)) for sides in product(allowed, repeat=self.chart.size))
+        turned = [replace(self, sides=np.array(sides)) for sides in product(allowed, repeat=self.chart.size)]
         here = self.place[None]
-        return max((replace(each, gain=float(each._gains(here)[0])) for each in turned), key=lambda each: each.gain)
+        return _first_best([replace(each, gain=float(each._gains(here)[0])) for each in turned])
 
     def _uphill(self) -> ChartClimb:
         """Return the climb after Newton's steps in all continuous coordinates at once."""
@@ -154,3 +155,8 @@ class ChartClimb:
                 return further
             climb = further
         return climb
+
+
+def _first_best(climbs: list[ChartClimb]) -> ChartClimb:
+    """Return the first of the climbs that stand highest."""
+    return climbs[first_best(np.array([climb.gain for climb in climbs]), TIE)]

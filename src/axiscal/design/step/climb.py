@@ -16,6 +16,7 @@ from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import node_count
 from axiscal.numerics.exact_step import maximise_along
+from axiscal.numerics.ties import TIE, first_best_each, ranked, surely_more
 
 _ROUNDS = 60
 """Rounds end where none rises; this only ends what would go round."""
@@ -57,13 +58,13 @@ class Climb:
 
     def best(self, count: int, share: float, than: float) -> Climb:
         """Return the best `count` that gain at least a share of `than`."""
-        order = np.argsort(-self.gains, kind="stable")[:count]
+        order = ranked(self.gains, TIE, count)
         return self.keep(order[self.gains[order] >= share * than])
 
     def scattered(self, count: int, apart: float) -> Climb:
         """Return the best, no two of them closer than a share of every travel.  apart : share"""
         spans = np.array([axis.length for axis in self.scorer.observation.machine.axes])
-        order = np.argsort(-self.gains, kind="stable")
+        order = ranked(self.gains, TIE)
         chosen = np.zeros(len(order), dtype=bool)
         for i in order:
             if chosen.sum() < count and not _near(self.poses[chosen], self.poses[i], apart * spans):
@@ -73,7 +74,7 @@ class Climb:
     def distinct(self) -> Climb:
         """Return the climb without those that stand where a better one stands."""
         spans = np.array([axis.length for axis in self.scorer.observation.machine.axes])
-        order = np.argsort(-self.gains, kind="stable")
+        order = ranked(self.gains, TIE)
         poses, approaches = self.poses[order] / spans, self.approaches[order]
         near = np.all(np.abs(poses[:, None] - poses) <= _APART, axis=2) & np.all(
             approaches[:, None] == approaches, axis=2
@@ -86,7 +87,8 @@ class Climb:
             positions = self._positions(axis)
             above, below = self._lines(axis).on(positions)
             ratio = above / below
-            self._move(axis, positions[ratio.argmax(axis=1)], ratio.max(axis=1))
+            best = first_best_each(ratio, TIE)
+            self._move(axis, positions[best], ratio[np.arange(len(best)), best])
             self._turn(axis)
 
     def sweep(self) -> None:
@@ -139,7 +141,7 @@ class Climb:
     def _try(self, axes: list[int], tries: Array, going: NDArray[np.intp]) -> Array:
         """Go to the best of several positions (n, p, axes) each where it gains more; return by how much it does."""
         gains = self._gains_at(axes, tries, going)
-        best = gains.argmax(axis=1)
+        best = first_best_each(gains, TIE)
         found, gain = tries[np.arange(len(going)), best], gains[np.arange(len(going)), best]
         rise: Array = gain - self.gains[going]
         better = rise > 0
@@ -168,7 +170,7 @@ class Climb:
         other = self.approaches.copy()
         other[:, axis] *= -1
         gains = self.scorer.at(self.setup, self.poses, other)
-        better = gains > self.gains * (1 + 1e-12)
+        better = surely_more(gains, self.gains, TIE)
         self.approaches[better, axis] *= -1
         self.gains = np.where(better, gains, self.gains)
 
@@ -191,7 +193,7 @@ class Climb:
         if continuous:
             found += self._exactly(continuous)
         for axis, position, gain in found:
-            better = gain > gains
+            better = surely_more(gain, gains, TIE)
             which[better], there[better], gains[better] = axis, position[better], gain[better]
         better = gains > self.gains
         poses[better, which[better]] = there[better]
@@ -206,7 +208,8 @@ class Climb:
         positions = self._positions(axis)
         above, below = self._lines(axis).on(positions)
         ratio = above / below
-        return positions[ratio.argmax(axis=1)], ratio.max(axis=1)
+        best = first_best_each(ratio, TIE)
+        return positions[best], ratio[np.arange(len(best)), best]
 
     def _exactly(self, axes: list[int]) -> list[tuple[int, Array, Array]]:
         """Return the best position on the line through every pose along each axis, and the gain there.

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.step.lines import Lines, SampledLines
 from axiscal.numerics import Array
+from axiscal.numerics.ties import TIE, first_best_each
 
 
 class LineBundle:
@@ -31,6 +32,6 @@ class LineBundle:
     def best(self, axis: int, position: Array, value: Array) -> tuple[Array, Array]:
         """Return for each pose the best position along an axis, and the gain there."""
         mine = slice(self._starts[axis], self._starts[axis + 1])
-        pick = value[mine].reshape(self._poses, -1).argmax(axis=1)
+        pick = first_best_each(value[mine].reshape(self._poses, -1), TIE)
         index = self._starts[axis] + np.arange(self._poses) * self._counts[axis] + pick
         return position[index], value[index]

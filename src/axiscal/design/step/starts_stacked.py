@@ -19,6 +19,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.axis_pairs import Pairs
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.spread import even_points
+from axiscal.numerics.ties import TIE, first_best_each
 
 _PER_INTERVAL = 8
 _EVERY_POINT = 300_000
@@ -162,8 +163,8 @@ def _climbed(above: Pairs, below: Pairs, sizes: list[int]) -> tuple[NDArray[np.i
         before = gains
         for axis in range(len(sizes)):
             ratio = above.along(axis, points) / below.along(axis, points)
-            points[:, axis] = ratio.argmax(axis=1)
-            gains = ratio.max(axis=1)
+            points[:, axis] = first_best_each(ratio, TIE)
+            gains = ratio[np.arange(len(ratio)), points[:, axis]]
         if np.all(gains <= before * (1 + 1e-12)):
             break
     _, first = np.unique(points, axis=0, return_index=True)
