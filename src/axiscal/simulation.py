@@ -100,15 +100,22 @@ class VirtualMachine:
         seconds : since the campaign began
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
-        model, place = model_of(setup), Nominal(self.model.machine, at, setup.moves)
         stepped = setup.base is not None
         actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
-        directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
-        own = self.offsets.get(setup.name, {})
-        shown = [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
+        shown = self.exactly(setup, at, actual)
         moved = self.drifts.get(setup.name, _still)(seconds)
         each = (v + d + setup.scatter * rng.standard_normal() for v, d in zip(shown, moved, strict=False))
         return tuple(_displayed(value, setup.resolution) for value in each)
+
+    def exactly(self, setup: Setup, pose: Array, actual: Actual) -> list[float]:
+        """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
+
+        pose : (1, q) where it reads; actual : what the machine does, there or where an instrument touches beside it
+        """
+        model, place = model_of(setup), Nominal(self.model.machine, pose, setup.moves)
+        directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
+        own = self.offsets.get(setup.name, {})
+        return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
 
     def _chord(self, setup: Setup, poses: Array) -> Actual:
         """Return by how much the way differs between the two feet of a level, per length between them."""

@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from axiscal.belief import Belief
-from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, Tables
+from axiscal.campaign.sources.linuxcnc import Build, LinuxcncMachine, Tables
 from axiscal.compensation.controllers.linuxcnc import offer, pivots
 from axiscal.compensation.effect import left_by, table_control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.compensation.table import CompensationTable
 from axiscal.demo.linuxcnc import EXAMPLES, MACHINES, close_loop, description
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available
-from axiscal.lab.linuxcnc.probing import ball, touched
+from axiscal.lab.linuxcnc.probing import Probe, Touch, ball, centred, cycle, placed, touched
+from axiscal.machine.inverse import tip_at
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 
@@ -114,16 +121,85 @@ def test_the_kinematics_turn_about_our_pivots(swivel: str) -> None:
 def test_a_probe_finds_the_ball_where_the_machine_has_it() -> None:
     """Balls touched by G38 on a machine with hidden errors: its deviation there, within the probe's 1 um."""
     estimate, truth = known("three-axis")
-    radius = 12.5
+    probe, stem, sideways = Probe(radius=12.5), np.array([0.0, 0.0, 1.0]), np.eye(3)[:2]
     joints = [Joint(axis, -500, 500) for axis in "XYZ"]
     low, high = np.array(estimate.box).T
     places = low + (high - low) * np.random.default_rng(2).uniform(0.2, 0.8, (2, 3))
     order = [estimate.machine.index(name) for name in "XYZ"]
     deviations = truth.deviation(places, np.zeros_like(places)) * 1e3
-    with Session(joints, Settings(ball(radius))) as session:
+    with Session(joints, Settings(ball(probe.radius))) as session:
         for place, deviation in zip(places[:, order] * 1e3, deviations, strict=True):
-            found = touched(session, place - deviation, place, radius)
-            assert place - found == pytest.approx(deviation, abs=1.1e-3)
+            touches = cycle(place, stem, sideways, probe)
+            found = touched(session, touches, partial(stands, place - deviation), probe)
+            assert place - found.centre == pytest.approx(deviation, abs=1.1e-3)
+            assert found.radius == pytest.approx(probe.radius, abs=1.1e-3)
+            assert found.apart <= 1.1e-3
         assert session.errors == ()
         with pytest.raises(ControlError, match="found no ball"):
-            touched(session, (200, 200, 200), (0, 0, 0), radius)
+            touched(session, cycle(np.zeros(3), stem, sideways, probe), partial(stands, np.full(3, 200.0)), probe)
+
+
+def stands(place: Array, _: Touch) -> list[str]:
+    return placed(place.tolist())
+
+
+@pytest.mark.parametrize("swivel", ["A", "B"])
+def test_spheres_touched_in_tcp_mode_read_what_the_machine_does(swivel: str) -> None:
+    """Two spheres at two poses of a swivelling table, come to from both sides; one stands 2.5 mm elsewhere."""
+    name = f"xyz{swivel.lower()}c"
+    described = description(name)
+    spheres = """
+machine = "machine.toml"
+[[artefacts]]
+name = "two"
+balls = { near = ["60 mm", "0 mm", "-50 mm"], far = ["-40 mm", "55 mm", "20 mm"] }
+[[setups]]
+name = "spheres"
+instrument = "sphere"
+artefact = "two"
+noise = "0.001 um"
+approach = "both"
+"""
+    folder = resources.files("axiscal.demo").joinpath("linuxcnc_machines")
+    text = folder.joinpath(f"{name}.machine.toml").read_text(encoding="utf-8")
+    (setup,) = campaign_from_texts(spheres, "campaign.toml", text, "machine.toml").setups
+    assert setup.chart is not None
+    poses, sides = chart_candidates(described.machine, setup, setup.chart, 40)
+    _, plain = known(name)
+    moved = {"near_x": 1.5e-3, "near_y": -2e-3, "far_z": 2.5e-3, "tool_z": 4e-5}
+    truth = replace(plain, offsets={"spheres": moved})
+    rng = np.random.default_rng(0)
+    with LinuxcncMachine(truth, None, Build(tcp=True, probe=Probe())) as machine:
+        assert machine.spheres is not None
+        for pose, side in zip(poses[[3, 29]], sides[[3, 29]], strict=True):
+            read = machine.spheres.read(setup, tuple(pose), tuple(side), rng)
+            assert read == pytest.approx(met(truth, setup, pose, side), abs=1.1e-6)
+            assert machine.spheres.found[-1].radius == pytest.approx(Probe().radius, abs=4e-3)  # less half a reversal
+        assert machine.errors == ()
+
+
+def met(truth: VirtualMachine, setup: Setup, pose: Array, side: Array) -> Array:
+    """What the machine does where the sides are touched: across the stem in their middle, along it at the pole."""
+    machine, turned = truth.model.machine, np.where([axis.rotary for axis in truth.model.machine.axes], side, 0.0)
+    at = frames(machine, pose[None])
+    stem, own = at.stem[0], truth.offsets["spheres"]
+    middle = np.array(truth.read_all(replace(setup, noise=1e-10), tuple(pose), tuple(turned), np.random.default_rng(0)))
+    moved = np.array([own.get(f"{'near' if at.tcp[0][0] > 0 else 'far'}_{axis}", 0.0) for axis in "xyz"])
+    pole = tip_at(machine, pose[None], at.tcp + moved + 0.0155 * stem)
+    stood = tip_at(machine, pose[None], at.tcp + moved)
+    come = turned[None] + np.where([axis.name == "Z" for axis in machine.axes], -1.0, 0.0)
+    further = truth.deviation(pole, come) - truth.deviation(pose[None], turned[None])
+    across = truth.deviation(stood, turned[None]) - truth.deviation(pose[None], turned[None])
+    found: Array = middle + across[0] + stem * (stem @ (further - across)[0])
+    return found
+
+
+def test_the_centre_of_touches_is_that_of_the_sphere_they_lie_on() -> None:
+    rng = np.random.default_rng(8)
+    turned = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    touches = cycle(np.array([10.0, -20.0, 30.0]), turned[2], turned[:2], Probe())
+    centre = np.array([10.4, -20.3, 29.1])
+    hits = np.array([centre + t.side * 15.5 for t in touches])
+    found = centred(hits, touches, 15.5)
+    assert found.centre == pytest.approx(centre, abs=1e-9)
+    assert (found.radius, found.apart) == pytest.approx((15.5, 0.0), abs=1e-9)

@@ -4,14 +4,15 @@
 
 A campaign drives a LinuxCNC through MDI, the tables made of it are loaded, LinuxCNC starts anew, and positions that
 were never measured are visited with and without them: on a mill, on a gantry of two joints, on a mill that is set up in
-inches, and on two swivelling tables with the kinematics that LinuxCNC brings, in tool centre point mode.
+inches, and on two swivelling tables with the kinematics that LinuxCNC brings, in tool centre point mode: one of them
+touches three spheres itself, by G38.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 
@@ -31,6 +32,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError
+from axiscal.lab.linuxcnc.probing import Probe
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.report.delivery import write_files
@@ -42,7 +44,7 @@ EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
     "three-axis": ("three-axis", Build(), ExportOptions()),
     "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
     "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
-    "xyzac": ("xyzac", *_TABLE),
+    "xyzac": ("xyzac", Build(tcp=True, probe=Probe()), ExportOptions(pivots=True)),
     "xyzbc": ("xyzbc", *_TABLE),
 }
 """Name -> whose description it is, how LinuxCNC is set up, what is exported."""
@@ -51,7 +53,7 @@ _WHAT = {
     "three-axis": "mill in mm, trivkins",
     "gantry": "coordinates = XYYZ, trivkins",
     "inch": "the mill with LINEAR_UNITS = inch",
-    "xyzac": "xyzac-trt-kins in TCP mode",
+    "xyzac": "xyzac-trt-kins in TCP mode, spheres touched by G38",
     "xyzbc": "xyzbc-trt-kins in TCP mode",
 }
 SEED = 2005
@@ -62,7 +64,8 @@ POSITIONS = 60
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """What one closed loop came to: RMS of the TCP deviation over the verification positions, m, constant taken off.
+    """What one closed loop came to: RMS of the TCP deviation over the verification positions, m, without the shift, of
+    a part the shift and the turn, that setting it up takes off.
 
     before, after : as LinuxCNC goes there without and with the tables
     expected : what was expected to be left, the uncertainty of the estimate included
@@ -97,7 +100,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
     truth = Simulator(case.description.machine, case.description.setups).drawn(seed)
     record = out / f"{name}.axiscal"
     with Campaign.create(record, case.description) as campaign:
-        source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed), build=build)
+        source = LinuxcncSource(truth, lambda machine: SimulatedSource(machine, seed), build=build, seed=seed)
         try:
             campaign.run(source, _unwatched)
         finally:
@@ -109,26 +112,34 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
 
 
 def _verified(estimation: Estimation, tables: Export, truth: VirtualMachine, build: Build, readings: int) -> Loop:
-    estimate = estimation.estimate()
-    poses, approaches = _positions(estimate)
+    estimate, yardstick = estimation.estimate(), estimation.case.yardstick
+    poses, approaches = _positions(estimate, yardstick.sample)
     seen: list[Array] = []
     messages: list[str] = []
     for loaded in (None, Tables(tables.files)):
-        with LinuxcncMachine(truth, loaded, build) as machine:
+        with LinuxcncMachine(truth, loaded, replace(build, probe=None)) as machine:
             seen.append(machine.seen.deviation(poses, approaches))
             messages += machine.errors
     left = left_by(estimate.machine, estimate.deviation, tables.control, poses, approaches)
+
+    def size(deviation: Array) -> float:
+        return rms(deviation if yardstick.alignment is None else yardstick.alignment.left(poses, deviation))
+
     std = estimation.accuracy.rms
-    expected = float(np.hypot(rms(left), std))
-    return Loop(readings, rms(seen[0]), rms(seen[1]), expected, rms(seen[1] - left), std, tuple(messages))
+    expected = float(np.hypot(size(left), std))
+    return Loop(readings, size(seen[0]), size(seen[1]), expected, size(seen[1] - left), std, tuple(messages))
 
 
-def _positions(estimate: Estimate) -> tuple[Array, Array]:
-    """Return poses (POSITIONS, q) in the volume that no plan has chosen, and directions of approach."""
+def _positions(estimate: Estimate, sample: Array | None) -> tuple[Array, Array]:
+    """Return poses (POSITIONS, q) in the volume that no plan has chosen, and directions of approach.
+
+    sample : (m, q) poses of the volume where it is a part
+    """
     rng = np.random.default_rng(SEED + 1)
     low, high = np.array(estimate.box).T
     shape = (POSITIONS, len(low))
-    poses: Array = low + (high - low) * rng.uniform(size=shape)
+    inside = low + (high - low) * rng.uniform(size=shape)
+    poses: Array = inside if sample is None else sample[rng.choice(len(sample), POSITIONS, replace=False)]
     approaches: Array = rng.choice([-1.0, 1.0], size=shape)
     return poses, approaches
 

@@ -17,6 +17,8 @@ from axiscal.units import to_unit
 
 if TYPE_CHECKING:
     from axiscal.lab.linuxcnc import Joint, Session, Settings
+    from axiscal.lab.linuxcnc.probing import Probe
+    from axiscal.lab.linuxcnc.spheres import TouchedSpheres
     from axiscal.machine import Axis
     from axiscal.numerics import Array
     from axiscal.simulation import VirtualMachine
@@ -42,11 +44,13 @@ class Build:
 
     unit : of its configuration, mm or in; pairs : axes that two joints drive
     tcp : it turns with xyzac- or xyzbc-trt-kins, and positions are those of the tool on the workpiece
+    probe : how it touches spheres, in TCP mode; None where nothing is touched
     """
 
     unit: str = "mm"
     pairs: str = ""
     tcp: bool = False
+    probe: Probe | None = None
 
 
 class LinuxcncMachine:
@@ -69,9 +73,11 @@ class LinuxcncMachine:
         self._session: Session = Session(joints, settings)
         self._wait_until_corrected(settings.hal)
         if self._build.tcp:
-            self._session.move([f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"])
+            tool = f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"
+            self._session.move([tool, *(["M68 E3 Q1", "M66 E0 L0"] if self._build.probe else [])])
         self._last: tuple[Array, Array, Array] | None = None
         self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
+        self.spheres = self._spheres(truth)
 
     def sent(self, poses: Array, approaches: Array) -> Array:
         """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad.
@@ -112,6 +118,21 @@ class LinuxcncMachine:
         while _GAIN in hal and self._session.read([_GAIN]) < (1.0,):
             time.sleep(0.05)
 
+    def _spheres(self, truth: VirtualMachine) -> TouchedSpheres | None:
+        """Return what touches spheres, where it is built to."""
+        if self._build.probe is None:
+            return None
+        from axiscal.lab.linuxcnc.spheres import TouchedSpheres
+
+        return TouchedSpheres(self._session, truth, self._driven, self._overrun, self._build.probe)
+
+    @property
+    def _overrun(self) -> Array:
+        """How far before a target each axis is come from, (q,) m or rad."""
+        import numpy as np
+
+        return np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
+
     @property
     def _driven(self) -> list[int]:
         """The axis of each joint."""
@@ -121,8 +142,7 @@ class LinuxcncMachine:
         """Return a move beside the pose and one to it; axes without a direction come upwards."""
         import numpy as np
 
-        overrun = np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
-        before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * overrun
+        before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * self._overrun
         return [self._code(at) for at in (before, pose)]
 
     def _code(self, pose: Array) -> str:
@@ -161,13 +181,21 @@ class LinuxcncMachine:
         if not any(nominal.kinematics in text for text in texts):
             texts.append(pivots.write(nominal, self._build.unit))
         texts.append(f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n")
-        return Settings("".join(texts), nominal.kinematics, self._build.unit)
+        if self._build.probe is None:
+            return Settings("".join(texts), nominal.kinematics, self._build.unit)
+        from axiscal.lab.linuxcnc.probing import ball
+
+        texts += [
+            "net kinstype-select motion.analog-out-03 => motion.switchkins-type\n",
+            ball(self._build.probe.radius, "".join(texts)),
+        ]
+        return Settings("".join(texts), f"{nominal.kinematics} sparm=identityfirst", self._build.unit)
 
 
 class LinuxcncSource:
     """The machine as a source: LinuxCNC starts with the first reading.
 
-    simulated : makes the source that reads a virtual machine
+    simulated : makes the source that reads a virtual machine; seed : of how a probe's touches scatter
     """
 
     def __init__(
@@ -176,8 +204,10 @@ class LinuxcncSource:
         simulated: Callable[[VirtualMachine], Source],
         tables: Tables | None = None,
         build: Build | None = None,
+        seed: int = 0,
     ) -> None:
         self._truth, self._simulated, self._tables, self._build = truth, simulated, tables, build
+        self._seed = seed
         self._running: tuple[LinuxcncMachine, Source] | None = None
 
     def read(self, request: Request) -> Answer | Skip:
@@ -185,7 +215,14 @@ class LinuxcncSource:
         if self._running is None:
             machine = LinuxcncMachine(self._truth, self._tables, self._build)
             self._running = machine, self._simulated(machine.seen)
-        return self._running[1].read(request)
+        machine, source = self._running
+        if machine.spheres is None or request.setup.instrument != "sphere":
+            return source.read(request)
+        import numpy as np
+
+        rng = np.random.default_rng((self._seed, request.reading))
+        value, *others = machine.spheres.read(request.setup, request.pose, request.approach, rng)
+        return Answer(value, others=tuple(others))
 
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""

@@ -97,6 +97,12 @@ def motors(joints: Sequence[Joint], hal: str) -> list[str]:
     return [f"{moved[n]}-motor" if n in moved else f"joint.{n}.motor-pos-cmd" for n in range(len(joints))]
 
 
+def signals(count: int, hal: str) -> list[str]:
+    """Return the signal of each of the first joints that holds the position its motor is sent to."""
+    moved = _moved(hal)
+    return [f"{moved[n]}-motor" if n in moved else f"j{n}m" for n in range(count)]
+
+
 def _moved(hal: str) -> dict[int, str]:
     """Return the names that the text gives to the joints whose motors it moves, such as axiscal-x."""
     return {int(number): name for name, number in re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)}
@@ -117,4 +123,20 @@ def _hal(joints: Sequence[Joint], hal: str) -> str:
     lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in fed_back]
     # where a motor really turns, its encoder shows where it was sent
     wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", hal)
-    return "\n".join(lines) + "\n" + wired
+    return "\n".join(lines) + "\n" + _loaded_once(wired)
+
+
+def _loaded_once(hal: str) -> str:
+    """Return HAL text in which a module that several parts load is loaded once, with all their names."""
+    names: dict[str, list[str]] = {}
+    for module, given in _LOADED.findall(hal):
+        names.setdefault(module, []).append(given)
+
+    def first(found: re.Match[str]) -> str:
+        given = names.pop(found[1], None)
+        return "" if given is None else f"loadrt {found[1]} names={','.join(given)}\n"
+
+    return _LOADED.sub(first, hal)
+
+
+_LOADED = re.compile(r"^loadrt (\S+) names=(\S+)\n", re.MULTILINE)

@@ -70,19 +70,21 @@ class RunningControl:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
         if code.startswith("setp "):
             hal.set_p(*code.split()[1:])
-            code = "G4 P0.001"
-        if code.startswith("home "):
+        elif code.startswith("home "):
             self.home_again(int(code.split()[1]))
-            code = "G4 P0.001"
+        else:
+            self._executed(code)
+        settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
+        self.stat.poll()
+        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
+        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
+
+    def _executed(self, code: str) -> None:
         self.command.mdi(code)
         while (ended := self.command.wait_complete(1)) == UNFINISHED:
             pass
         if ended != linuxcnc.RCS_DONE:
             raise RuntimeError(f"{code} was not completed: {self.errors()}")
-        settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
-        self.stat.poll()
-        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
-        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
 
     def sent(self) -> list[float]:
         """Read the position that every motor is sent to."""
