@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import threading
@@ -131,10 +132,58 @@ def test_what_is_typed_is_understood_before_it_is_sent(page: Served) -> None:
     assert "no word known here" in page.call("typed?text=twelve").document["sentence"]
 
 
+def test_a_set_up_is_left_by_a_skip_of_the_rest(page: Served) -> None:
+    done = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
+    assert done.document["sentence"].startswith('Left "laser"')
+    assert (page.state()["question"], page.state()["ended"]) == (None, "nothing is left to measure")
+    assert page.call("undo", after=page.state()["last"]).status == 200
+    assert page.state()["question"]["number"] == 1
+
+
+def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answer(page: Served) -> None:
+    before = page.state()
+    assert (before["due"]["ask"], before["due"]["temperature_degc"]) == (True, None)
+    assert page.call("notes", text="the workshop has 21,4 °C").status == 200
+    state = page.state()
+    assert [note["text"] for note in state["notes"]] == ["the workshop has 21,4 °C"]
+    assert (state["due"]["ask"], state["due"]["temperature_degc"]) == (False, 21.4)
+    assert page.call("notes", text=" ").document["problem"] == "refused"
+    assert page.call("readings", after=before["last"], text="1.5").status == 200
+    assert page.call("readings", after=state["last"], text="1.5").document["problem"] == "overtaken"
+    assert kept(page) == [1.5]
+
+
+def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(page: Served) -> None:
+    page.call("readings", after=page.state()["last"], text="1.5")
+    seen, state = page.call("outlook").document, page.state()
+    assert len(seen["points"]) == len(seen["error_um"]) == len(seen["std_um"]) > 100
+    assert (len(seen["way"]), seen["taken"], len(seen["box"]), seen["edges"]) == (4, 1, 2, [[0, 1]])
+    assert seen["forecast"][-1]["rms_um"] == pytest.approx(state["progress"]["promised"]["rms_um"], rel=1e-9)
+    assert seen["forecast"][-1]["minutes"] == pytest.approx(
+        state["progress"]["minutes"] + state["progress"]["left_minutes"]
+    )
+    squares = sum(each**2 for each in seen["std_um"]) / len(seen["std_um"])
+    assert squares**0.5 == pytest.approx(state["progress"]["now"]["rms_um"], rel=0.05)  # the same volume, evenly
+
+
+def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -> None:
+    for text in ("1.5", "-1", "0.5", "2"):
+        page.call("readings", after=page.state()["last"], text=text)
+    table = page.call("table?control=linuxcnc").document
+    assert 0 < table["expected_um"] < table["before_um"]
+    command(page, "finish", "mill.axiscal", "--out", "results", "--json")
+    left = json.loads((page.record.parent / "results" / "result.json").read_text())["tables"]
+    mine = next(each for each in left if each["controller"] == "linuxcnc")
+    assert mine["expected_um"] == pytest.approx(table["expected_um"], rel=1e-5)  # as many digits as are printed
+    assert "template" in page.call("table?control=fanuc").document["refusal"].lower()
+    assert page.call("table?control=abacus").document["refusal"].startswith('"abacus" is not a controller')
+
+
 def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
     described = page.call("openapi.json").document
     assert set(described["paths"]) == {
-        f"/api/1/{name}" for name in ("state", "typed", "readings", "skips", "undo", "next", "finish")
+        f"/api/1/{name}"
+        for name in ("state", "typed", "outlook", "table", "readings", "skips", "notes", "undo", "next", "finish")
     }
     schemas = described["components"]["schemas"]
     assert set(page.state()) == set(schemas["StateShape"]["required"]) | {"document"}

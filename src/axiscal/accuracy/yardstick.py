@@ -138,13 +138,14 @@ class Yardstick:
 
     @cached_property
     def _poses(self) -> tuple[Array, Array]:
-        poses = self._places
+        poses = self.places
         if not self.errors.reversing:
             return poses, np.ones_like(poses)
         return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
 
     @cached_property
-    def _places(self) -> Array:
+    def places(self) -> Array:
+        """Poses at which it measures, (m, q): corners of the volume, unless there is a sample, and evenly inside."""
         if self.sample is not None:
             return self.sample[:_INNER_POINTS]
         low, high = np.array(self.box).T
@@ -184,7 +185,7 @@ class Yardstick:
     @cached_property
     def evenly(self) -> NDArray[np.bool_]:
         """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
-        places = np.arange(len(self._places)) >= (len(self._places) - _INNER_POINTS if self.sample is None else 0)
+        places = np.arange(len(self.places)) >= (len(self.places) - _INNER_POINTS if self.sample is None else 0)
         return np.tile(places, len(self._poses[0]) // len(places))
 
     def covariances(self, factor: Array) -> Array:

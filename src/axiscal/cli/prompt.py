@@ -194,6 +194,7 @@ def tables_lines(campaign: Campaign) -> list[str]:
     found: dict[str, list[str]] = {}
     for control in CONTROLS:
         left = table_left(campaign, control)
-        reached = said("with its table {expected} RMS is to be expected", expected=micrometres(left.expected))
+        figures = {"expected": micrometres(left.expected), "before": micrometres(left.before)}
+        reached = said("with its table {expected} RMS is to be expected, without it {before}", **figures)
         found.setdefault(left.refusal or reached, []).append(control)
     return [f"{', '.join(names)}: {words}" for words, names in found.items()]

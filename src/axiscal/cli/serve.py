@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import OwnRecord
+from axiscal.cli.arguments import Language, OwnRecord
 from axiscal.cli.printing import say, tell
+from axiscal.guide.language import chosen
 from axiscal.web.serving import serve_record
 
 
@@ -16,6 +17,7 @@ def serve(
     port: Annotated[
         int, typer.Option(min=0, max=65535, show_default=False, help="Port; default: any that is free.")
     ] = 0,
+    language: Language = None,
 ) -> None:
     """Take the readings of a campaign on a page in the browser, until Ctrl-C.
 
@@ -27,5 +29,8 @@ def serve(
       axiscal serve mill.axiscal
     """
     tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
-    serve_record(record, port, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept."))
+    spoken = chosen(language)
+    serve_record(
+        record, port, spoken, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept.")
+    )
     say("Ended; every reading is kept.")

@@ -30,6 +30,12 @@ def counted(one: str, many: str, count: int, /, **values: object) -> str:
     return _catalogue(_SPOKEN.get()).ngettext(one, many, count).format(count=count, **values)
 
 
+def messages(language: str) -> dict[str, str]:
+    """Return the messages of a language by the English ones, for the page; none for English itself."""
+    catalogue: dict[str, str] = getattr(_catalogue(language), "_catalog", {})
+    return {english: words for english, words in catalogue.items() if isinstance(english, str) and english}
+
+
 @contextmanager
 def speaking(language: str) -> Iterator[None]:
     """Speak a language inside of the block."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +18,7 @@ CONTROLS = tuple(name for name in registry.CONTROLLERS if name != "csv")
 
 @dataclass(frozen=True, slots=True)
 class TableLeft:
-    """What is to be expected over the volume with the table of one control: RMS as estimated before, and with it, m.
+    """What is to be expected over the volume without and with the table of one control: RMS, m.
 
     refusal : why there is no table for it, "" where there is one
     """
@@ -36,7 +37,7 @@ def table_left(campaign: Campaign, controller: str) -> TableLeft:
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return TableLeft(controller, 0.0, 0.0, f"{refusal.what}.")
-    return TableLeft(controller, offered.effect.before, offered.expected)
+    return TableLeft(controller, math.hypot(offered.effect.before, offered.unknown), offered.expected)
 
 
 def results_beside(record: Path) -> Path:

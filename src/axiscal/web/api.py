@@ -17,17 +17,32 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from axiscal.exceptions import AxiscalError, OvertakenError
+from axiscal.guide.language import LANGUAGES, messages
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk, SurprisingError
 from axiscal.web.guard import Admission, Guard
 from axiscal.web.openapi import ROOT, description
 from axiscal.web.problems import document, problem
-from axiscal.web.shapes import DoneShape, KeepRequest, Shape, SkipRequest, StepRequest, TypedQuery, WaitQuery
+from axiscal.web.shapes import (
+    DoneShape,
+    KeepRequest,
+    NoQuery,
+    NoteRequest,
+    Shape,
+    SkipRequest,
+    StepRequest,
+    TableQuery,
+    TypedQuery,
+    WaitQuery,
+)
 
 _FILES = {
     "page.css": "text/css",
     "page.js": "text/javascript",
     "pictures.js": "text/javascript",
+    "setups.js": "text/javascript",
+    "volume.js": "text/javascript",
+    "words.js": "text/javascript",
     "icon.svg": "image/svg+xml",
 }
 _Answer = Callable[[Request], Awaitable[Response]]
@@ -37,14 +52,18 @@ _Body = TypeVar("_Body", bound=Shape)
 def application(counter: Counter, admitted: Admission) -> Guard:
     """Return the whole page behind its guard."""
     api = _Api(counter)
-    steps = {"readings": api.keep, "skips": api.skip, "undo": api.undo, "next": api.go_on, "finish": api.finish}
+    steps = {"readings": api.keep, "skips": api.skip, "notes": api.note, "undo": api.undo, "next": api.go_on}
+    steps["finish"] = api.finish
     routes = [
         Route("/", partial(_file, "page.html", "text/html"), methods=["GET"]),
         *(Route(f"/{name}", partial(_file, name, kind), methods=["GET"]) for name, kind in _FILES.items()),
+        Route("/words.json", api.words, methods=["GET"]),
         Route("/report.html", api.report, methods=["GET"]),
         Route(f"{ROOT}/openapi.json", _described, methods=["GET"]),
         Route(f"{ROOT}/state", api.state, methods=["GET"]),
         Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
+        Route(f"{ROOT}/outlook", api.outlook, methods=["GET"]),
+        Route(f"{ROOT}/table", api.table, methods=["GET"]),
         *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
     ]
     app = Starlette(
@@ -61,22 +80,42 @@ class _Api:
         self._counter = counter
 
     async def state(self, request: Request) -> Response:
-        return await _asked(WaitQuery, dict(request.query_params), self._state)
+        async def answered(query: WaitQuery) -> Response:
+            return document(await self._counter.newer(query.seen, query.wait, _language(request)))
 
-    async def _state(self, query: WaitQuery) -> Response:
-        return document(await self._counter.newer(query.seen, query.wait))
+        return await _asked(WaitQuery, dict(request.query_params), answered)
 
     async def typed(self, request: Request) -> Response:
-        return await _asked(TypedQuery, dict(request.query_params), self._typed)
+        async def answered(query: TypedQuery) -> Response:
+            return document(self._counter.read(query.text, _language(request)))
 
-    async def _typed(self, query: TypedQuery) -> Response:
-        return document(self._counter.read(query.text))
+        return await _asked(TypedQuery, dict(request.query_params), answered)
+
+    async def words(self, request: Request) -> Response:
+        """The language of the page, and its messages by the English ones."""
+        language = self._counter.language
+        return JSONResponse({"language": language, "messages": messages(language)})
+
+    async def outlook(self, request: Request) -> Response:
+        return await _asked(NoQuery, dict(request.query_params), lambda _: self._looked(Desk.outlook))
+
+    async def table(self, request: Request) -> Response:
+        return await _asked(TableQuery, dict(request.query_params), self._table)
+
+    async def _table(self, query: TableQuery) -> Response:
+        return await self._looked(lambda desk: desk.table(query.control))
+
+    async def _looked(self, look: Callable[[Desk], Shape]) -> Response:
+        return document(await self._counter.ask(look))
 
     async def keep(self, request: Request) -> Response:
         return await self._step(KeepRequest, request, lambda r: partial(_keep, r))
 
     async def skip(self, request: Request) -> Response:
-        return await self._step(SkipRequest, request, lambda r: lambda desk: desk.skip(r.after, r.reason))
+        return await self._step(SkipRequest, request, lambda r: lambda desk: desk.skip(r.after, r.reason, rest=r.rest))
+
+    async def note(self, request: Request) -> Response:
+        return await self._step(NoteRequest, request, lambda r: lambda desk: desk.note(r.text))
 
     async def undo(self, request: Request) -> Response:
         return await self._step(StepRequest, request, lambda r: lambda desk: desk.undo(r.after))
@@ -98,10 +137,17 @@ class _Api:
         self, kind: type[_Body], request: Request, step: Callable[[_Body], Callable[[Desk], str]]
     ) -> Response:
         async def done(body: _Body) -> Response:
-            said = await self._counter.do(step(body))
-            return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+            language = _language(request)
+            said = await self._counter.do(step(body), language)
+            return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0, language)))
 
         return await _asked(kind, await request.body(), done)
+
+
+def _language(request: Request) -> str:
+    """Return the language of the answer: the one that a page names, English for every program that names none."""
+    named = request.headers.get("accept-language", "")
+    return named if named in LANGUAGES else "en"
 
 
 def _keep(request: KeepRequest, desk: Desk) -> str:

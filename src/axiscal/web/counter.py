@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Self, TypeVar
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.guide.language import speaking
 from axiscal.numerics.threads import one_thread
-from axiscal.web.desk import Desk
+from axiscal.web.desk import Desk, Publisher
 from axiscal.web.shapes import StateShape, TypedShape
 
 LOOKS = 0.25
@@ -23,22 +24,22 @@ _Result = TypeVar("_Result")
 class Counter:
     """One record, open on a thread of its own; made by `open`.
 
-    state : the newest document, that a page is shown at once
+    states : the newest document by language, that a page is shown at once; language : that of the page
     """
 
-    def __init__(self, desk: Desk, thread: ThreadPoolExecutor) -> None:
-        self._desk, self._thread = desk, thread
-        self.state, self._news = desk.state, asyncio.Event()
+    def __init__(self, desk: Desk, thread: ThreadPoolExecutor, language: str) -> None:
+        self._desk, self._thread, self.language = desk, thread, language
+        self.states, self._news = desk.states, asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ending = False
 
     @classmethod
-    def open(cls, record: Path) -> Self:
+    def open(cls, record: Path, language: str = "en") -> Self:
         """Return the counter of a record; raises RecordError if that is none."""
         thread = ThreadPoolExecutor(1, thread_name_prefix="campaign")
-        early: list[StateShape] = []
+        early: list[dict[str, StateShape]] = []
         desk = thread.submit(_opened, record, early.append).result()
-        counter = cls(desk, thread)
+        counter = cls(desk, thread, language)
         desk.publish = counter._publish
         return counter
 
@@ -52,15 +53,20 @@ class Counter:
         """The folder of the record."""
         return self._desk.campaign.path.absolute().parent
 
-    async def do(self, step: Callable[[Desk], str]) -> str:
+    async def do(self, step: Callable[[Desk], str], language: str) -> str:
         """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        said = await self._run(step)
+        said = await self._run(step, language)
         self._later(Desk.think)
         return said
 
-    def read(self, text: str) -> TypedShape:
+    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
+        """Return what the desk says to a question that changes nothing, after the steps that are under way."""
+        return await self._run(look)
+
+    def read(self, text: str, language: str) -> TypedShape:
         """Return what a typed text would mean; needs no thread, because nothing changes."""
-        return self._desk.read(text)
+        with speaking(language):
+            return self._desk.read(text)
 
     async def watch(self) -> None:
         """Look at the record again and again, for what others write."""
@@ -70,44 +76,52 @@ class Counter:
             await asyncio.sleep(LOOKS)
             await self._run(Desk.look)
 
-    async def newer(self, seen: int, wait: float) -> StateShape:
+    async def newer(self, seen: int, wait: float, language: str) -> StateShape:
         """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
+        if language not in self.states:
+            await self._run(lambda desk: desk.speak(language))
+            await asyncio.sleep(0)  # its state has been handed over before
         clock = asyncio.get_running_loop().time
         deadline = clock() + wait
-        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
+        while self._version == seen and not self._ending and (left := deadline - clock()) > 0:
             news = self._news
             try:
                 await asyncio.wait_for(news.wait(), left)
             except TimeoutError:
                 break
-        return self.state
+        return self.states.get(language, self.states["en"])
+
+    @property
+    def _version(self) -> int:
+        return self.states["en"].version
 
     def end(self) -> None:
         """Let nobody wait any longer: the server is about to end."""
         self._ending = True
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._take, self.state)
+            self._loop.call_soon_threadsafe(self._take, self.states)
 
     def close(self) -> None:
         """Close the record."""
         self._thread.submit(self._desk.campaign.close).result()
         self._thread.shutdown()
 
-    async def _run(self, step: Callable[[Desk], _Result]) -> _Result:
-        return await asyncio.get_running_loop().run_in_executor(self._thread, partial(_held, step, self._desk))
+    async def _run(self, step: Callable[[Desk], _Result], language: str = "en") -> _Result:
+        held = partial(_held, step, self._desk, language)
+        return await asyncio.get_running_loop().run_in_executor(self._thread, held)
 
     def _later(self, step: Callable[[Desk], None]) -> None:
         self._thread.submit(_held, step, self._desk).add_done_callback(_told)
 
-    def _publish(self, state: StateShape) -> None:
+    def _publish(self, states: dict[str, StateShape]) -> None:
         """Take a new state from the campaign's thread."""
         if self._loop is None:
-            self.state = state
+            self.states = states
         else:
-            self._loop.call_soon_threadsafe(self._take, state)
+            self._loop.call_soon_threadsafe(self._take, states)
 
-    def _take(self, state: StateShape) -> None:
-        news, self._news, self.state = self._news, asyncio.Event(), state
+    def _take(self, states: dict[str, StateShape]) -> None:
+        news, self._news, self.states = self._news, asyncio.Event(), states
         news.set()
 
 
@@ -119,10 +133,11 @@ def _told(done: Future[None]) -> None:
 
 
 @one_thread()
-def _opened(record: Path, publish: Callable[[StateShape], None]) -> Desk:
+def _opened(record: Path, publish: Publisher) -> Desk:
     return Desk(Campaign.open(record), publish)
 
 
 @one_thread()
-def _held(step: Callable[[Desk], _Result], desk: Desk) -> _Result:
-    return step(desk)
+def _held(step: Callable[[Desk], _Result], desk: Desk, language: str = "en") -> _Result:
+    with speaking(language):
+        return step(desk)

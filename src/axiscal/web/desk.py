@@ -14,16 +14,20 @@ from axiscal.campaign.ending import Ended
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
 from axiscal.guide.expectation import SURPRISING
+from axiscal.guide.language import said, speaking
 from axiscal.guide.question import Question, asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.stopping import results_beside, table_left
 from axiscal.guide.taking_back import take_back
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.documents import Shown, state_shape
 from axiscal.web.known_so_far import KnownSoFar
-from axiscal.web.shapes import StateShape, TypedShape
+from axiscal.web.outlook import outlook_shape, table_shape
+from axiscal.web.shapes import OutlookShape, StateShape, TableShape, TypedShape
 
-Publisher = Callable[[StateShape], None]
+Publisher = Callable[[dict[str, StateShape]], None]
+"""Takes the state by language."""
 
 
 class SurprisingError(ReadingError):
@@ -35,8 +39,8 @@ class SurprisingError(ReadingError):
     def __init__(self, surprise: float) -> None:
         self.surprise = surprise
         super().__init__(
-            f"That is {surprise:.1f} standard deviations from what is expected",
-            "Read again, or say that it is to be kept",
+            said("That is {size} standard deviations from what is expected", size=f"{surprise:.1f}"),
+            said("Read again, or say that it is to be kept"),
         )
 
 
@@ -51,17 +55,24 @@ class Desk:
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
-        self._minds: list[str] = []
+        self._minds: dict[str, list[str]] = {}
         self._verdict: list[str] = []
         self._before: frozenset[int] | None = None
         self._course = KnownSoFar(campaign)
         self._version = 0
-        self.state = self._renewed()
+        self._alike: set[int] = set()
+        self._languages = ["en"]
+        self.states = self._renewed()
+
+    @property
+    def state(self) -> StateShape:
+        """All that a page shows, in English."""
+        return self.states["en"]
 
     @property
     def results(self) -> Path:
         """The folder for the results, beside the record."""
-        return self.campaign.path.with_suffix("").with_name(f"{self.campaign.path.stem}-results")
+        return results_beside(self.campaign.path)
 
     def look(self) -> None:
         """Show what others have written to the record since."""
@@ -70,18 +81,34 @@ class Desk:
         except AxiscalError as failure:  # such as a record that has been moved away
             if self._trouble != str(failure):
                 self._trouble = str(failure)
-                self.publish(self.state.model_copy(update={"trouble": self._trouble, "version": self._next_version()}))
+                told = {"trouble": self._trouble, "version": self._next_version()}
+                self.publish({name: state.model_copy(update=told) for name, state in self.states.items()})
             return
         if moved:
-            self._show(minds=[])
+            self._show({})
+
+    def speak(self, language: str) -> None:
+        """Show everything in this language as well from now on."""
+        if language not in self._languages:
+            self._languages.append(language)
+            self._show(self._minds, noted=True)
 
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and how it all went."""
-        minds = [] if self._before is None else others_doubted(self.campaign, self._before)
+        minds = self._second_thoughts()
         self._before = None
         self.campaign.concluded()  # the next reading is compared with it
-        if self._course.completed() or minds:
-            self._show(minds=[*self._minds, *minds])
+        if self._course.completed() or any(minds.values()):
+            self._show(minds, noted=True)
+
+    def _second_thoughts(self) -> dict[str, list[str]]:
+        """Return what there is to mind about the last reading, by language."""
+        found: dict[str, list[str]] = {}
+        for language in self._languages:
+            with speaking(language):
+                new = [] if self._before is None else others_doubted(self.campaign, self._before)
+            found[language] = [*self._minds.get(language, []), *new]
+        return found
 
     def read(self, text: str) -> TypedShape:
         """Return what a typed text would mean for the question that is open."""
@@ -110,30 +137,52 @@ class Desk:
         value, *others = (float(each) for each in typed.values)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
         self._before = before
-        self._show(minds=[])
-        return f"Kept reading {kept.number}; it is on the disk."
+        self._show({})
+        return said("Kept reading {number}; it is on the disk.", number=kept.number)
 
-    def skip(self, after: int, reason: str) -> str:
-        """Note that the reading asked for cannot be taken."""
+    def skip(self, after: int, reason: str, *, rest: bool = False) -> str:
+        """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
         self._refuse_overtaken(after)
-        skipped = self.campaign.skip(reason)
-        self._show(minds=[])
-        return f"Skipped {asked_text(self.campaign, skipped)}; the plan is made anew around it."
+        skipped = self.campaign.skip(reason, rest=rest)
+        self._show({})
+        if rest:
+            left = 'Left "{setup}": the plan is made anew without it; undo goes back to it.'
+            return said(left, setup=skipped.place.setup)
+        around = "Skipped {reading}; the plan is made anew around it."
+        return said(around, reading=asked_text(self.campaign, skipped))
+
+    def note(self, text: str) -> str:
+        """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
+        self._moved_on()
+        seen = self.campaign.state.last
+        self.campaign.note(text)
+        self._alike.add(seen)
+        self._show(self._minds, noted=True)
+        return said("Noted; it is on the disk.")
+
+    def outlook(self) -> OutlookShape:
+        """Return the volume in space and the forecast."""
+        return outlook_shape(self.campaign, self._version)
+
+    def table(self, control: str) -> TableShape:
+        """Return what the table of a control would do if the campaign ended now; raises TableError for no control."""
+        return table_shape(table_left(self.campaign, control))
 
     def undo(self, after: int) -> str:
         """Take back the last reading, skip or end."""
         self._refuse_overtaken(after)
         taken = take_back(self.campaign)
         self._verdict = []
-        self._show(minds=[])
+        self._show({})
         return taken.sentence
 
     def go_on(self, after: int) -> str:
         """Ask for one more reading although a target is reached."""
         self._refuse_overtaken(after)
         asked = self.campaign.next(beyond=True)
-        self._show(minds=[])
-        return f"Nothing more to ask: {asked.because}." if isinstance(asked, Ended) else "One more."
+        self._show({})
+        ended = said("Nothing more to ask: {because}.", because=asked.because) if isinstance(asked, Ended) else ""
+        return ended or said("One more.")
 
     def finish(self, after: int) -> str:
         """End the campaign and write its results into the folder beside the record."""
@@ -147,31 +196,40 @@ class Desk:
         self.campaign.finish()
         summary = deliver(self.campaign, self.campaign.concluded(), self.results, Extras(compared=True))
         self._verdict = first_lines(summary).splitlines()
-        self._show(minds=[])
-        return f"Ended. Report, figures and tables are in {self.results.name}."
+        self._show({})
+        return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
     def _refuse_overtaken(self, after: int) -> None:
         if self._moved_on():
-            self._show(minds=[])
-        if self.campaign.state.last != after:
-            what = "The record has moved on in the meantime, in another window or program: nothing was done"
-            raise OvertakenError(what, "Look at what is asked now, then do it again if it is still right")
+            self._show({})
+        if self.campaign.state.last != after and after not in self._alike:
+            what = said("The record has moved on in the meantime, in another window or program: nothing was done")
+            raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
 
     def _moved_on(self) -> bool:
         """Take in what others have written since, and return whether that was anything."""
         before = self.campaign.state.last
         return self.campaign.looked_at_again().last != before
 
-    def _show(self, minds: list[str]) -> None:
+    def _show(self, minds: dict[str, list[str]], *, noted: bool = False) -> None:
+        """Show the state anew; noted : nothing has happened to what is asked."""
         self._minds = minds
-        self.state = self._renewed()
-        self.publish(self.state)
+        if not noted:
+            self._alike.clear()
+        self.states = self._renewed()
+        self.publish(self.states)
 
-    def _renewed(self) -> StateShape:
-        self._question, self._ended, self._trouble = self._asked()
+    def _renewed(self) -> dict[str, StateShape]:
+        """Return the state in every language that somebody has asked for."""
         course, version = self._course.moments(), self._next_version()
-        shown = Shown(self._question, self._ended, self._trouble, self._minds, self._verdict, course, version)
-        return state_shape(self.campaign, shown, self.results)
+        states: dict[str, StateShape] = {}
+        for language in reversed(self._languages):  # English last: its question is the one that answers belong to
+            with speaking(language):
+                self._question, self._ended, self._trouble = self._asked()
+                minds = self._minds.get(language, [])
+                shown = Shown(self._question, self._ended, self._trouble, minds, self._verdict, course, version)
+                states[language] = state_shape(self.campaign, shown, self.results)
+        return states
 
     def _next_version(self) -> int:
         self._version += 1
@@ -201,5 +259,6 @@ class Desk:
 def _value(text: str, question: Question) -> Value:
     typed = answer(text, question.setup)
     if not isinstance(typed, Value):
-        raise ReadingError(f'"{text.strip()}" is no reading', "Type the number that the instrument shows")
+        what = said('"{text}" is no reading', text=text.strip())
+        raise ReadingError(what, said("Type the number that the instrument shows"))
     return typed

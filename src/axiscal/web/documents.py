@@ -11,6 +11,7 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.guide.axis_places import axis_places
+from axiscal.guide.due import Due, due
 from axiscal.guide.expectation import BAND, Expectation
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.picture import Dot, Picture, picture
@@ -28,8 +29,10 @@ from axiscal.web.shapes import (
     AccuracyShape,
     CoordinateShape,
     DotShape,
+    DueShape,
     ExpectedShape,
     MomentShape,
+    NoteShape,
     PictureShape,
     ProgressShape,
     QuestionShape,
@@ -69,6 +72,8 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         finished=state.finished,
         trouble=shown.trouble,
         readings=_latest(campaign),
+        notes=[NoteShape(text=note.text, at=note.at, after=note.after) for note in state.notes],
+        due=_due(due(campaign)),
         undo=last_step(campaign)[0],
         minds=shown.minds,
         picture=None if asked is None else _picture(picture(campaign, asked)),
@@ -116,6 +121,7 @@ def _progress(campaign: Campaign) -> ProgressShape:
         before=_accuracy(now.before),
         now=_accuracy(now.now),
         promised=_accuracy(now.promised),
+        floor_um=to_unit(now.floor, "um"),
         goals=goals_text(target),
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
     )
@@ -123,6 +129,11 @@ def _progress(campaign: Campaign) -> ProgressShape:
 
 def _accuracy(known: Accuracy) -> AccuracyShape:
     return AccuracyShape(rms_um=to_unit(known.rms, "um"), worst_um=to_unit(known.worst, "um"))
+
+
+def _due(now: Due) -> DueShape:
+    marker = None if now.marker is None else to_unit(now.marker, "min")
+    return DueShape(temperature_degc=now.temperature, minutes_ago=now.minutes_ago, ask=now.ask, marker_minutes=marker)
 
 
 def _latest(campaign: Campaign) -> list[ReadingShape]:

@@ -11,11 +11,16 @@ from pydantic.json_schema import models_json_schema
 from axiscal.web.shapes import (
     DoneShape,
     KeepRequest,
+    NoQuery,
+    NoteRequest,
+    OutlookShape,
     ProblemShape,
     Shape,
     SkipRequest,
     StateShape,
     StepRequest,
+    TableQuery,
+    TableShape,
     TypedQuery,
     TypedShape,
     WaitQuery,
@@ -26,12 +31,15 @@ _REF = "#/components/schemas/{model}"
 _STEPS: Mapping[str, tuple[str, type[Shape]]] = {
     "readings": ("Keep a reading of what is asked", KeepRequest),
     "skips": ("Note that the reading asked for cannot be taken", SkipRequest),
+    "notes": ("Keep a sentence in the record", NoteRequest),
     "undo": ("Take back the last reading, skip or end", StepRequest),
     "next": ("Ask for one more reading although a target is reached", StepRequest),
     "finish": ("End the campaign and write its results beside the record", StepRequest),
 }
 _QUESTIONS: Mapping[str, tuple[str, type[Shape], type[Shape]]] = {
     "state": ("All that the page shows, at once or when it is newer than what was seen", WaitQuery, StateShape),
+    "outlook": ("The volume in space and the forecast, as the readings so far show them", NoQuery, OutlookShape),
+    "table": ("What the table of a control would reach if the campaign ended now", TableQuery, TableShape),
     "typed": ("What a typed text would mean for the question that is open", TypedQuery, TypedShape),
 }
 
@@ -41,10 +49,13 @@ def description() -> dict[str, Any]:
     shapes: list[type[BaseModel]] = [
         DoneShape,
         KeepRequest,
+        NoteRequest,
+        OutlookShape,
         ProblemShape,
         SkipRequest,
         StateShape,
         StepRequest,
+        TableShape,
         TypedShape,
     ]
     _, schemas = models_json_schema([(shape, "validation") for shape in shapes], ref_template=_REF)
@@ -69,7 +80,7 @@ def _question(summary: str, query: type[Shape], answer: type[Shape]) -> dict[str
     schema = query.model_json_schema()
     asked = [
         {"name": name, "in": "query", "required": name in schema.get("required", []), "schema": each}
-        for name, each in schema["properties"].items()
+        for name, each in schema.get("properties", {}).items()
     ]
     return {"summary": summary, "parameters": asked, "responses": _responses(answer, 400, 403, 422)}
 

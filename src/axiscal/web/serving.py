@@ -17,13 +17,13 @@ from axiscal.web.guard import Admission
 _LOOPBACK = "127.0.0.1"
 
 
-def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> None:
+def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> None:
     """Serve the page of a record until Ctrl-C.
 
-    port : 0 is any that is free; ready : called with the address once the page answers
+    language : of the page; port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
     """
-    counter = Counter.open(record)
+    counter = Counter.open(record, language)
     try:
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))

@@ -96,8 +96,29 @@ class ProgressShape(Shape):
     before: AccuracyShape
     now: AccuracyShape
     promised: AccuracyShape
+    floor_um: float
     goals: str
     target_rms_um: float | None
+
+
+class NoteShape(Shape):
+    """What was noted, when (ISO 8601, UTC), and after which reading, 0 before the first."""
+
+    text: str
+    at: str
+    after: int
+
+
+class DueShape(Shape):
+    """What is due beside the readings: the last temperature noted, how long ago, whether to note it now.
+
+    marker_minutes : until a place is read again that shows whether a zero has wandered; null where none is planned
+    """
+
+    temperature_degc: float | None
+    minutes_ago: float
+    ask: bool
+    marker_minutes: float | None
 
 
 class MomentShape(Shape):
@@ -154,12 +175,67 @@ class StateShape(Shape):
     finished: str | None
     trouble: str
     readings: list[ReadingShape]
+    notes: list[NoteShape]
+    due: DueShape
     undo: str
     minds: list[str]
     picture: PictureShape | None
     history: list[MomentShape]
     verdict: list[str]
     results: str
+
+
+Point = tuple[float, float, float]
+
+
+class BallShape(Shape):
+    """Something that readings are taken at, mm in the workpiece frame."""
+
+    name: str
+    at: Point
+
+
+class OutlookShape(Shape):
+    """The volume in space, mm in the workpiece frame, and how the campaign will go on by its plan.
+
+    points, error_um, std_um : over the volume, RMS of the TCP deviation over both ways of coming, and its uncertainty
+    box, edges : the linear travels; way : where readings are taken, the first `taken` of them already
+    forecast : what the plan will reach; controls : those whose tables can be asked for
+    """
+
+    version: int
+    points: list[Point]
+    error_um: list[float]
+    std_um: list[float]
+    box: list[Point]
+    edges: list[tuple[int, int]]
+    way: list[Point]
+    taken: int
+    balls: list[BallShape]
+    forecast: list[MomentShape]
+    controls: list[str]
+
+
+class TableShape(Shape):
+    """What the table of a control would do if the campaign ended now: RMS without and with it.
+
+    refusal : why there is no table for this control, "" where there is one
+    """
+
+    control: str
+    before_um: float
+    expected_um: float
+    refusal: str
+
+
+class TableQuery(Shape):
+    """A control, by the name that `axiscal export --to` takes."""
+
+    control: Annotated[str, Field(max_length=40)]
+
+
+class NoQuery(Shape):
+    """Nothing is asked beside the question."""
 
 
 class WaitQuery(Shape):
@@ -188,10 +264,17 @@ class KeepRequest(Shape):
 
 
 class SkipRequest(Shape):
-    """The reading asked for cannot be taken."""
+    """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
 
     after: After
     reason: Annotated[str, Field(max_length=TEXT)]
+    rest: bool = False
+
+
+class NoteRequest(Shape):
+    """A sentence for the record; it answers no question, so no state has to be named."""
+
+    text: Annotated[str, Field(max_length=TEXT)]
 
 
 class StepRequest(Shape):

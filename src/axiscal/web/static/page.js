@@ -1,5 +1,8 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { drawCourse, drawDirection, drawPicture, shown, strip, unitText } from "/pictures.js";
+import { drawSetup } from "/setups.js";
+import { drawVolume } from "/volume.js";
+import { LANGUAGE, said, translate } from "/words.js";
 
 const ROOT = "/api/1";
 const find = (id) => document.getElementById(id);
@@ -9,7 +12,10 @@ let asked = "";
 let landed; // the last reading that was drawn
 let sending = null; // the reading that is on its way, and the state that it answers
 let turn = Promise.resolve();
+let outlook = null; // the volume and the forecast, as of some state
+let giving = "skip"; // what the reason is asked for: to skip a reading, or to leave the set-up
 
+translate(document.body);
 history.replaceState(null, "", "/"); // the token stays in the cookie alone
 
 function text(id, words) {
@@ -33,26 +39,28 @@ function hear(words, alarm = false) {
 }
 
 async function call(path, body) {
-  const asking = body === undefined ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const headers = { "Accept-Language": LANGUAGE };
+  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const asking = body === undefined ? { headers } : posted;
   const answer = await fetch(ROOT + path, asking);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
 
 // A step on the record, after those that are under way: what went wrong is said, and nothing that was typed is lost.
 function step(path, body) {
-  const answered = { after: state.last, ...body };
+  const answered = path === "/notes" ? body : { after: state.last, ...body };
   turn = turn.then(() => sent(path, answered));
   return turn;
 }
 
 async function sent(path, body) {
-  const waiting = setTimeout(() => hear("one moment: the plan is being made anew"), 1000);
+  const waiting = setTimeout(() => hear(said("one moment: the plan is being made anew")), 1000);
   try {
     const done = await call(path, body);
     if (done.ok) render(done.document.state);
     return done;
   } catch {
-    return { ok: false, document: { problem: "away", sentence: "axiscal does not answer. Look at the last readings before you go on." } };
+    return { ok: false, document: { problem: "away", sentence: said("axiscal does not answer. Look at the last readings before you go on.") } };
   } finally {
     clearTimeout(waiting);
   }
@@ -66,10 +74,11 @@ function renderLine() {
   const p = state.progress, end = p.taken + p.coming, going = state.question !== null;
   text("machine", state.machine);
   document.title = `${state.machine} · axiscal`;
-  text("count", state.question ? `${p.taken + 1} of ${end}` : `${p.taken} taken`);
-  text("minutes", `${shown(p.minutes, 0)} done` + (going ? `, ${p.left_minutes < 1 ? "less than 1" : `about ${shown(p.left_minutes, 0)}`} left` : ""));
-  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (going ? `, ${shown(p.promised.rms_um)} expected` : ""));
-  text("target", p.goals.replaceAll(" um", " µm"));
+  text("count", state.question ? said("{number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
+  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(p.left_minutes, 0) });
+  text("minutes", said("{minutes} done", { minutes: shown(p.minutes, 0) }) + (going ? `, ${left}` : ""));
+  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (going ? `, ${said("{value} expected", { value: shown(p.promised.rms_um) })}` : ""));
+  text("target", [p.goals.replaceAll(" um", " µm"), said("at best {value}", { value: `${shown(p.floor_um)} µm` })].filter((part) => part).join(", "));
 }
 
 function renderPlaces(question) {
@@ -79,18 +88,18 @@ function renderPlaces(question) {
   for (const c of moving) {
     const line = element("p", "", `${c.unit === "mm" ? "linear" : "rotary"} ${c.changed ? "changed" : ""}`);
     line.append(element("span", c.axis, "axis"), element("span", number(c.value)), element("small", c.unit));
-    if (c.side) line.append(element("span", c.side === "+" ? "→ from below" : "← from above", "side"));
+    if (c.side) line.append(element("span", c.side === "+" ? `→ ${said("from below")}` : `← ${said("from above")}`, "side"));
     go.append(line);
   }
   const parked = question.places.filter((c) => !c.moves).map((c) => `${c.axis} ${number(c.value)} ${c.unit}`);
-  text("parked", parked.length ? `parked: ${parked.join(" · ")}` : "");
+  text("parked", parked.length ? `${said("parked")}: ${parked.join(" · ")}` : "");
   text("touch", question.touch);
   show("touch", question.touch !== "");
 }
 
 function expectWords(question) {
   const ranges = question.expected.map((e) => `${shown(e.mean)} ± ${shown(e.half)}`);
-  return `expected: ${ranges.join(", ")} ${unitText(question.unit)}`;
+  return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
 }
 
 function drawStrips(values = [], surprising = false) {
@@ -107,11 +116,14 @@ function renderQuestion() {
   show("mount", mounting);
   if (question === null) { asked = ""; return; }
   if (!question.mount) mounted = question.setup;
-  text("mount-title", `Set-up “${question.setup}”`);
+  text("mount-title", `${said("Set-up")} “${question.setup}”`);
   text("mount-sentence", `${question.mount_sentence[0].toUpperCase()}${question.mount_sentence.slice(1)}.`);
   find("mount-steps").replaceChildren(...question.mounting.flatMap((s) => [element("dt", s.name), element("dd", s.what)]));
   text("setup", question.setup);
-  text("instrument", question.instrument);
+  text("instrument", said(question.instrument));
+  text("mount-sign", question.sign);
+  drawSetup(find("mount-drawing"), question.instrument, said("How the instrument stands: {instrument}", { instrument: said(question.instrument) }));
+  drawSetup(find("standing"), question.instrument, said(question.instrument));
   renderPlaces(question);
   text("sign", question.sign);
   text("again", question.again);
@@ -127,7 +139,7 @@ function renderQuestion() {
 // What was typed for another reading must not be sent for this one.
 function newQuestion(key) {
   const left = find("field").value.trim();
-  if (left && asked && left !== sending?.typed) hear(`Not kept: “${left}” was typed for the reading before, which has been answered in another window.`, true);
+  if (left && asked && left !== sending?.typed) hear(said("Not kept: “{text}” was typed for the reading before, which has been answered in another window.", { text: left }), true);
   find("field").value = "";
   asked = key;
   show("doubt", false);
@@ -140,12 +152,22 @@ function renderKept() {
   find("latest").replaceChildren(...state.readings.map((r) => {
     const row = document.createElement("tr");
     const values = r.values.map((v) => shown(v, 2)).join("  ");
-    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? " (not relied on)" : "")), element("td", clock(r.at)));
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "")), element("td", clock(r.at)));
     return row;
   }));
   const last = state.readings[0];
-  text("saved", last ? `reading ${last.number} on disk ${clock(last.at)}` : "nothing recorded yet");
+  text("saved", last ? said("reading {number} on disk {time}", { number: last.number, time: clock(last.at) }) : said("nothing recorded yet"));
+  find("notes").replaceChildren(...state.notes.slice(-3).map((n) => element("li", `${clock(n.at)} ${n.text}`)));
+  renderDue();
   find("minds").replaceChildren(...state.minds.map((m) => element("li", m)));
+}
+
+function renderDue() {
+  const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
+  if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: warm, minutes: shown(ago, 0) }));
+  if (state.finished === null && ask) parts.push(said("note the temperature"));
+  if (marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
+  text("due", parts.join(" · "));
 }
 
 function clock(at) {
@@ -157,11 +179,11 @@ function renderEnd() {
   show("end", over);
   if (!over) return;
   const done = state.finished !== null;
-  text("end-title", done ? "The campaign has ended" : state.ended ? "Nothing more to measure" : "There is no next reading");
+  text("end-title", done ? said("The campaign has ended") : state.ended ? said("Nothing more to measure") : said("There is no next reading"));
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
   find("verdict").replaceChildren(...state.verdict.map((line) => element("p", line)));
   show("report", done && state.results !== "");
-  text("finish", done ? "Write the results" : "End the campaign and write its results");
+  text("finish", done ? said("Write the results") : said("End the campaign and write its results"));
   show("finish", !done || state.results === "");
   show("more", !done);
 }
@@ -177,7 +199,7 @@ function render(newer) {
   renderEnd();
   find("undo").disabled = state.undo === "";
   find("undo").title = state.undo;
-  find("skip").disabled = find("stop").disabled = state.question === null;
+  find("skip").disabled = find("leave").disabled = find("stop").disabled = state.question === null;
   drawAll();
   if (document.activeElement === document.body || document.activeElement.offsetParent === null) home();
   document.body.dataset.version = state.version;
@@ -189,18 +211,49 @@ function drawAll() {
   landed = latest;
   show("pictured", state.picture !== null);
   drawPicture(find("picture"), find("picture-words"), state.picture, latest, state.question?.expected);
-  drawCourse(find("course"), find("course-words"), state.history, state.progress, state.question !== null);
+  const end = { minutes: state.progress.minutes + state.progress.left_minutes, rms_um: state.progress.promised.rms_um };
+  const fresh = outlook?.taken === state.progress.taken ? outlook.forecast : [end];
+  drawCourse(find("course"), find("course-words"), state.history, state.progress, state.question === null ? [] : fresh);
+  drawSpace();
+}
+
+function drawSpace() {
+  show("spaced", outlook !== null && outlook.points.length > 0);
+  if (outlook === null) return;
+  const silent = outlook.error_um.every((error) => error < 1e-3); // nothing is known of the error before the first readings
+  const shade = silent ? "std_um" : document.querySelector("input[name=shade]:checked").value;
+  show("shades", !silent);
+  const words = shade === "error_um"
+    ? said("The volume in space: the error of the tool point, as far as it is known")
+    : said("The volume in space: what is still unknown of the tool point (standard deviation)");
+  text("volume-words", `${words}; ${said("frame: travels, line: way, rings: what is read at. Drag, or arrow keys, turn it")}`);
+  drawVolume(find("volume"), outlook, shade, words);
+}
+
+// The volume costs the program a moment, so it is asked for after the question stands, and one at a time.
+let looking = false;
+async function look() {
+  if (looking || state === null || outlook?.version === state.version) return;
+  looking = true;
+  try {
+    const { ok, document: seen } = await call("/outlook");
+    if (ok) { outlook = seen; drawAll(); }
+  } catch {
+    // it is drawn with the next state
+  } finally {
+    looking = false;
+  }
 }
 
 async function follow() {
   for (;;) {
     try {
       const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`);
-      if (newest.ok) render(newest.document);
+      if (newest.ok) { render(newest.document); look(); }
       else throw new Error(newest.document.sentence);
     } catch (failure) {
       show("trouble", true);
-      text("trouble", failure instanceof TypeError ? "axiscal does not answer. Start axiscal serve again and open the address it prints." : failure.message);
+      text("trouble", failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
       await new Promise((resolve) => setTimeout(resolve, 1000));
     }
   }
@@ -224,7 +277,7 @@ async function recorded({ last, typed }, how) {
     return;
   }
   const done = await step("/readings", { after: last, text: typed, ...how });
-  const lost = done.document.problem === "overtaken" ? `“${typed}” was not kept. ` : "";
+  const lost = done.document.problem === "overtaken" ? `${said("“{text}” was not kept.", { text: typed })} ` : "";
   if (done.ok) hear(done.document.sentence);
   else refuse({ ...done.document, sentence: lost + done.document.sentence });
 }
@@ -271,16 +324,44 @@ async function preview() {
   hear(meant.surprising ? meant.sentence : "", meant.surprising);
 }
 
-function asksForReason(visible) {
+function asksForReason(visible, why = "skip") {
+  giving = why;
+  text("really-skip", why === "skip" ? said("Skip it") : said("Leave it"));
+  document.querySelector("label[for=reason]").textContent = why === "skip" ? said("why can it not be taken?") : said("why can nothing more be read with this set-up?");
+  show("note-form", false);
   show("skip-form", visible);
   if (visible) find("reason").focus();
   else home();
 }
 
+function asksForNote(visible) {
+  show("skip-form", false);
+  show("note-form", visible);
+  if (visible) find("sentence").focus();
+  else home();
+}
+
+// What the table of the chosen control would reach; the choice is remembered.
+async function askTable() {
+  const control = find("control").value;
+  localStorage.setItem("control", control);
+  text("table-words", said("one moment"));
+  const { ok, document: table } = await call(`/table?control=${encodeURIComponent(control)}`);
+  if (control !== find("control").value) return;
+  const reached = () => said("with its table {expected} µm RMS is to be expected, without it {before}", { expected: shown(table.expected_um), before: shown(table.before_um) });
+  text("table-words", !ok ? table.sentence : table.refusal || reached());
+}
+
 function asksToStop(visible) {
-  const p = state.progress;
-  text("stop-words", `Now ${shown(p.now.rms_um)} µm RMS; with the ${p.coming} readings to come, in about ${shown(p.left_minutes, 0)} minutes, ${shown(p.promised.rms_um)} µm.`);
+  const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(p.left_minutes, 0), promised: shown(p.promised.rms_um) };
+  text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
+  if (visible && outlook !== null) {
+    const control = find("control"), last = localStorage.getItem("control");
+    control.replaceChildren(...outlook.controls.map((name) => element("option", name)));
+    control.value = outlook.controls.includes(last) ? last : "linuxcnc";
+    askTable();
+  }
   if (visible) find("not-stop").focus();
   else home();
 }
@@ -295,10 +376,23 @@ on("keep", "click", async () => { await record({ keep: true }); home(); });
 on("vouch", "click", async () => { await record({ vouch: true }); home(); });
 on("undo", "click", () => plain("/undo"));
 on("skip", "click", () => asksForReason(true));
+on("leave", "click", () => asksForReason(true, "leave"));
+on("note", "click", () => asksForNote(true));
+on("not-note", "click", () => asksForNote(false));
+on("note-form", "submit", async () => {
+  const done = await plain("/notes", { text: find("sentence").value });
+  if (!done?.ok) return;
+  find("sentence").value = "";
+  asksForNote(false);
+});
+on("control", "change", askTable);
+for (const choice of document.querySelectorAll("input[name=shade]")) choice.addEventListener("change", drawSpace);
 on("not-skip", "click", () => asksForReason(false));
 on("skip-form", "submit", async () => {
-  const done = await plain("/skips", { reason: find("reason").value });
-  if (done?.ok) find("reason").value = "";
+  const done = await plain("/skips", { reason: find("reason").value, rest: giving === "leave" });
+  if (!done?.ok) return;
+  find("reason").value = "";
+  asksForReason(false);
 });
 on("stop", "click", () => asksToStop(true));
 on("not-stop", "click", () => asksToStop(false));

@@ -1,7 +1,9 @@
 // Pictures drawn from numbers, as SVG; no text becomes markup.
+import { said } from "/words.js";
+
 const SVG = "http://www.w3.org/2000/svg";
 
-function put(parent, name, attributes, text) {
+export function put(parent, name, attributes, text) {
   const element = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
   if (text !== undefined) element.textContent = text;
@@ -100,7 +102,7 @@ function dots(at, dots, latest) {
   for (const dot of dots) {
     const kind = ["dot", dot.same_side ? "" : "other", dot.doubted ? "doubted" : "", dot.number === latest ? "latest" : ""].join(" ");
     const circle = put(at.svg, "circle", { class: kind, cx: at.x(dot.at), cy: at.y(dot.value), r: dot.number === latest ? 6 : 4.5 });
-    put(circle, "title", {}, `reading ${dot.number}: ${shown(dot.value)}`);
+    put(circle, "title", {}, said("reading {number}: {value}", { number: dot.number, value: shown(dot.value) }));
   }
 }
 
@@ -110,7 +112,7 @@ function along(place, picture, latest) {
   const near = picture.at.reduce((best, v, n) => (Math.abs(v - picture.next) < Math.abs(picture.at[best] - picture.next) ? n : best), 0);
   const focus = range([...values, ...picture.mean, high[near], low[near]]);
   const reach = [Math.min(...picture.at), Math.max(...picture.at)];
-  const labels = { across: `${picture.axis}, ${unitText(picture.axis_unit)}`, up: unitText(picture.unit), all: `Readings of ${picture.setup} along ${picture.axis}` };
+  const labels = { across: `${picture.axis}, ${unitText(picture.axis_unit)}`, up: unitText(picture.unit), all: said("Readings of {setup} along {axis}", picture) };
   const at = frame(place, 300, reach, focus, labels);
   const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
   const outline = line(at.x, held, [...picture.at, ...[...picture.at].reverse()], [...high, ...low.reverse()]);
@@ -130,7 +132,7 @@ function inOrder(place, picture, latest, expected) {
     const moved = row.map(shift), widest = Math.max(row.at(-1).half, expected[number].half);
     const focus = range([...moved.slice(-_RECENT).map((dot) => dot.value), widest, -widest]), across = [0.5, Math.max(picture.next, 8) + 0.5];
     const up = several ? `${"xyz"[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
-    const labels = { across: several && number < 2 ? "" : "readings of this set-up, in their order", up, whole: true, all: `Readings of ${picture.setup} in their order` };
+    const labels = { across: several && number < 2 ? "" : said("readings of this set-up, in their order"), up, whole: true, all: said("Readings of {setup} in their order", picture) };
     const at = frame(place, several ? 150 : 280, across, focus, labels);
     const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
     const width = Math.min(18, (0.6 * (at.right - at.left)) / (across[1] - across[0]));
@@ -149,24 +151,27 @@ export function drawPicture(place, words, picture, latest, expected) {
   if (!picture) return;
   const empty = picture.kind === "order" && !picture.dots[0].length;
   words.textContent = picture.kind === "along"
-    ? `Readings of ${picture.setup} along ${picture.axis}, and what is expected there ± 2 standard deviations; the dashed line is the next place`
-    : `Readings of ${picture.setup} less what was expected before each; bars: ± 2 standard deviations${empty ? ". None yet" : ""}`;
+    ? said("Readings of {setup} along {axis}, and what is expected there ± 2 standard deviations; the dashed line is the next place", picture)
+    : said("Readings of {setup} less what was expected before each; bars: ± 2 standard deviations", picture) + (empty ? said(". None yet") : "");
   if (picture.kind === "along") along(place, picture, latest);
   else inOrder(place, picture, latest, expected);
 }
 
-export function drawCourse(place, words, history, progress, going) {
+export function drawCourse(place, words, history, progress, forecast) {
   place.replaceChildren();
   words.textContent = "";
   if (!history.length) return;
-  const now = { minutes: progress.minutes, rms: progress.now.rms_um };
-  const end = going ? { minutes: progress.minutes + progress.left_minutes, rms: progress.promised.rms_um } : now;
-  const all = [...history.map((m) => m.rms_um), end.rms, ...(progress.target_rms_um === null ? [] : [progress.target_rms_um])];
-  words.textContent = `Accuracy (RMS) against minutes of machine time${going ? "; dotted: what the plan will reach" : ""}` + (progress.target_rms_um === null ? "" : "; dashed: the target");
-  const labels = { across: "minutes", up: "µm", all: "Accuracy against minutes" };
-  const at = frame(place, 240, [0, Math.max(1, 1.03 * end.minutes)], [0, 1.08 * Math.max(...all)], labels);
-  if (progress.target_rms_um !== null) put(at.svg, "line", { class: "target", x1: at.left, x2: at.right, y1: at.y(progress.target_rms_um), y2: at.y(progress.target_rms_um) });
+  const now = { minutes: progress.minutes, rms_um: progress.now.rms_um }, coming = [now, ...forecast], end = coming.at(-1);
+  const target = progress.target_rms_um, marks = [...history, ...coming].map((m) => m.rms_um);
+  words.textContent = [
+    said("Accuracy (RMS) against minutes of machine time"),
+    forecast.length ? said("dotted: what the plan will reach") : "",
+    target === null ? "" : said("dashed: the target"),
+  ].filter((part) => part).join("; ");
+  const labels = { across: said("minutes"), up: "µm", all: said("Accuracy against minutes") };
+  const at = frame(place, 240, [0, Math.max(1, 1.03 * end.minutes)], [0, 1.08 * Math.max(...marks, target ?? 0)], labels);
+  if (target !== null) put(at.svg, "line", { class: "target", x1: at.left, x2: at.right, y1: at.y(target), y2: at.y(target) });
   put(at.svg, "path", { class: "mean", d: line(at.x, at.y, history.map((m) => m.minutes), history.map((m) => m.rms_um)) });
-  if (going) put(at.svg, "path", { class: "forecast", d: line(at.x, at.y, [now.minutes, end.minutes], [now.rms, end.rms]) });
-  put(at.svg, "circle", { class: "dot latest", cx: at.x(now.minutes), cy: at.y(now.rms), r: 6 });
+  if (forecast.length) put(at.svg, "path", { class: "forecast", d: line(at.x, at.y, coming.map((m) => m.minutes), coming.map((m) => m.rms_um)) });
+  put(at.svg, "circle", { class: "dot latest", cx: at.x(now.minutes), cy: at.y(now.rms_um), r: 6 });
 }
