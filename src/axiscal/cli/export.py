@@ -87,6 +87,7 @@ def export(
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export router.axiscal --to linuxcnc --coordinates XYYZ --out tables
+      axiscal export mill.axiscal --to linuxcnc-volumetric --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
     """
@@ -110,6 +111,7 @@ def export(
     with Campaign.open(record, write=False) as campaign:
         estimation = ruled(campaign.concluded())
         options = informed(options, estimation.case.description, to)
+        options = replace(options, origin=record_state(campaign).hash)
         offered = registry.export(estimation.estimate(), to, options)
         ruling = ruling_of(estimation)
         factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
@@ -164,7 +166,7 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
     """Return the numbers of axes, one for each of their joints; raises TableError."""
     numbered = [_numbered(text) for text in texts]
     if coordinates is not None:
-        if controller != "linuxcnc":
+        if not controller.startswith("linuxcnc"):
             raise TableError(f"{controller} has no coordinates such as {shown(coordinates)}", "Write --number X=1")
         if numbered:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")

@@ -14,6 +14,7 @@ from axiscal.machine.description import Machine
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
+_HASH = re.compile(r"[0-9a-f]{0,128}")
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
 _MOST_POINTS = 5000
@@ -35,7 +36,7 @@ class ExportOptions:
     points : the most of a table, where the control's memory is set by its owner; encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, as a check at one point has shown
     old_files : of the compensation that was active while measuring; old : what they say, once they are read
-    active : whether one was, None where nobody said
+    active : whether one was, None where nobody said; origin : hash of the record, "" where there is none
     Raises TableError for a name that is more than letters, digits, _ and -.
     """
 
@@ -53,6 +54,7 @@ class ExportOptions:
     old_files: tuple[OldFile, ...] = ()
     old: Loaded = field(default_factory=Loaded)
     active: bool | None = None
+    origin: str = ""
 
     def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
         """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen.
@@ -86,6 +88,8 @@ class ExportOptions:
             raise TableError(
                 f"{shown(self.name)} is not a name for a table", "Take letters, digits, _ and -, 31 at most"
             )
+        if not _HASH.fullmatch(self.origin):
+            raise TableError(f"{shown(self.origin)} is not the hash of a record", "Leave it out")
         if self.unit not in ("mm", "in"):
             raise TableError(f"{shown(self.unit)} is not the unit of a machine", "It can be mm or in")
         if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:

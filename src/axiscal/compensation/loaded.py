@@ -30,17 +30,18 @@ class Loaded:
     """An old compensation as its control understood it.
 
     lookups : tables; meshes : height maps; skew : tangents by plane, as set; errors : by name, to a control that knows
-    the chain
+    the chain; others : what does more than that
     """
 
     lookups: tuple[Lookup, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     skew: Skew = field(default_factory=Skew)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
+    others: tuple[Control, ...] = ()
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""
-        parts = [lookup_control(machine, self.lookups)]
+        parts = [lookup_control(machine, self.lookups), *self.others]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
         parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))

@@ -33,6 +33,7 @@ class Draft:
     tables : what the files hold, for the figures; holds : what this controller can hold, in a sentence
     left_out : what it cannot; notes : how to load the files; tried : whether a real control of this kind has been seen
     to take them; about : the estimate they were made of, where it is not the one that was given
+    first : what whoever loads them reads before anything else
     """
 
     files: Mapping[str, str]
@@ -45,6 +46,7 @@ class Draft:
     notes: tuple[str, ...]
     tried: bool
     about: Estimate | None = None
+    first: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -77,7 +79,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if not draft.files:
         raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
     estimate = draft.about or estimate
-    poses, approaches = tour(_poses(estimate), estimate.box)
+    poses, approaches = spread_poses(estimate)
     _refuse_differences(estimate, draft, poses, approaches)
     effect, meant = (
         effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box)
@@ -90,13 +92,13 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     unknown = unknown_rms(estimate, poses, approaches)
     together = planes_left(estimate, draft.control, poses, approaches)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
-    readme = _readme(controller, said, effect, unknown, foreword(estimate, draft.control))
+    readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
 
 
 def _nothing_held(estimate: Estimate) -> str:
     """Return what to do when a controller can hold nothing of what is known."""
-    poses, approaches = tour(_poses(estimate), estimate.box)
+    poses, approaches = spread_poses(estimate)
     if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
         return "take readings first"
     return (
@@ -140,6 +142,11 @@ def _reach(estimate: Estimate, name: str) -> float:
     if not estimate.machine.axis(name).rotary:
         return 1.0
     return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
+
+
+def spread_poses(estimate: Estimate) -> tuple[Array, Array]:
+    """Return the poses (m, q) and approaches at which files are tried."""
+    return tour(_poses(estimate), estimate.box)
 
 
 def _poses(estimate: Estimate) -> Array:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, Request, Skip, Source
-from axiscal.exceptions import SourceError
+from axiscal.exceptions import ControlError, SourceError
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:
@@ -27,13 +27,17 @@ _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0
 """mm or deg before a target from which it is approached: more than the backlash of any simulated joint."""
 _GAIN = "axiscal-gain"
+_WHOLE = "axiscal-vcomp"
+_SOURCE = "axiscal_vcomp"
+_COMING = 20.0
+"""s that a correction may take to come, which is a second or two."""
 _ROOM, _SWING = 10.0, 400.0
 """mm or deg beyond the travel that the simulated joints are given, for overrun and compensation."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """Files as `axiscal export --to linuxcnc` writes them, by name."""
+    """Files as `axiscal export --to linuxcnc` or `--to linuxcnc-volumetric` writes them, by name."""
 
     files: Mapping[str, str]
 
@@ -71,10 +75,10 @@ class LinuxcncMachine:
         joints = [joint for k in self._axes for joint in self._joints(self._machine.axes[k], files)]
         settings = self._settings(files)
         self._session: Session = Session(joints, settings)
-        self._wait_until_corrected(settings.hal)
         if self._build.tcp:
             tool = f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"
             self._session.move([tool, *(["M68 E3 Q1", "M66 E0 L0"] if self._build.probe else [])])
+        self._wait_until_corrected(settings.hal)
         self._last: tuple[Array, Array, Array] | None = None
         self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
         self.spheres = self._spheres(truth)
@@ -114,8 +118,14 @@ class LinuxcncMachine:
         self.close()
 
     def _wait_until_corrected(self, hal: str) -> None:
-        """Wait until corrections over other axes, which come slowly after homing, are all there."""
-        while _GAIN in hal and self._session.read([_GAIN]) < (1.0,):
+        """Wait until corrections that come slowly, after homing or when they are switched on, are all there."""
+        gains = [gain for mark, gain in ((_GAIN, _GAIN), (_WHOLE, f"{_WHOLE}.gain")) if mark in hal]
+        if _WHOLE in hal:
+            self._session.move([f"setp {_WHOLE}.enable 1"])
+        end = time.monotonic() + _COMING
+        while gains and min(self._session.read(gains)) < 1.0:
+            if time.monotonic() > end:
+                raise ControlError("the correction did not come", f"Look at the pin {_WHOLE}.fault-code")
             time.sleep(0.05)
 
     def _spheres(self, truth: VirtualMachine) -> TouchedSpheres | None:
@@ -175,21 +185,25 @@ class LinuxcncMachine:
         from axiscal.lab.linuxcnc import Settings
 
         texts = [text for name, text in files.items() if name.endswith(".hal")]
+        sources = {name: text for name, text in files.items() if name.startswith(_SOURCE)}
+        beside = {name: text for name, text in files.items() if name.endswith(".vcomp")}
         if not self._build.tcp:
-            return Settings("".join(texts), unit=self._build.unit)
+            return Settings("".join(texts), unit=self._build.unit, beside=beside, sources=sources)
         nominal = pivots.pivots(self._machine, {})
         if not any(nominal.kinematics in text for text in texts):
             texts.append(pivots.write(nominal, self._build.unit))
         texts.append(f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n")
+        kinematics = nominal.kinematics
         if self._build.probe is None:
-            return Settings("".join(texts), nominal.kinematics, self._build.unit)
+            return Settings("".join(texts), kinematics, self._build.unit, beside=beside, sources=sources)
         from axiscal.lab.linuxcnc.probing import ball
 
         texts += [
             "net kinstype-select motion.analog-out-03 => motion.switchkins-type\n",
             ball(self._build.probe.radius, "".join(texts)),
         ]
-        return Settings("".join(texts), f"{nominal.kinematics} sparm=identityfirst", self._build.unit)
+        kinematics += " sparm=identityfirst"
+        return Settings("".join(texts), kinematics, self._build.unit, beside=beside, sources=sources)
 
 
 class LinuxcncSource:

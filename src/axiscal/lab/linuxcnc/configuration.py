@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint of an axis in machine units, mm or inch, deg and seconds, with the text of its COMP_FILE."""
+    """A joint of an axis in machine units, mm or inch, deg and seconds, with the text of its COMP_FILE.
+
+    home_offset : coordinate of the place where it is homed
+    """
 
     axis: str
     low: float = -500.0
@@ -18,6 +21,7 @@ class Joint:
     velocity: float = 5000.0
     acceleration: float = 5e5
     table: str | None = None
+    home_offset: float = 0.0
 
     @property
     def rotary(self) -> bool:
@@ -31,12 +35,15 @@ class Settings:
 
     hal : text that is run after motion has been loaded, such as corrections over other axes
     kinematics : name of the module; unit : mm or in; servo_period : s
+    beside : files that lie beside the configuration; sources : of a realtime component, X.comp and what it includes
     """
 
     hal: str = ""
     kinematics: str = "trivkins"
     unit: str = "mm"
     servo_period: float = 1e-3
+    beside: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
 
 
 def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
@@ -46,6 +53,7 @@ def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
         "machine.ini": _ini(joints, settings),
         "machine.hal": _hal(joints, settings.hal),
         "sim.tbl": "T1 P1 D6 Z0\n",
+        **settings.beside,
     } | tables
 
 
@@ -86,7 +94,7 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
         "MAX_ACCELERATION": joint.acceleration,
     }
     drive = {"TYPE": "ANGULAR" if joint.rotary else "LINEAR", "FERROR": 100, "MIN_FERROR": 100}
-    home = {"HOME": 0, "HOME_SEQUENCE": 0}
+    home = {"HOME": 0, "HOME_OFFSET": joint.home_offset, "HOME_SEQUENCE": 0}
     table = {} if joint.table is None else {"COMP_FILE": f"joint{number}.comp", "COMP_FILE_TYPE": 0}
     return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home | table}
 
@@ -94,18 +102,20 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
 def motors(joints: Sequence[Joint], hal: str) -> list[str]:
     """Return the pin or signal of each joint that holds the position its motor is sent to."""
     moved = _moved(hal)
-    return [f"{moved[n]}-motor" if n in moved else f"joint.{n}.motor-pos-cmd" for n in range(len(joints))]
+    return [moved.get(n, f"joint.{n}.motor-pos-cmd") for n in range(len(joints))]
 
 
 def signals(count: int, hal: str) -> list[str]:
     """Return the signal of each of the first joints that holds the position its motor is sent to."""
     moved = _moved(hal)
-    return [f"{moved[n]}-motor" if n in moved else f"j{n}m" for n in range(count)]
+    return [moved.get(n, f"j{n}m") for n in range(count)]
 
 
 def _moved(hal: str) -> dict[int, str]:
-    """Return the names that the text gives to the joints whose motors it moves, such as axiscal-x."""
-    return {int(number): name for name, number in re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)}
+    """Return the signals that hold where motors are sent, of the joints whose motors the text moves."""
+    tables = re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)
+    whole = re.findall(r"net (vc)-fb-(\d+) \S+ => joint\.\2\.motor-pos-fb", hal)
+    return {int(n): f"{name}-motor" for name, n in tables} | {int(n): f"{name}-drv-{n}" for name, n in whole}
 
 
 def _hal(joints: Sequence[Joint], hal: str) -> str:
@@ -122,7 +132,7 @@ def _hal(joints: Sequence[Joint], hal: str) -> str:
     fed_back = (n for n in range(len(joints)) if n not in moved)
     lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in fed_back]
     # where a motor really turns, its encoder shows where it was sent
-    wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", hal)
+    wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", hal))
     return "\n".join(lines) + "\n" + _loaded_once(wired)
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import socket
+import subprocess
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -118,10 +120,30 @@ class RunningControl:
         return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
 
 
+def sampled(machine: RunningControl, codes: list[str]) -> dict[str, Any]:
+    """Make moves while `halsampler` writes down what its component takes in every servo cycle."""
+    with tempfile.NamedTemporaryFile("r") as kept:
+        sampler = subprocess.Popen(["halsampler", kept.name])
+        hal.set_p("sampler.0.enable", "1")
+        try:
+            steps = [machine.move(code) for code in codes]
+        finally:
+            hal.set_p("sampler.0.enable", "0")
+            time.sleep(0.1)  # until the queue is read
+            sampler.terminate()
+            sampler.wait(5)
+        rows = [line.split() for line in kept.read().splitlines()]
+        rows = rows[rows[:1] == [["overrun"]] :]  # it counts from the first sample ever taken
+    full = [[float(word) for word in row] for row in rows if row and "overrun" not in row]
+    return {"steps": steps, "samples": full[:-1], "overruns": len(rows) - len(full)}
+
+
 def answer(machine: RunningControl, asked: Any) -> dict[str, Any]:
     """Make the moves, or read pins; whatever goes wrong is reported: LinuxCNC hides a DISPLAY program's exit status."""
     result: dict[str, Any] = {"steps": [], "errors": [], "failure": None}
     try:
+        if isinstance(asked, dict) and "sample" in asked:
+            return result | sampled(machine, asked["sample"]) | {"errors": machine.errors()}
         if isinstance(asked, dict):
             result["values"] = [float(hal.get_value(name)) for name in asked["read"]]
             return result

@@ -23,11 +23,13 @@ from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
+from axiscal.lab.linuxcnc.components import add_modules, mounted
 from axiscal.lab.linuxcnc.configuration import Joint, Settings, files, motors
 
 _DRIVER = Path(__file__).with_name("driver.py")
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
-_OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp && exec linuxcnc -r machine.ini"
+_OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp"
+_START_IT = "exec linuxcnc -r machine.ini"
 _NOBODY = 65534
 """The user `nobody` of Debian."""
 _BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
@@ -94,6 +96,14 @@ class Session:
         """Return the values of HAL pins or signals."""
         return tuple(self._ask({"read": list(pins)})["values"])
 
+    def sample(self, codes: Sequence[str]) -> tuple[tuple[float, ...], ...]:
+        """Execute lines and return what the loaded `sampler` took meanwhile, one row for each servo cycle."""
+        result = self._ask({"sample": list(codes)})
+        self.errors += tuple(result["errors"])
+        if result["overruns"]:
+            raise ControlError(f"{result['overruns']} samples were lost", "Give sampler more depth")
+        return tuple(tuple(row) for row in result["samples"])
+
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""
         self._stack.close()
@@ -108,6 +118,8 @@ class Session:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
         _fill(self._work, motors(joints, settings.hal), files(joints, settings))
+        if settings.sources:
+            add_modules(self._work, settings.sources, _spaces_allowed())
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(self._work / "socket"))
         listener.listen(1)
@@ -184,7 +196,7 @@ def _fill(work: Path, motors: Sequence[str], texts: Mapping[str, str]) -> None:
 @contextmanager
 def _started(work: Path) -> Iterator[subprocess.Popen[bytes]]:
     """Yield the running LinuxCNC, and end it."""
-    with _apart() as command, (work / "log.txt").open("wb") as log:
+    with _apart(work) as command, (work / "log.txt").open("wb") as log:
         process = subprocess.Popen(
             command,
             cwd=work,
@@ -222,10 +234,10 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 @contextmanager
-def _apart() -> Iterator[Sequence[str]]:
+def _apart(work: Path) -> Iterator[Sequence[str]]:
     """Yield the command that starts LinuxCNC without meeting another one."""
     if _spaces_allowed():
-        yield (*_SPACES, "sh", "-c", _OWN_TMP)
+        yield (*_SPACES, "sh", "-c", " && ".join([_OWN_TMP, *mounted(work), _START_IT]))
         return
     with (_BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)

@@ -1,0 +1,158 @@
+"""All files for the component: the machine's errors, the HAL text, the source, and notes."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+import numpy as np
+
+from axiscal.compensation.controllers.linuxcnc_volumetric import applying, vcomp_reading, vcomp_writing, wiring
+from axiscal.compensation.controllers.linuxcnc_volumetric.content import VcompFile
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.offer import Draft, spread_poses
+from axiscal.compensation.whole import at_zero, whole_control
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.units import format_quantity, to_unit
+
+SOURCES = ("axiscal_vcomp.comp", "axiscal_vcomp_core.h")
+_NOTHING = 1e-12
+"""m or rad: rounding."""
+_MARGIN, _LEAST = 1.5, 5e-6
+"""Share and m or rad beyond the largest correction over the volume at which the component says fault 1."""
+_SHARE, _QUICKEST, _SLOWEST = 0.2, 5e-3, 5.0
+"""Of a joint's acceleration that a reversal may take, and how many s it takes at least and at most."""
+_EVERY = 5
+"""Of the poses at which files are tried, for a time that may be a few percent off."""
+_AWAY = 1e-9
+"""m or rad: what twelve digits may leave."""
+_HOLDS = (
+    "every error motion, squareness, location error and reversal of the machine as one realtime correction of all "
+    "joints, between motion and drives: axiscal.vcomp is read by the component axiscal_vcomp when LinuxCNC starts."
+)
+_LEFT = (
+    "the orientation of the tool beyond what rotary axes turn too far about themselves, what no spline follows, and "
+    "errors that one tool length cannot show."
+)
+
+
+def make(estimate: Estimate, options: ExportOptions) -> Draft:
+    """Return the files; raises TableError."""
+    model, mean = estimate.model, estimate.mean
+    machine = model.machine
+    if options.pivots:
+        what = "--pivots puts location errors into the kinematics, and this file holds them already"
+        raise TableError(what, "leave --pivots out: the kinematics keep the origins of machine.toml")
+    if options.old_files:
+        what = "the whole correction cannot go on top of another one"
+        raise TableError(what, "measure with axiscal-vcomp.active false and without COMP_FILE and BACKLASH")
+    if options.spacing is not None:
+        raise TableError("the file holds the curves themselves, and --spacing says points", "leave --spacing out")
+    wanted = whole_control(model, mean)
+    poses, _ = spread_poses(estimate)
+    sides = [wanted(poses, way * np.ones_like(poses)) for way in (1.0, -1.0)]
+    largest = np.max(np.abs(sides), axis=(0, 1))
+    if np.max(largest) <= _NOTHING:
+        return Draft({}, wanted, wanted, {}, (), _HOLDS, _LEFT, (), tried=True)
+    file = _content(estimate, options, largest)
+    text = vcomp_writing.text_of(file)
+    source = resources.files(__package__)
+    files = {wiring.FILE: text, wiring.HAL_FILE: wiring.text([n for axis in file.axes for n in axis.joints])}
+    files |= {name: source.joinpath(name).read_text(encoding="ascii") for name in SOURCES}
+    held = applying.control(vcomp_reading.read(text), machine)
+    resolution = {axis.name: _AWAY for axis in machine.axes}
+    return Draft(
+        files, held, wanted, resolution, (), _HOLDS, _LEFT, _notes(estimate, file), tried=True, first=_first(file)
+    )
+
+
+def _content(estimate: Estimate, options: ExportOptions, largest: Array) -> VcompFile:
+    model, unit = estimate.model, options.unit
+    axes = model.machine.axes
+    joints = vcomp_writing.joints_of(options.joints(model.machine), axes)
+    linear = [k for k, axis in enumerate(axes) if not axis.rotary]
+    turning = [k for k, axis in enumerate(axes) if axis.rotary]
+    own = [
+        vcomp_writing.axis_content(model, estimate.mean, k, joints[axis.name], unit, seconds)
+        for k, (axis, seconds) in enumerate(zip(axes, reversal_times(model, estimate.mean, estimate), strict=True))
+    ]
+    if not turning:
+        own = list(vcomp_writing.anchored(own, to_unit(1.0, unit) * at_zero(model, estimate.mean)))
+    furthest = max(_MARGIN * float(np.max(largest[linear])), _LEAST)
+    turned = max(_MARGIN * float(np.max(largest[turning], initial=0.0)), _LEAST)
+    tool = np.array([0.0, 0.0, -to_unit(model.machine.tool, unit)])
+    name = {"mm": "mm", "in": "inch"}[unit]
+    limits = float(to_unit(furthest, unit)), float(to_unit(turned, "deg"))
+    return VcompFile(options.origin[:16] or "none", name, *limits, tool, tuple(own))
+
+
+def reversal_times(model: ErrorModel, mean: Array, estimate: Estimate) -> list[float]:
+    """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint at any pose.
+
+    a : the acceleration of that joint; a reversal then takes a fifth of it.
+    """
+    control = whole_control(model, mean)
+    poses = spread_poses(estimate)[0][::_EVERY]
+    accelerations = np.array([axis.acceleration for axis in model.machine.axes])
+    times = []
+    for k in range(len(accelerations)):
+        way = np.zeros_like(poses)
+        way[:, k] = 1.0
+        step = np.max(np.abs(control(poses, way) - control(poses, -way)), axis=0)
+        time = float(np.max(np.sqrt(4 * step / (_SHARE * accelerations))))
+        times.append(min(max(time, _QUICKEST), _SLOWEST))
+    return times
+
+
+def _first(file: VcompFile) -> tuple[str, ...]:
+    unit = file.unit
+    turned = f" and {file.limit_deg:.4g} deg" if any(axis.rotary for axis in file.axes) else ""
+    limit = f"{file.limit:.4g} {unit}{turned}"
+    return (
+        f"THIS MOVES YOUR DRIVES BEHIND LINUXCNC'S BACK by up to {limit}. {vcomp_writing.STATEMENT}",
+        "First run: spindle stopped, tool clear, axiscal-vcomp.enable off. Compare the pin axiscal-vcomp.largest with "
+        f"{file.limit:.4g} {unit}. Switch on: the machine moves by that much within a second. At three places check "
+        "with a dial gauge that the deviation of the report became smaller; if it doubled, switch off: a sign or a "
+        "joint is wrong. COMP_FILE and BACKLASH must be out of the INI.",
+    )
+
+
+def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
+    lies = "; ".join(
+        f"{axis.name} at x {axis.origin[0]:.6g}, y {axis.origin[1]:.6g}, z {axis.origin[2]:.6g} {file.unit}"
+        for axis in file.axes
+        if axis.rotary
+    )
+    notes = [
+        "Once on every machine (Debian: linuxcnc-uspace-dev and gcc): sudo halcompile --install axiscal_vcomp.comp, in "
+        "the folder of these files. A campaign brings a new axiscal.vcomp only. uspace only.",
+        f"Put {wiring.FILE} and {wiring.HAL_FILE} beside the INI file; the first lines of {wiring.HAL_FILE} say how to "
+        "wire it. LinuxCNC does not start, and one sentence says why, where unit, joints or axes differ from the INI "
+        "file, or a character of the file was changed.",
+        "Soft limits, positions shown and the following error are those without the correction: keep "
+        f"{file.limit:.4g} {file.unit} to the switches. Give the drives 1.2 times MAX_ACCELERATION.",
+        "A campaign is measured with axiscal-vcomp.active false, its verification with active true.",
+        "Faults: 1 over the limit, 2 not finite, 3 COMP_FILE or BACKLASH works as well, 4 the linear axes do not span "
+        "space. The correction then goes within ramp-time; enable off, reset, and find out why.",
+        *_reversals(estimate, file),
+    ]
+    if lies:
+        notes.insert(
+            3,
+            f"The location errors of rotary axes stand in the file: the kinematics keep the origins of machine.toml, "
+            f"{lies} (machine zero, spindle nose). Compare them with your pivot pins, and load no axiscal-pivots.hal.",
+        )
+    return tuple(notes)
+
+
+def _reversals(estimate: Estimate, file: VcompFile) -> list[str]:
+    several = [axis for axis in file.axes if axis.reversals.shape[1]]
+    if not several:
+        return []
+    said = ", ".join(f"{axis.name} {format_quantity(axis.seconds, 's', 3)}" for axis in several)
+    return [
+        f"A reversal is carried out after 0.5 um or 0.0005 deg the other way, within {said} (from the accelerations "
+        "in machine.toml); after homing, before an axis has moved, the mean of both sides is applied."
+    ]
