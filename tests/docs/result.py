@@ -124,6 +124,30 @@ class CheckedReadings(Fields):
     high: float = Field(description="upper end, um")
 
 
+class BudgetSource(Fields):
+    """An entry of `budget`: where the uncertainty comes from, the largest first."""
+
+    source: str = Field(description="in words")
+    rms_um: float = Field(
+        description="its standard uncertainty, RMS over the volume; squares add up to that of `rms_um`"
+    )
+    share: float = Field(description="of that square, 0 to 1; sources below 0.0005 are left out")
+
+
+class VolumeValue(Fields):
+    """`volume`: the error of the volume at places spread over it, one shift of all of them taken off."""
+
+    axes: list[str] = Field(description="that move from place to place")
+    parked: str = Field(description="where the others stand")
+    tcp_mm: list[list[float]] = Field(description="places of the tool point, workpiece frame")
+    found_um: list[list[float]] = Field(description="deviation along x, y, z, as estimated, of both sides the mean")
+    half_um: list[list[float]] = Field(description="± of it, 95 %")
+    left_um: list[list[float]] = Field(
+        description="with the tables of `controller`, as estimated; empty without tables"
+    )
+    controller: str = Field(description="the control whose tables these are")
+
+
 class TableValue(Fields):
     """An entry of `tables`; effects are of all files of the control together."""
 
@@ -164,6 +188,7 @@ class Result(Fields):
     rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
+    budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
     defended_um: float = Field(description="what the readings can vouch for: `rms_um`, or the largest damage")
     departures: list[DepartureValue] = Field(description="what they may not show")
     target_rms_um: float | None = Field(description="the RMS asked for")
@@ -174,6 +199,7 @@ class Result(Fields):
     history: list[Milestone] = Field(description="how well the machine was known after each reading")
     errors: dict[str, ErrorCurve] = Field(description="error motions by ISO 230-1 name, reversals among them")
     plane_errors: dict[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")
+    volume: VolumeValue | None = Field(description="the error of the volume; null before the first reading")
     constants: dict[str, ConstantValue] = Field(description="location errors, reversals, unknowns of set-ups")
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
@@ -188,7 +214,9 @@ class Result(Fields):
 def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, CheckedReadings)
-    return "\n".join([_HEAD, *(_table(each) for each in (*tables, DepartureValue, Warning, TableValue))])
+    return "\n".join(
+        [_HEAD, *(_table(each) for each in (*tables, BudgetSource, VolumeValue, DepartureValue, Warning, TableValue))]
+    )
 
 
 def _table(model: type[Fields]) -> str:

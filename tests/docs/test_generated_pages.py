@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from axiscal.report.summary import result_json
+from axiscal.report.result_document import result_json
 from tests.docs import api, result
 from tests.report.test_result import SUMMARY
 

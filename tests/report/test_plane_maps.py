@@ -80,7 +80,7 @@ def test_the_report_shows_the_plane_its_band_and_what_no_sum_holds(folder: Path)
     page = (folder / "report.html").read_text()
     assert "What two axes do together" in page
     assert "Displacement in z that X and Y make together" in page
-    assert page.count('preserveAspectRatio="none" href="data:image/png') == 6  # each with the bar of its colours
+    assert page.count("data:image/png") >= 6  # three maps, each with the bar of its colours
     assert "of the 3 errors that are described (EZX EZY EZXY)" in page
 
 

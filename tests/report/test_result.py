@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict
 from axiscal.exceptions import SummaryError
 from axiscal.planning.vouched import Vouched
 from axiscal.report.promises import Uncertainty
+from axiscal.report.result_document import result_json
 from axiscal.report.summary import (
     ConstantSummary,
     CurveSummary,
@@ -21,7 +22,6 @@ from axiscal.report.summary import (
     Rejection,
     Summary,
     TruthCheck,
-    result_json,
 )
 
 

@@ -11,8 +11,9 @@ from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.report.delivery import deliver
 from axiscal.report.headline import first_lines
+from axiscal.report.result_document import result_json
 from axiscal.report.summarising import Extras
-from axiscal.report.summary import Summary, result_json
+from axiscal.report.summary import Summary
 from axiscal.report.verdict import NOT_KNOWN
 
 

@@ -35,3 +35,5 @@ class ArtefactTable(_Keys):
     free: str | list[float | int] = Field("z", examples=['"z"'])
     cone: Angle | None = Field(None, examples=['"100 deg"'])
     keep_out: list[dict[str, list[QuantityText]]] = Field(default=[], examples=['[{ z = ["-300 mm", "-150 mm"] }]'])
+    serial: str = Field("", examples=['"K3-0042"'])
+    certificate: str = Field("", examples=['"PTB 50123/26"'])

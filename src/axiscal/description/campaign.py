@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
 from axiscal.description.target import Target
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
@@ -29,6 +30,7 @@ class CampaignDescription:
     kept : share of each error that is as that campaign found it
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
+    particulars : who measured, with which instruments, for the report
     """
 
     machine: Machine
@@ -41,6 +43,7 @@ class CampaignDescription:
     prior_text: str = ""
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
+    particulars: Particulars = NOTHING_SAID
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -133,9 +136,9 @@ def _described(
     _refuse_budget(target, setups, document)
     learnt = table.scales == "estimate"
     source = str(document.path)
-    active = _active(table.compensation_active, document)
+    active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
     return CampaignDescription(
-        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept, active
+        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept, active, said
     )
 
 

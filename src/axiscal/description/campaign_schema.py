@@ -73,6 +73,22 @@ class SetupTable(Table):
     range: list[QuantityText] | None = Field(None, examples=['["1 m", "8 m"]'])
     sight: Angle | None = Field(None, examples=['"60 deg"'])
     faces: str | list[float | int] | None = Field(None, examples=['"z"'])
+    serial: str = Field("", examples=['"XL-80 4711"'])
+    certificate: str = Field("", examples=['"2026-0815, valid to 2027-03"'])
+
+
+class ReportTable(Table):
+    """[report]: who measured for whom; it stands in the report and in the certificate, no figure depends on it."""
+
+    number: str = Field("", examples=['"2026-031"'])
+    operator: str = Field("", examples=['"R. Turner"'])
+    responsible: str = Field("", examples=['"M. Scholz"'])
+    laboratory: str = Field("", examples=['"Calibration laboratory, Example GmbH"'])
+    place: str = Field("", examples=['"Hall 3, 12345 Sampletown"'])
+    country: str = Field("", examples=['"DE"'])
+    customer: str = Field("", examples=['"Sample Gears Ltd"'])
+    temperature: str = Field("", examples=['"machine 20.4 to 21.1 degC, room 21 degC"'])
+    remarks: str = Field("", examples=['"after the repair of the Y axis"'])
 
 
 class ProgramsTable(Table):
@@ -97,4 +113,5 @@ class CampaignTable(Table):
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
+    report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -88,6 +88,8 @@ class MachineFile(_Table):
     """The whole file"""
 
     name: StrictStr | None = Field(None, examples=['"Three-axis mill"'])
+    maker: StrictStr = Field("", examples=['"Example Machine Works, type 600"'])
+    serial: StrictStr = Field("", examples=['"M-1042"'])
     chain: StrictStr = Field(examples=["\"w-X'-Y'-b-Z-t\""])
     tool: ToolTable = ToolTable()
     axes: dict[str, AxisTable] = Field(examples=['{ X = { travel = ["0 mm", "600 mm"] } }'])

@@ -13,7 +13,6 @@ from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
-from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
@@ -56,7 +55,7 @@ def _curve(
     return CurveSummary(
         name=function.name,
         axis=axis.name,
-        caption=words(function.name) + _turned(axis),
+        caption=words(function.name),
         position=shown,
         mean=to_unit(now.mean, unit).tolist(),
         std=to_unit(now.std, unit).tolist(),
@@ -68,13 +67,6 @@ def _curve(
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
         points=[part.point(wide, function) for part in parts if part.bears_on(function)],
     )
-
-
-def _turned(axis: Axis) -> str:
-    """Return why a curve does not have the sign of its readings: it names what the carriage does (ISO 230-1)."""
-    if not axis.workpiece_side:
-        return ""
-    return f"; {axis.name} carries the workpiece: readings show this with the other sign"
 
 
 def _seen_std(wide: Banded, function: ErrorFunction, rows: Array) -> Array:

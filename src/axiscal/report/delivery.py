@@ -26,10 +26,12 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
 from axiscal.report.headline import effect_words
+from axiscal.report.result_document import result_json
 from axiscal.report.result_set import RECORD, result_set, write_manifest
 from axiscal.report.summarising import Extras, record_state, summarise
-from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer, result_json
+from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer
 from axiscal.report.verdict import NOT_KNOWN
+from axiscal.report.volume_error import VolumeError, volume_error
 from axiscal.units import to_unit
 
 CONTROLLERS = ("linuxcnc", "csv")
@@ -50,8 +52,9 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        offers = [offer for name in CONTROLLERS for offer in _tables(estimation, name, folder / "tables", summary)]
-        summary = replace(summary, tables=offers)
+        written_for = [_tables(estimation, name, folder / "tables", summary) for name in CONTROLLERS]
+        summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
+        summary = replace(summary, volume=_as_left(estimation, summary, [found for _, found in written_for if found]))
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         write_report(summary, folder / "report.html")
@@ -74,8 +77,10 @@ def write_report(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary).encode())
 
 
-def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summary) -> list[TableOffer]:
-    """Write the files for one control and return what they hold and leave, or why there are none."""
+def _tables(
+    estimation: Estimation, controller: str, folder: Path, summary: Summary
+) -> tuple[list[TableOffer], Export | None]:
+    """Write the files for one control and return what they hold and leave, or why there are none, and the files."""
     factor = None if summary.withheld else summary.expanded.factor
     warnings = [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
@@ -83,12 +88,20 @@ def _tables(estimation: Estimation, controller: str, folder: Path, summary: Summ
         options = informed(ExportOptions(), estimation.case.description, controller)
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
-        return [TableOffer("none written", controller, "", str(refusal))]
+        return [TableOffer("none written", controller, "", str(refusal))], None
     said = introduced(offered, factor, summary.vouched.words, warnings, summary.record)
     write_files(said, folder / controller)
     left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
-    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
+    rows = [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
+    return rows, offered
+
+
+def _as_left(estimation: Estimation, summary: Summary, offered: Sequence[Export]) -> VolumeError | None:
+    """Return the error of the volume with the tables of the first control that has some."""
+    if summary.volume is None or not offered:
+        return summary.volume
+    return volume_error(estimation, offered[0].controller, offered[0].control)
 
 
 def effect_of(offered: Export) -> TableEffect:

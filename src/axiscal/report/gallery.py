@@ -27,17 +27,28 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class AxisGroup:
-    """The panels of one axis, in rows of one unit."""
+    """The panels of one axis, in rows of one unit.  note : what has to be known of all of them"""
 
     axis: str
+    note: str
     rows: Sequence[Sequence[Panel]]
 
 
-def groups(curves: Sequence[CurveSummary]) -> list[AxisGroup]:
-    """Return the curves grouped by axis in order of appearance, and by unit within."""
+def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[AxisGroup]:
+    """Return the curves grouped by axis in order of appearance, and by unit within.  chain : of the machine"""
     axes = dict.fromkeys(curve.axis for curve in curves)
     height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
-    return [AxisGroup(axis, _rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes]
+    return [
+        AxisGroup(axis, _turned(axis, chain), _rows([curve for curve in curves if curve.axis == axis], height))
+        for axis in axes
+    ]
+
+
+def _turned(axis: str, chain: str) -> str:
+    """Return why curves do not have the sign of their readings: they name what the carriage does (ISO 230-1)."""
+    if f"{axis}'" not in chain.split("-"):
+        return ""
+    return f"{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
 
 
 def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:

@@ -10,6 +10,9 @@ from axiscal.report.sentences import figure, quantity
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import format_quantity
 
+_MANY = 12
+"""Names in a sentence; a matter of taste."""
+
 
 def conditions(case: Case) -> str:
     """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
@@ -26,8 +29,16 @@ def expanded_words(summary: Summary) -> str:
     """Return in a sentence what U is, along which axes how much, and what for."""
     found = summary.expanded
     along = ", ".join(f"{axis} {figure(value)}" for axis, value in zip("xyz", found.axes, strict=True))
-    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.factor:.2f}, {found.conditions}".rstrip(", ")
+    named = errors_named(summary)
+    meant = found.conditions.replace(f" ({named})", "") if named else found.conditions
+    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.factor:.2f}, {meant}".rstrip(", ")
     return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}."
+
+
+def errors_named(summary: Summary) -> str:
+    """Return the errors for which U holds where there are so many that a sentence cannot hold them, else nothing."""
+    names = summary.expanded.conditions.rpartition(" (")[2].removesuffix(")")
+    return names if len(names.split()) > _MANY else ""
 
 
 def table_lines(summary: Summary) -> Sequence[str]:

@@ -6,7 +6,7 @@ import math
 
 from jinja2 import Environment
 
-from axiscal.report import figures, gallery, headline, plane_maps, sentences, whiskers
+from axiscal.report import figures, gallery, headline, plane_maps, sentences, side_by_side, volume_picture, whiskers
 from axiscal.report.drawing.shown import shown
 from axiscal.report.standalone import environment, inlined
 from axiscal.report.summary import Summary
@@ -23,6 +23,15 @@ _FILTERS = {
     "standardised": sentences.standardised,
     "curve_note": sentences.curve_note,
 }
+CODES = {
+    "lack-of-fit": "more detail than the model follows",
+    "aliasing": "targets too regular",
+    "prior-misfit": "not as stated beforehand",
+    "drift": "drift",
+    "outlier": "reading that does not fit",
+    "unobservable": "cannot be seen",
+}
+"""What the kinds of warnings are called on a page."""
 _GLYPHS = "●■◆▲✚✖▼⬟★⬢"
 
 
@@ -32,10 +41,18 @@ def render(summary: Summary) -> str:
     values = {
         "s": summary,
         "draw": shown,
-        "groups": gallery.groups(summary.curves),
-        "reversal_groups": gallery.groups(summary.reversals),
+        "groups": gallery.groups(summary.curves, summary.chain),
+        "reversal_groups": gallery.groups(summary.reversals, summary.chain),
         "planes": plane_maps.panels(summary),
-        "scales": whiskers.scales(summary.constants),
+        "scales": whiskers.scales([each for each in summary.constants if ": " not in each.name]),
+        "setup_scales": whiskers.scales([each for each in summary.constants if ": " in each.name]),
+        "volume": [] if summary.volume is None else volume_picture.volume_panels(summary.volume),
+        "magnified": 1.0 if summary.volume is None else volume_picture.magnification(summary.volume),
+        "sides": side_by_side.sides(summary),
+        "controls": list(side_by_side.effects(summary)),
+        "axis_rows": side_by_side.axis_rows(summary),
+        "files_of": side_by_side.files_of_controls(summary.tables),
+        "codes": CODES,
         "accuracy": figures.accuracy(summary) if summary.history else None,
         "innovations": figures.innovations(summary),
         "places": figures.places(summary),
@@ -43,6 +60,7 @@ def render(summary: Summary) -> str:
         "unseen": sentences.unseen_size(summary),
         "occasion": sentences.occasion(summary),
         "holds_for": headline.expanded_words(summary),
+        "errors": headline.errors_named(summary),
         "table_lines": [line.replace(" um", "\u00a0µm") for line in headline.table_lines(summary)],
         "u_target": sentences.target_text(known * summary.expanded.space, summary.target_u_um),
         "rms_target": sentences.target_text(known * summary.rms_um, summary.target_rms_um),

@@ -79,19 +79,13 @@ def target_text(value_um: float, target_um: float | None) -> str:
 
 
 def curve_note(curve: CurveSummary) -> str:
-    """Return in words how well a curve is known now, was before, and what no allowed reading can add."""
+    """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
     now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)
-    unseen = BAND * math.sqrt(max(0.0, _mean_square(curve.std) - _mean_square(curve.std_seen)))
     if not curve.position:
         return "no positions"
-    note = f"±{quantity(now, curve.value_unit)}, before ±{quantity(before, curve.value_unit)}"
     if now > 0.95 * before:
-        note += "; hardly touched by the readings"
-    elif curve.from_readings > 0:
-        note += f"; {curve.from_readings:.0%} of what is known comes from the readings, the rest from the prior"
-    if unseen > 0.5 * now > 0:
-        note += f"; ±{quantity(unseen, curve.value_unit)} of it cannot be seen"
-    return note
+        return f"±{quantity(now, curve.value_unit)}, hardly touched by the readings"
+    return f"±{quantity(now, curve.value_unit)}, was ±{figure(before)}; {curve.from_readings:.0%} from readings"
 
 
 def constant_note(constant: ConstantSummary) -> str:

@@ -1,12 +1,73 @@
-"""A finished ISO 230-2 test as a block of the report."""
+"""ISO 230-2 as blocks of the report: a finished test, and readings of a campaign that happen to be one."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.evaluation import FIGURES, Positioning, TargetFigures
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.evaluation import FIGURES, Positioning, PositioningTest, TargetFigures, evaluate
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.report.summary import Iso230
 from axiscal.units import to_unit
+
+_FEWEST_TARGETS, _FEWEST_RUNS = 5, 2
+"""ISO 230-2 asks for five targets at least; a standard deviation needs two runs."""
+_SAME = 1e-6
+"""m or rad: targets nearer to each other are one."""
+_ALONG = 0.999
+"""Cosine of the angle between a set-up and the axis along which it is a test of positioning."""
+
+
+def iso230_blocks(description: CampaignDescription, readings: Sequence[Reading]) -> list[Iso230]:
+    """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2."""
+    blocks = []
+    for setup in description.setups:
+        test = _test(description, setup, [reading for reading in readings if reading.setup == setup.name])
+        if test is not None:
+            axis = description.machine.axes[setup.moves[0]]
+            blocks.append(iso230_block(axis.name, evaluate(test, setup.noise)))
+    return blocks
+
+
+def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Reading]) -> PositioningTest | None:
+    """Return a set-up's readings as a test; None where they are none: each target as often from each side."""
+    if not _positions(description, setup):
+        return None
+    axis = setup.moves[0]
+    found: dict[tuple[int, int], list[float]] = {}
+    for reading in readings:
+        target = round(reading.pose[axis] / _SAME)
+        found.setdefault((target, reading.approach[axis]), []).append(reading.value)
+    targets = sorted({target for target, _ in found})
+    sides = [_runs(found, targets, side) for side in (1, -1)]
+    if len(targets) < _FEWEST_TARGETS or any(side == 0 for _, side in found) or all(side is None for side in sides):
+        return None
+    if any(side is None and any(way == sign for _, way in found) for side, sign in zip(sides, (1, -1), strict=True)):
+        return None
+    positions = np.array(targets) * _SAME
+    return PositioningTest(positions, sides[0], sides[1], description.machine.axes[axis].rotary)
+
+
+def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], side: int) -> Array | None:
+    """Return the readings of one direction, (targets, runs); None where not every target was read as often."""
+    rows = [found.get((target, side), []) for target in targets]
+    counts = {len(row) for row in rows}
+    return np.array(rows) if len(counts) == 1 and min(counts) >= _FEWEST_RUNS else None
+
+
+def _positions(description: CampaignDescription, setup: Setup) -> bool:
+    """Whether a set-up reads the one axis that it moves along or about itself."""
+    if len(setup.moves) != 1 or setup.chart is not None:
+        return False
+    axis, name = description.machine.axes[setup.moves[0]], description.machine.axes[setup.moves[0]].name[0]
+    own = "ABC".index(name) if axis.rotary else "XYZ".index(name)
+    reads = "angle" if axis.rotary else "length"
+    return INSTRUMENTS[setup.instrument].reads == reads and abs(setup.direction[own]) > _ALONG
 
 
 def iso230_block(axis: str, found: Positioning) -> Iso230:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.particulars import Equipment
 from axiscal.estimation.case import Case
 from axiscal.estimation.checks import Checks
 from axiscal.estimation.defence import defended
@@ -29,6 +33,8 @@ from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions
 from axiscal.report.planes import planes
 from axiscal.report.promises import CheckReadings, Uncertainty
+from axiscal.report.sources import budget_rows
+from axiscal.report.standard import iso230_blocks
 from axiscal.report.summary import (
     CurveSummary,
     Finding,
@@ -42,6 +48,7 @@ from axiscal.report.summary import (
     TruthCheck,
 )
 from axiscal.report.verdict import checks_words, verdict_words
+from axiscal.report.volume_error import volume_error
 from axiscal.simulation import VirtualMachine
 from axiscal.units import to_unit
 
@@ -110,7 +117,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
         truth=extras.truth_check,
-        iso230=extras.iso230,
+        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings),
         reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
@@ -118,7 +125,31 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         verdict=ruling.verdict,
         verdict_words=verdict_words(ruling),
         checks=_checks(ruling.checks),
+        volume=volume_error(estimation) if campaign.state.readings else None,
+        budget=budget_rows(estimation),
+        particulars=description.particulars,
+        checksums=_checksums(campaign),
+        ended=_ended(campaign),
     )
+
+
+def _checksums(campaign: Campaign) -> dict[str, str]:
+    """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
+    described = campaign.description
+    texts = {
+        Path(described.source).name: described.text,
+        Path(described.machine_source).name: described.machine.text,
+        "the earlier campaign": described.prior_text,
+    }
+    sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
+    return sums | {campaign.path.name: campaign.state.name}
+
+
+def _ended(campaign: Campaign) -> str:
+    """Return the day of the last reading whose time is known, else the day on which the record was begun."""
+    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
+    last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
+    return last.date().isoformat()
 
 
 def open_questions(description: CampaignDescription) -> list[str]:
@@ -223,4 +254,12 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     moves = [axes[k].name for k in setup.moves]
     unit = reading_unit(setup)
     noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
-    return SetupUse(setup.name, setup.instrument, direction_text(setup), moves, noise, count)
+    of = campaign.description.particulars.setups.get(setup.name, Equipment())
+    along = "the bar" if setup.length is not None else direction_text(setup)
+    own = setup.name, setup.instrument, along, moves, noise, count
+    return SetupUse(*own, of.serial, of.certificate, _temperature(setup))
+
+
+def _temperature(setup: Setup) -> str:
+    """Return how much the measured material has grown against 20 degC, where the set-up states its temperature."""
+    return f"{setup.growth * 1e6:.3g} um/m against 20 degC" if setup.growth else ""

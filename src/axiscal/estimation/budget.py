@@ -1,0 +1,121 @@
+"""Where the uncertainty of the tool point comes from: the budget of an estimate.
+
+What an estimate is wrong by is linear in what it cannot know: with C the covariance after the readings y = H x + v, P
+the prior covariance of all unknowns x and R that of v,
+
+    x − x̂ = G (x − x₀) − C Hᵀ R⁻¹ v,    G = I − C Hᵀ R⁻¹ H = C P⁻¹,    C = C P⁻¹ C + C Hᵀ R⁻¹ H C
+
+(Joseph's form; Bierman, Factorization Methods, 1977). Sources that are independent of each other add: each block of P
+and of R has a covariance of its own, and with it a mean square over the volume.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.estimation.estimation import Estimation
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.setup import Unknown
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+
+class BudgetShare(NamedTuple):
+    """One source.  kind : as in `KINDS`; setup : whose readings they are, for "instrument"; rms : m, over the volume"""
+
+    kind: str
+    setup: str
+    rms: float
+
+
+KINDS = ("instrument", "set-up", "drift", "temperature", "artefact", "detail", "prior", "unseen", "sizes")
+"""Noise of readings; unknowns of set-ups; zeros that wander; thermal growth; where balls are; what no spline follows;
+what readings leave of the errors; what no allowed reading can see; that sizes are learnt and models may be wrong."""
+
+
+@one_thread()
+def budget(known: Estimation) -> list[BudgetShare]:
+    """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square."""
+    if not known.readings:
+        return _before(known)
+    shares = [*_of_readings(known), *_of_unknowns(known)]
+    missing = known.accuracy.rms**2 - sum(share.rms**2 for share in shares)
+    return [*shares, BudgetShare("sizes", "", float(np.sqrt(max(missing, 0.0))))]
+
+
+def _before(known: Estimation) -> list[BudgetShare]:
+    yardstick = known.case.yardstick
+    detail, unseen = yardstick.moments.rest, yardstick.unseen_rms**2
+    prior = max(known.accuracy.rms**2 - detail - unseen, 0.0)
+    return [BudgetShare(kind, "", float(np.sqrt(each)))
+            for kind, each in (("detail", detail), ("prior", prior), ("unseen", unseen))]  # fmt: skip
+
+
+def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
+    """Return the rows of all believed numbers, one over their variances, and the set-up of each."""
+    observation = known.knowledge.observation
+    numbers = seen(observation, known.readings)
+    weights = weights_of(known)
+    index = {setup.name: k for k, setup in enumerate(observation.setups)}
+    owner = np.array([index[reading.setup] for reading in known.readings])
+    return numbers.rows, weights[numbers.reading] / numbers.variances, owner[numbers.reading]
+
+
+def weights_of(known: Estimation) -> Array:
+    """Return how much each reading counts, (m,) from 0 to 1."""
+    stages = known.stages
+    return np.array(stages.absorbed.weights(0, len(known.readings), stages.judged.implausible))
+
+
+def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
+    """Yield what the noise of each set-up's readings leaves: C Hᵀ R⁻¹ H C of these."""
+    rows, precision, owner = _weighted(known)
+    spread = _tool(known) @ known.knowledge.belief.covariance
+    for k, setup in enumerate(known.knowledge.observation.setups):
+        mine = owner == k
+        if np.any(mine):
+            passed = (spread @ rows[mine].T) * np.sqrt(precision[mine])
+            yield BudgetShare("instrument", setup.name, float(np.linalg.norm(passed)))
+
+
+def _tool(known: Estimation) -> Array:
+    """Return V over all unknowns, (r, size): what they do to the tool over the volume."""
+    root = known.case.yardstick.root.matrix
+    wide = np.zeros((len(root), known.knowledge.observation.size))
+    wide[:, : root.shape[1]] = root
+    return wide
+
+
+def _of_unknowns(known: Estimation) -> Iterator[BudgetShare]:
+    """Yield what each kind of unknown leaves: V C P⁻¹ C Vᵀ of its block of P."""
+    case, observation = known.case, known.knowledge.observation
+    left = _tool(known) @ known.knowledge.belief.covariance
+    own = case.errors.size
+    found = dict.fromkeys(("set-up", "drift", "temperature", "artefact", "detail"), 0.0)
+    for column, (kind, variance) in enumerate(_sources(observation), start=own):
+        found[kind] += float(left[:, column] @ left[:, column]) / variance if variance > 0 else 0.0
+    yardstick = case.yardstick
+    found["detail"] += yardstick.moments.rest
+    whitened = np.linalg.lstsq(case.prior.factor[:own], left[:, :own].T)[0]
+    errors = float(np.sum(whitened**2)) - yardstick.root.value(yardstick.unseen)
+    found |= {"prior": max(errors, 0.0), "unseen": yardstick.unseen_rms**2}
+    yield from (BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in found.items())
+
+
+def _sources(observation: Observation) -> list[tuple[str, float]]:
+    """Return kind and prior variance of every column beyond the errors."""
+    kinds = [(_kind(unknown), unknown.std**2) for unknown in observation.unknowns]
+    rest = observation.bare.rest_variances(observation)
+    start = observation.errors.size + len(kinds)
+    drifts = {column for course in observation.courses.values() for column in course.columns}
+    return kinds + [("drift" if start + k in drifts else "detail", float(each)) for k, each in enumerate(rest)]
+
+
+def _kind(unknown: Unknown) -> str:
+    if unknown.name == "growth":
+        return "temperature"
+    return "artefact" if unknown.owner and unknown.owner != "tool" else "set-up"

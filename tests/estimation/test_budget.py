@@ -1,0 +1,52 @@
+"""The budget of the uncertainty: its squares add up, and each source is what it is without the others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.budget import KINDS, budget, weights_of
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.measurement.reading_rows import seen
+from tests.generators.campaigns import drawn, mixed
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, read
+from tests.generators.laser_axis import machine as laser_machine
+
+
+def test_squares_add_up_to_the_square_of_the_whole() -> None:
+    case = mixed()
+    known = concluded(case, drawn(case))
+    sources = budget(known)
+    assert {source.kind for source in sources} <= set(KINDS)
+    total = np.sqrt(sum(source.rms**2 for source in sources))
+    assert total == pytest.approx(known.accuracy.rms, rel=1e-6)
+    assert next(s.rms for s in sources if s.kind == "sizes") < 1e-3 * known.accuracy.rms
+
+
+def test_before_any_reading_it_is_what_was_stated() -> None:
+    known = concluded(mixed(), [])
+    assert {source.kind for source in budget(known)} == {"detail", "prior", "unseen"}
+    assert np.sqrt(sum(s.rms**2 for s in budget(known))) == pytest.approx(known.accuracy.rms, rel=1e-9)
+
+
+def test_noise_and_unknowns_are_those_of_josephs_form() -> None:
+    """The same shares by the gain K of all readings at once: C = (I - KH) P (I - KH)ᵀ + K R Kᵀ."""
+    text = CAMPAIGN.replace('drift = "0 um/h"', 'drift = "3 um/h"\ntemperature = "23 degC"\ntemperature_std = "1 K"\n'
+                            'expansion = "11.7 um/m/K"')  # fmt: skip
+    case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
+    known = concluded(case, read(laser_machine(3), 30))
+    observation = known.knowledge.observation
+    numbers = seen(observation, known.readings)
+    prior, noise = observation.prior_covariance(), np.diag(numbers.variances / weights_of(known))
+    gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + noise)
+    kept = np.eye(len(prior)) - gain @ numbers.rows
+    tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
+    tool[:, : case.errors.size] = case.yardstick.root.matrix
+    found = {source.kind: source.rms for source in budget(known)}
+    assert found["instrument"] == pytest.approx(float(np.linalg.norm(tool @ gain @ np.sqrt(noise))), rel=1e-5)
+    column = case.errors.size + [u.name for u in observation.unknowns].index("growth")
+    grown = np.linalg.norm(tool @ kept[:, column]) * np.sqrt(prior[column, column])
+    assert found["temperature"] == pytest.approx(float(grown), rel=1e-4)
+    assert found["drift"] > 0
