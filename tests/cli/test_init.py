@@ -106,6 +106,40 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(
     assert not (tmp_path / "new").exists()
 
 
+INI = """\
+[KINS]
+KINEMATICS = trivkins coordinates=XYZ
+[TRAJ]
+COORDINATES = XYZ
+LINEAR_UNITS = mm
+[JOINT_1]
+BACKLASH = 0.02
+""" + "".join(f"[AXIS_{name}]\nMIN_LIMIT = 0\nMAX_LIMIT = 400\n" for name in "XYZ")
+
+
+def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "machine.ini").write_text(INI)
+    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
+    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
+    assert "the length of the tool" in capsys.readouterr().out
+    campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
+    assert (campaign.machine.chain, campaign.machine.axis("X").travel) == ("w-Y'-b-X-Z-t", (0.0, 0.4))
+    assert campaign.compensation_active == ("../machine.ini",)
+    assert app.run(["init", str(tmp_path / "other"), *words, "--machine", "one-axis"]) == 2
+    assert app.run(["init", str(tmp_path / "other"), *words, "--chain", "w-Q-t"]) == 1
+    assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize("name", ["machine", "campaign"])
+def test_the_schemas_are_printed_for_editors(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["schema", name]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == {"machine": machine_schema, "campaign": campaign_schema}[name]()
+    assert app.run(["schema", "report"]) == 2
+
+
 def test_nothing_is_written_over(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text("mine")
     assert written(tmp_path, "one-axis", "interferometer") == 1

@@ -16,6 +16,7 @@ from typer.core import TyperCommand, TyperGroup
 _FILES = {
     "demo": "demo",
     "init": "init",
+    "schema": "schema",
     "plan": "plan",
     "start": "start",
     "measure": "measure",

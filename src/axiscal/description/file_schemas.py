@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from pydantic import BaseModel
@@ -23,6 +24,10 @@ def campaign_schema() -> dict[str, Any]:
     schema = _schema(CampaignTable, "campaign.toml: one calibration")
     schema["$defs"]["SetupTable"]["properties"]["instrument"]["enum"] = list(INSTRUMENTS)
     return schema
+
+
+SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {"machine": machine_schema, "campaign": campaign_schema}
+"""By the file that they describe."""
 
 
 def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:

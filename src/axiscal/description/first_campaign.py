@@ -19,7 +19,7 @@ _HEAD = """\
 # One calibration of: {name}. Every quantity is a text with its unit.
 # What is left out has its usual value; docs/campaign.md of axiscal says which.
 machine = "{machine}"
-# compensation_active = false    # whether a table or backlash compensation is active on the control meanwhile
+{active}
 
 [target]                         # the first one that is reached ends the campaign
 U = "{target}"                   # 95 %, of the tool point in space, over all travel
@@ -61,13 +61,20 @@ approach = "both"
 """
 
 
-def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str) -> str:
+UNSAID = (
+    "# compensation_active = false    # whether a table or backlash compensation is active on the control meanwhile"
+)
+"""Of campaign.toml, where nobody knows whether a compensation is active."""
+
+
+def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:
     """Return the text of a campaign file.
 
     source : how the file names the machine; instruments : of `OFFERED`; target : the expanded uncertainty wanted
+    active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
-    head = _HEAD.format(name=machine.name, machine=source, target=target)
+    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active)
     setups = [text for name in instruments for text in OFFERED[name](machine)]
     if not setups:
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"
@@ -98,7 +105,7 @@ def _straightedges(machine: Machine) -> Iterator[str]:
 
 def _ball_bars(machine: Machine) -> Iterator[str]:
     middle = np.array([[float(np.mean(axis.travel)) for axis in machine.axes]])
-    place = (float(each) for each in frames(machine, middle).tcp[0])
+    place = (round(float(each), 9) + 0.0 for each in frames(machine, middle).tcp[0])
     station = ", ".join(f'"{format_quantity(each, "mm", 6)}"' for each in place)
     ways = sorted({_way(axis) for axis in _linear(machine)})
     for one, other in combinations(ways, 2):

@@ -1,0 +1,24 @@
+"""`axiscal schema`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.printing import say_document
+from axiscal.description.file_schemas import SCHEMAS
+
+
+def schema(
+    file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")],
+) -> None:
+    """Print the JSON schema of machine.toml or campaign.toml, by which editors complete and check.
+
+    \b
+    Example:
+      axiscal schema campaign > campaign.schema.json
+    """
+    if file not in SCHEMAS:
+        raise typer.BadParameter(f"there are schemas of {' and '.join(SCHEMAS)}")
+    say_document(SCHEMAS[file]())

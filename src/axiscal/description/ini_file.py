@@ -1,0 +1,105 @@
+"""An INI file of LinuxCNC as sections of keys, each with the line it stands in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from axiscal.exceptions import DescriptionError
+from axiscal.measurement.readers.text import read_text
+
+_SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
+_KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")
+_HEEDED = re.compile(r"|EMC|EMCMOT|TRAJ|KINS|HAL|(?:AXIS|JOINT)_\w+")
+"""Sections that say something of the machine: LinuxCNC itself passes over lines of the others that mean nothing."""
+_REMARK = re.compile(r"\s[#;].*")
+_INCLUDE = re.compile(r"#INCLUDE\s+(\S.*)", re.IGNORECASE)
+_DEEPEST = 5
+"""Files that include files; deeper is a circle."""
+
+
+@dataclass(frozen=True, slots=True)
+class IniValue:
+    """What stands behind a key, and where."""
+
+    text: str
+    file: Path
+    line: int
+
+    def fail(self, what: str, remedy: str) -> DescriptionError:
+        """Return the error that places a fault here."""
+        return DescriptionError(what, remedy, self.file, self.line)
+
+
+@dataclass(frozen=True, slots=True)
+class IniFile:
+    """An INI file.  values : of each key of each section in their order; LinuxCNC heeds the first of them"""
+
+    path: Path
+    values: dict[tuple[str, str], list[IniValue]] = field(default_factory=dict)
+
+    def all(self, section: str, key: str) -> list[IniValue]:
+        """Return every value of a key, in order."""
+        return self.values.get((section, key), [])
+
+    def get(self, section: str, key: str) -> IniValue | None:
+        """Return the value that counts, None where there is none."""
+        return next(iter(self.all(section, key)), None)
+
+    def place(self, *sections: str) -> tuple[Path, int | None]:
+        """Return where the first of these sections that is there begins to say something; else the file."""
+        first = (values[0] for (section, _), values in self.values.items() if section in sections)
+        return next(((value.file, value.line) for value in first), (self.path, None))
+
+    def needed(self, section: str, key: str, example: str) -> IniValue:
+        """Return the value that counts; raises DescriptionError where there is none."""
+        found = self.get(section, key)
+        if found is None or not found.text:
+            what = f"[{section}] says no {key}"
+            raise DescriptionError(what, f"Write it into the file, as in {key} = {example}", *self.place(section))
+        return found
+
+
+def read_ini(path: Path) -> IniFile:
+    """Return an INI file of LinuxCNC; raises ReadingError for no file, DescriptionError with the line that is none."""
+    read = IniFile(path)
+    section = ""
+    for file, number, line in _lines(path, 0):
+        if found := _SECTION.fullmatch(line):
+            section = found[1].upper()
+        elif (key := _KEY.match(line)) is not None and section:
+            value = IniValue(_REMARK.sub("", f" {key[2]}").strip(), file, number)
+            read.values.setdefault((section, key[1].upper()), []).append(value)
+        elif _HEEDED.fullmatch(section):
+            shown = line if len(line) <= 40 else line[:37] + "..."
+            what = f"{shown!r} is neither a [SECTION] nor KEY = VALUE" + ("" if section else " of a section")
+            raise DescriptionError(what, "Give the INI file with which LinuxCNC starts", file, number)
+    if not read.values:
+        raise DescriptionError("No section of an INI file stands here", "Give the INI file of your LinuxCNC", path)
+    return read
+
+
+def _lines(path: Path, depth: int) -> Iterator[tuple[Path, int, str]]:
+    """Yield file, number and text of every line that says something; lines that end in a backslash go on."""
+    begun, first = "", 0
+    for number, raw in enumerate(read_text(path).lines, start=1):
+        line = raw.strip()
+        if not begun and (included := _INCLUDE.fullmatch(line)):
+            yield from _included(path, number, included[1].strip(), depth)
+        elif line.endswith("\\") and not line.startswith(("#", ";")):
+            begun, first = begun + line[:-1], first or number
+        elif begun or (line and not line.startswith(("#", ";"))):
+            yield path, first or number, begun + line
+            begun, first = "", 0
+
+
+def _included(path: Path, number: int, name: str, depth: int) -> Iterator[tuple[Path, int, str]]:
+    other = path.parent / name
+    if depth >= _DEEPEST:
+        raise DescriptionError("These files include each other", "Take an #INCLUDE out", path, number)
+    if not other.is_file():
+        what = f"The file {name!r} that is included here is not there"
+        raise DescriptionError(what, "Put it beside the INI file, or take the line out", path, number)
+    yield from _lines(other, depth + 1)

@@ -1,0 +1,168 @@
+"""Machines from INI files of LinuxCNC: files that the real controller takes, Debian's own examples, and rubbish."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axiscal.compensation.controllers.linuxcnc import pivots
+from axiscal.description.ini_file import read_ini
+from axiscal.description.ini_machine import IniMachine, machine_of
+from axiscal.description.ini_text import machine_text, unread
+from axiscal.exceptions import AxiscalError
+from axiscal.lab.linuxcnc.configuration import Joint, Settings, files
+from axiscal.machine import Machine, load_machine, machine_from_text
+
+EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
+SMALL = """\
+[EMC]
+MACHINE = mill "of" mine
+[KINS]
+KINEMATICS = trivkins
+JOINTS = 3
+[TRAJ]
+COORDINATES = X Y Z
+LINEAR_UNITS = mm
+[AXIS_X]
+MIN_LIMIT = 0
+MAX_LIMIT = 600
+MAX_VELOCITY = 100 ; a remark
+[AXIS_Y]
+MIN_LIMIT = 0
+MAX_LIMIT = 400
+[AXIS_Z]
+MIN_LIMIT = -300
+MAX_LIMIT = 0
+"""
+
+
+def found(folder: Path, text: str, others: Mapping[str, str] | None = None) -> IniMachine:
+    """Return what is read of an INI file with other files beside it."""
+    for name, content in {"machine.ini": text, **(others or {})}.items():
+        (folder / name).write_text(content)
+    return machine_of(read_ini(folder / "machine.ini"))
+
+
+def built(read: IniMachine) -> Machine:
+    """Return the machine of the text that is written."""
+    return machine_from_text(machine_text(read, "machine.ini"))
+
+
+def of_lab(folder: Path, joints: list[Joint], chosen: Settings | None = None) -> IniMachine:
+    """Return what is read of the files with which the tests start the real LinuxCNC."""
+    written = dict(files(joints, chosen or Settings()))
+    return found(folder, written.pop("machine.ini"), written)
+
+
+def test_limits_speeds_and_names_are_those_of_the_file(tmp_path: Path) -> None:
+    machine = built(found(tmp_path, SMALL))
+    assert machine.name == 'mill "of" mine'
+    assert {axis.name: axis.travel for axis in machine.axes} == {"X": (0, 0.6), "Y": (0, 0.4), "Z": (-0.3, 0)}
+    assert machine.axis("X").speed == pytest.approx(0.1)
+    assert found(tmp_path, SMALL).compensated == ()
+
+
+def test_it_reads_what_the_real_controller_takes(tmp_path: Path) -> None:
+    joints = [Joint("X", 0, 24, 10, 50), Joint("Y", 0, 12, 10, 50), Joint("Z", -10, 0, 5, 20, table="0 0 0\n")]
+    read = of_lab(tmp_path, joints, Settings(unit="in"))
+    machine = built(read)
+    np.testing.assert_allclose(machine.axis("X").travel, [0, 24 * 0.0254], rtol=1e-9)
+    np.testing.assert_allclose(machine.axis("Z").acceleration, 20 * 0.0254, rtol=1e-9)
+    assert (read.compensated, read.servo_period) == ((2,), 1e-3)
+
+
+def test_an_axis_of_two_joints_is_a_bridge_that_carries_the_others(tmp_path: Path) -> None:
+    read = of_lab(tmp_path, [Joint("X"), Joint("Y"), Joint("Z"), Joint("Y")])
+    assert built(read).chain == "w-b-Y-X-Z-t"
+    assert {axis.letter: axis.joints for axis in read.axes}["Y"] == (1, 3)
+    assert any("which axes carry the workpiece" in each for each in unread(read))
+
+
+@pytest.mark.parametrize(("swivel", "way", "unit"), [("A", "y", "mm"), ("B", "x", "in")])
+def test_pivots_are_those_that_our_own_export_would_set(tmp_path: Path, swivel: str, way: str, unit: str) -> None:
+    name, scale = f"xyz{swivel.lower()}c-trt-kins", {"mm": 1e-3, "in": 0.0254}[unit]
+    pins = {"x-rot-point": 1.0, "y-rot-point": -2.0, "z-rot-point": 3.0, f"{way}-offset": 4.0}
+    hal = "\n".join(f"setp {name}.{pin} {value}" for pin, value in pins.items())
+    hal += f"\nnet :height {name}.z-offset other.pin\nsets :height 0.5\n"
+    joints = [Joint(letter, -90, 90) for letter in f"XYZ{swivel}C"]
+    machine = built(of_lab(tmp_path, joints, Settings(hal, name, unit)))
+    assert machine.chain == f"w-C'-{swivel}'-X'-Y'-b-Z-t"
+    assert [axis.name for axis in machine.axes if axis.reversed] == ["C", swivel]
+    nominal = pivots.pivots(machine, {})
+    np.testing.assert_allclose(np.array(nominal.point) / scale, [1.0, -2.0, 3.5], atol=1e-9)
+    assert nominal.offset / scale == pytest.approx(4.0)
+
+
+def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path: Path) -> None:
+    machine = built(of_lab(tmp_path, [Joint("X"), Joint("Z"), Joint("C", -36000, 7200)]))
+    np.testing.assert_allclose(machine.axis("C").travel, [0, 2 * np.pi])
+    assert machine.chain == "w-C'-b-Z-X-t"
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        ("MAX_LIMIT = 600", "MAX_LIMIT = six", "line 11: MAX_LIMIT = six is not a number"),
+        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e400", "line 11: MAX_LIMIT = 1e400 is not a number"),
+        ("MAX_LIMIT = 600", "MAX_LIMIT = -1", "line 11: MAX_LIMIT of X is -1, and MIN_LIMIT is 0"),
+        ("MAX_LIMIT = 600\n", "", "line 10: The INI file says no MAX_LIMIT of X"),
+        ("MAX_VELOCITY = 100", "MAX_VELOCITY = 0", "line 12: MAX_VELOCITY = 0 is not above zero"),
+        ("LINEAR_UNITS = mm", "LINEAR_UNITS = furlong", "line 8: LINEAR_UNITS = furlong is no unit known here"),
+        ("COORDINATES = X Y Z", "COORDINATES = Q", "line 7: 'Q' names no axes"),
+        ("COORDINATES = X Y Z", "COORDINATES = XYZABCU", "line 7: XYZABCU are more than 6 axes"),
+        ("COORDINATES = X Y Z\n", "", "line 7: [TRAJ] says no COORDINATES"),
+        ("KINEMATICS = trivkins", "KINEMATICS = genhexkins", "line 4: genhexkins is no chain of axes"),
+        ("[AXIS_X]", "rubbish", "line 9: 'rubbish' is neither a [SECTION] nor KEY = VALUE"),
+        ("[EMC]", "#INCLUDE machine.ini\n[EMC]", "line 1: These files include each other"),
+        ("[EMC]", "#INCLUDE other.inc\n[EMC]", "line 1: The file 'other.inc' that is included here is not there"),
+    ],
+)
+def test_a_fault_is_named_with_its_line(tmp_path: Path, good: str, bad: str, said: str) -> None:
+    assert good in SMALL
+    with pytest.raises(AxiscalError) as refused:
+        found(tmp_path, SMALL.replace(good, bad))
+    assert said in str(refused.value)
+
+
+def test_what_an_ini_file_calls_itself_writes_nothing_else_into_ours(tmp_path: Path) -> None:
+    evil = SMALL.replace('mill "of" mine', 'a"\\ [errors] \x07 \u2028 chain = "w-b-t"')
+    assert built(found(tmp_path, evil)).chain == "w-X'-Y'-b-Z-t"
+
+
+LINES = [*SMALL.splitlines(), "[JOINT_0]", "BACKLASH = 0.02", "MAX_LIMIT = 1e99", "KINEMATICS =", "= 5", "[", "A=\\"]
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.sampled_from(LINES) | st.text(max_size=30), max_size=40))
+def test_rubbish_is_refused_in_words_or_is_a_machine(
+    tmp_path_factory: pytest.TempPathFactory, lines: list[str]
+) -> None:
+    file = tmp_path_factory.getbasetemp() / "rubbish.ini"
+    file.write_text("\n".join(lines), encoding="utf-8", errors="replace")
+    try:
+        read = machine_of(read_ini(file))
+    except AxiscalError:
+        return
+    assert len(built(read).axes) >= 1
+
+
+def test_debians_examples_are_read_or_refused_in_words(tmp_path: Path) -> None:
+    examples = sorted(EXAMPLES.rglob("*.ini"))
+    if not examples:
+        pytest.skip("needs Debian's linuxcnc-uspace")
+    taken, refused = 0, list[str]()
+    for example in examples[::6]:  # every sixth: they are many alike
+        try:
+            text = machine_text(machine_of(read_ini(example)), example.name)
+        except AxiscalError as failure:
+            refused.append(str(failure))
+            continue
+        (tmp_path / "machine.toml").write_text(text)
+        assert load_machine(tmp_path / "machine.toml").axes, example
+        taken += 1
+    assert taken > 4 * len(refused), refused
