@@ -7,18 +7,24 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from axiscal.accuracy.criterion import joint_root
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.plan.defended import DefendedScores
-from axiscal.design.plan.guarded import vouched_for
+from axiscal.design.plan.guarded import enough_readings, vouched_for
 from axiscal.design.plan.order import in_order, seconds_each
-from axiscal.design.plan.plain_designs import evenly_spaced
+from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.plan.watch import retimed, watch, way_shares
 from axiscal.estimation.defence import EffectMap
+from axiscal.measurement.departures import IN_PLANS, departures
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.ties import ALIKE
 from tests.design.test_out_and_back import one_axis
+from tests.design.test_three_values import mixed
 from tests.generators.designs import levered
 
 
@@ -109,8 +115,93 @@ def test_a_guarded_plan_takes_hardly_more_time() -> None:
     assert plan(20, True).seconds < 1.02 * plan(20, False).seconds
 
 
-def test_a_plan_for_an_accuracy_or_a_few_readings_is_that_of_its_model() -> None:
+def test_it_is_said_how_many_readings_could_vouch_for_their_promise() -> None:
+    task, few = one_axis()[1], plan(14, True).places
+    found = enough_readings(task, few, 1.25)
+    assert found is not None
+    assert 14 < found.readings <= 24
+    assert found.vouched < 0.8 * vouched_for(task, few).u_def
+    assert enough_readings(task, few, 0.9) is None  # nothing vouches for less than it promises
+
+
+def test_a_plan_of_two_readings_is_that_of_its_model() -> None:
+    plain, same = (plan(2, guard).places for guard in (False, True))
+    assert same.same_as(plain)
+
+
+def test_an_accuracy_is_met_by_what_the_readings_can_vouch_for() -> None:
+    task, target = one_axis()[1], 0.7e-6
+    plain, made = (make_plan(task, Limits(rms=target), bounded=False, guard=guard) for guard in (False, True))
+    assert plain.met
+    assert made.met
+    assert vouched_for(task, plain.places).u_def > 2 * target
+    assert vouched_for(task, made.places).u_def <= target
+    assert len(plain.places) < len(made.places) <= 1.5 * len(plain.places) + 8
+
+
+def test_an_accuracy_that_cannot_be_vouched_for_is_planned_as_its_model_has_it() -> None:
     task = one_axis()[1]
-    for limits in (Limits(readings=2), Limits(rms=3e-6)):
-        plain, same = (make_plan(task, limits, bounded=False, guard=guard).places for guard in (False, True))
-        assert same.same_as(plain)
+    limits = Limits(readings=11, rms=1e-6)  # ten readings promise it, some twenty could vouch for it
+    plain, same = (make_plan(task, limits, bounded=False, guard=guard) for guard in (False, True))
+    assert plain.met
+    assert same.places.same_as(plain.places)
+
+
+@pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])
+def test_readings_of_three_numbers_are_guarded_by_the_same_algebra(three: tuple[int, ...]) -> None:
+    task = mixed(150, three)
+    scores = begun(task, 3, 9)
+    scores.follow()
+    before, gains, losses = scores.objective, scores.gains, scores.losses()
+    for index in (3, 140):
+        entered = scores.fork()
+        entered.enter(index)
+        assert before - entered.objective == pytest.approx(gains[index], rel=1e-6, abs=1e-9 * before)
+    for slot in (0, 5, 8):
+        left, (others, own) = scores.fork(), scores.without(slot)
+        left.leave(slot)
+        assert left.objective - before == pytest.approx(losses[slot], rel=1e-6) == pytest.approx(own, rel=1e-6)
+        without = left.objective
+        left.enter(77, slot)
+        assert without - left.objective == pytest.approx(others[77], rel=1e-6, abs=1e-9 * before)
+
+
+def test_columns_of_three_numbers_are_those_of_the_departures() -> None:
+    task = mixed(80, (0, 1))
+    watched = watch(task.observation, task.yardstick, task.lattice)
+    places = task.lattice.within(np.arange(40, 60))
+    seen, setups = watched.columns(places), task.observation.setups
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), strict=True)
+    readings = [Reading(setups[s].name, tuple(p), tuple(int(x) for x in c), 0.0, others=(0.0, 0.0)) for s, p, c in rows]
+    found = {(e.family, e.owner, e.place): e.columns for e in departures(task.observation, readings, IN_PLANS)}
+    assert seen.shape == (60, watched.count)
+    first = 0
+    for each in watched.departures:
+        part = slice(first, first := first + each.columns.shape[1])
+        assert seen[:, part] == pytest.approx(found[each.family, each.owner, each.place], abs=1e-12)
+
+
+def test_the_criterion_of_the_paper_plans_for_its_model_alone() -> None:
+    task = one_axis()[1]
+    joint = replace(task, root=joint_root(task.observation.errors))
+    plain, same = (make_plan(joint, Limits(readings=9), bounded=False, guard=guard) for guard in (False, True))
+    assert same.places.same_as(plain.places)
+
+
+@settings(max_examples=4, deadline=None, derandomize=True)
+@given(readings=st.integers(4, 18), noise=st.sampled_from([0.1e-6, 0.5e-6, 3e-6]))
+def test_no_guarded_plan_vouches_for_less_than_the_plain_ones(readings: int, noise: float) -> None:
+    task = with_noise(noise)
+    plain, made = (make_plan(task, Limits(readings=readings), bounded=False, guard=guard) for guard in (False, True))
+    counts = [(0, readings)]
+    simple = (plain.places, evenly_spaced(task, counts), space_filling(task, counts))
+    assert len(made.places) == readings
+    assert vouched_for(task, made.places).u_def <= min(vouched_for(task, each).u_def for each in simple) * (1 + ALIKE)
+
+
+def with_noise(noise: float) -> Task:
+    """Return the built-in axis with another laser and a coarser lattice."""
+    task = one_axis()[1]
+    (setup,) = task.observation.setups
+    observation = replace(task.observation, setups=(replace(setup, noise=noise),))
+    return replace(task, observation=observation, lattice=task.lattice.within(slice(None, None, 8)))

@@ -60,11 +60,13 @@ def test_a_plan_says_what_its_readings_can_vouch_for(tmp_path: Path) -> None:
     assert found.readings == 12
     assert found.u_def >= found.promise == plan.accuracy.rms
     (tmp_path / "c.toml").write_text(
-        'machine = "one-axis"\n[target]\nreadings = 12\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
-        'direction = "x"\napproach = "both"\n'
+        'machine = "one-axis"\n[target]\nreadings = 14\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
+        'direction = "x"\napproach = "both"\nnoise = "0.5 um"\n'
     )
     document = json.loads(CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml"), "--json"]).stdout)
     assert document["defended_um"] >= document["rms_um"]
+    assert document["enough_readings"] > 14
+    assert document["enough_defended_um"] < document["defended_um"]
     assert {row["name"] for row in document["departures"]} >= {"drift laser", "step EXX", "pitch EXX", "bump EXX"}
     printed = CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml")]).stdout
-    assert "vouch for" in printed
+    assert f"{document['enough_readings']} readings could vouch for {document['enough_defended_um']:.3g} um." in printed

@@ -14,6 +14,7 @@ from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.programs import stated
+from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
@@ -27,8 +28,8 @@ from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.planning.feasibility import fewer_than_asked, not_to_the_letter, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
-from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
-from axiscal.planning.vouched import vouched_by_plan, vouched_words
+from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable, would_do
+from axiscal.planning.vouched import enough_words, vouched_by_plan, vouched_words
 from axiscal.planning.what_if import alternatives
 from axiscal.record.durable import write_whole
 from axiscal.report import room_page
@@ -136,10 +137,11 @@ def plan(
         title = f"Where {case.description.machine.name} is read"
         write_whole(picture, room_page.render(title, case.description, placed(case, proposal.plan)).encode())
     files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
+    enough = would_do(case, proposal, how)
     if json:
-        say_document(plan_document(case, proposal))
+        say_document(plan_document(case, proposal, enough))
         return
-    say(_table(case, limits, proposal))
+    say(_table(case, limits, proposal, enough))
     for file in [*([] if picture is None else [picture]), *files]:
         say(f"Written: {file}")
 
@@ -205,13 +207,13 @@ def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
     return write_programs(machine, setups, placed(case, made), controller, out)
 
 
-def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
+def _table(case: Case, limits: Limits, proposal: Proposal, enough: Enough | None) -> str:
 
     made = proposal.plan
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
     said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    vouched = vouched_words(case, vouched_by_plan(case, made))
+    vouched = vouched_words(case, vouched_by_plan(case, made)) + enough_words(enough)
     lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
     lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
     minded = [not_to_the_letter(case, limits, made), fewer_than_asked(limits, made)]

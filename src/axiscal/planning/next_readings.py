@@ -52,9 +52,9 @@ def planned_places(
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
-        coming = renewed(task, limits, coming, patience, guard=True)
+        coming = renewed(task, limits, coming, patience, guard=_guarding(case))
     if not len(coming):
-        coming = _begun(task, limits, patience)
+        coming = _begun(task, limits, patience, _guarding(case))
     return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
 
 
@@ -67,10 +67,10 @@ def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[G
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
-def _begun(task: Task, limits: Limits, patience: float) -> Places:
+def _begun(task: Task, limits: Limits, patience: float, guard: bool) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(task, limits, patience=patience, bounded=False, guard=True).places
+        return make_plan(task, limits, patience=patience, bounded=False, guard=guard).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(task, Limits(1), patience=patience, bounded=False).places
 
@@ -142,6 +142,15 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
     if target.expanded is None:
         return target
     return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
+
+
+def _guarding(case: Case) -> bool:
+    """Return whether plans are chosen for what they can vouch for.
+
+    Not for an accuracy, which ends a campaign as soon as it is promised; not by the paper's criterion, nor for one
+    place that moves with every reading.
+    """
+    return case.description.target.criterion == "volume" and not case.description.target.accurate
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
@@ -22,9 +23,10 @@ _MUCH = 0.5
 """Share of the bound from which it is worth a sentence."""
 
 
-def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:
+def plan_document(case: Case, proposal: Proposal, enough: Enough | None = None) -> dict[str, Any]:
     """Return the document `axiscal-plan/1`.
 
+    enough : how many readings could vouch for what they promise, where those of the plan cannot
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
     plan = proposal.plan
@@ -42,6 +44,8 @@ def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:
         "reachable_rms_um": to_unit(reachable_rms(case), "um"),
         "defended_um": to_unit(vouched.u_def, "um"),
         "departures": departure_rows(case, vouched),
+        "enough_readings": None if enough is None else enough.readings,
+        "enough_defended_um": None if enough is None else to_unit(enough.vouched, "um"),
         "target_met": plan.met,
         "J": plan.value,
         "bound_J": None if plan.bound is None else plan.bound.value,

@@ -10,11 +10,13 @@ import numpy as np
 from axiscal.design.bound.prove import prove
 from axiscal.design.bound.row_curves import refuse_unless_polynomial
 from axiscal.design.gains.candidate_rows import MEMORY
+from axiscal.design.plan.guarded import Enough, enough_readings
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
+from axiscal.planning.vouched import OPEN, lacking, vouched_by_plan
 
 Progress = Callable[[str], None]
 
@@ -59,6 +61,15 @@ def refuse_unless_provable(case: Case) -> None:
     """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
     for index in range(len(case.description.setups)):
         refuse_unless_polynomial(case.observation, index)
+
+
+@one_thread()
+def would_do(case: Case, proposal: Proposal, how: Thoroughness) -> Enough | None:
+    """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown."""
+    places = proposal.plan.places
+    if not lacking(vouched_by_plan(case, proposal.plan)):
+        return None
+    return enough_readings(posed(case, case.knowledge, candidates=how.candidates), places, OPEN)
 
 
 @one_thread()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence
@@ -66,6 +67,18 @@ def vouched_words(case: Case, found: Defence) -> str:
     named = ", ".join(list(shown)[:_NAMED])
     said = f"These {count} could not show {named}; what they can vouch for is a standard uncertainty of {size}"
     return f"{said.replace('These 1 reading', 'This 1 reading')}."
+
+
+def lacking(found: Defence) -> bool:
+    """Return whether readings can vouch for much less than they promise."""
+    return found.u_def > OPEN * found.promise
+
+
+def enough_words(enough: Enough | None) -> str:
+    """Return in a sentence how many readings could vouch for what they promise; nothing where that is not known."""
+    if enough is None:
+        return ""
+    return f" {_counted(enough.readings)} could vouch for {to_unit(enough.vouched, 'um'):.3g} um."
 
 
 def vouched_of(case: Case, found: Defence) -> Vouched:

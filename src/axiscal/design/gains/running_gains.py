@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -28,6 +28,22 @@ class Member:
 
     rows: Array
     variance: float
+
+
+class _Left(NamedTuple):
+    """What a reading leaves that is not taken.
+
+    above, below, joint : as of `Scores`; grown, omega : E and Ω of its numbers, (k, k)
+    cross, reach : (k, numbers) G C Hᵀ and G C W C Hᵀ with its rows H
+    """
+
+    above: Array
+    below: Array
+    joint: SharedReadings
+    grown: Array
+    omega: Array
+    cross: Array
+    reach: Array
 
 
 class Scores:
@@ -123,6 +139,11 @@ class Scores:
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
+        left = self._had_left(slot)
+        return self.pool.gains(left.above, left.below, left.joint), float(np.sum(left.grown * left.omega))
+
+    def _had_left(self, slot: int) -> _Left:
+        """Return numerators and denominators of all numbers were a reading not taken."""
         numbers = self._numbers(slot)
         grown, omega = self._leaving(slot)
         columns = [self._columns(here) for here in range(numbers.start, numbers.stop)]
@@ -135,7 +156,7 @@ class Scores:
             below += near * column
         if not self.pool.scalar:
             joint = self._joint_without(cross, lifted, turned)
-        return self.pool.gains(above, below, joint), float(np.sum(grown * omega))
+        return _Left(above, below, joint, grown, omega, np.array(cross), np.array(reach))
 
     def _joint_without(self, cross: list[Array], lifted: list[Array], turned: list[Array]) -> SharedReadings:
         joint = self.joint.copy()

@@ -56,7 +56,11 @@ class SharedReadings:
 
     def gains(self, above: Array, below: Array) -> Array:
         """Return the gains, (t,).  above, below : (numbers,) the diagonals of all readings."""
-        return joint_gains(self._full(above, self.above), self._full(below, self.below))
+        return joint_gains(*self.matrices(above, below))
+
+    def matrices(self, above: Array, below: Array) -> tuple[Array, Array]:
+        """Return N and M of all readings, each (t, 3, 3).  above, below : (numbers,) their diagonals."""
+        return self._full(above, self.above), self._full(below, self.below)
 
     def _full(self, diagonal: Array, aside: Array) -> Array:
         result = np.empty((len(self.first), 3, 3))

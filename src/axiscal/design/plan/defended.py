@@ -8,7 +8,7 @@ that enters makes of them
 
     I + β βᵀ/v,   |e|² − 2βπ/v + β²N/v²,   β_c − (g_cᵀ C g) β/v,   e − V C g β/v
 
-and a reading that leaves the same with v = gᵀCg − σ².
+and a reading that leaves the same with v = gᵀCg − σ². Of a reading of several numbers v is the matrix R + G C Gᵀ.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, RankOne
 from axiscal.design.gains.running_gains import Scores
+from axiscal.design.gains.three_values import SharedReadings
 from axiscal.design.plan.watch import Watch
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -54,8 +55,8 @@ class DefendedScores(Scores):
 
     def __init__(self, pool: Pool, state: Covariance, watched: Watch, yardstick: Yardstick, squarings: int = 2) -> None:
         super().__init__(pool, state)
-        self._squarings = squarings
-        self.watched, self._beyond = watched, yardstick.rms_of(state.value) ** 2 - state.value
+        self._squarings, self.watched = squarings, watched
+        self._beyond = yardstick.rms_of(state.value) ** 2 - state.value
         self.beta = watched.columns(pool.lattice)
         self.x = np.zeros((state.observation.size, watched.count))
         self.left = watched.fields.copy()
@@ -81,12 +82,13 @@ class DefendedScores(Scores):
     @property
     def gains(self) -> Array:
         """By how much every candidate would lower the objective, (M,)."""
-        count = self.pool.count
-        parts = self.below[:count], self.above[:count], self.beta[:count], self.pi[:count]
-        return self.objective - self._after(self.standing, *parts)
+        return self.objective - self._with_each(self.standing, self.above, self.below, self.joint, self.beta, self.pi)
 
     def losses(self) -> Array:
         """By how much the objective would rise were each reading of the plan not taken, (m,)."""
+        if not self.pool.scalar:
+            left = [self._standing_without(slot, *self._leaving(slot)) for slot in range(len(self.members))]
+            return np.array([float(self._objective(each)) for each in left]) - self.objective
         mine = slice(self.pool.count, None)
         noise = np.array([member.variance for member in self.members])
         lost = np.minimum(self.below[mine] - 2 * noise, -1e-9 * noise)
@@ -94,29 +96,64 @@ class DefendedScores(Scores):
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return by how much each candidate lowers the objective without a reading, (M,), and the reading itself."""
-        here, count = self.pool.count + slot, self.pool.count
-        noise = self.members[slot].variance
-        eta = -1.0 / max(2 * noise - float(self.below[here]), 1e-9 * noise)
-        omega, beta, pi = float(self.above[here]), self.beta[here], self.pi[here]
-        cross, reach = (column[:count] for column in self._columns(here))
-        above = self.above[:count] - 2 * eta * cross * reach + eta**2 * omega * cross**2
-        below = self.below[:count] - eta * cross**2
-        other = self._entering(self.standing, eta, omega, beta, pi)
-        betas, pis = self._moved(self.beta[:count], self.pi[:count], cross, reach, eta, omega, beta, pi)
+        left, mine, count = self._had_left(slot), self._numbers(slot), self.pool.count
+        pulled = left.grown @ self.beta[mine]
+        cross, reach = left.cross[:, :count], left.reach[:, :count]
+        betas = self.beta[:count] + cross.T @ pulled
+        pis = self.pi[:count] + cross.T @ (left.grown @ (self.pi[mine] + left.omega @ pulled)) + reach.T @ pulled
+        other = self._standing_without(slot, left.grown, left.omega)
         before = float(self._objective(other))
-        return before - self._after(other, below, above, betas, pis), before - self.objective
+        return before - self._with_each(other, left.above, left.below, left.joint, betas, pis), before - self.objective
+
+    def _standing_without(self, slot: int, grown: Array, omega: Array) -> Standing:
+        mine = self._numbers(slot)
+        return self._with_numbers(self.standing, -grown, omega, self.beta[mine], self.pi[mine])
+
+    def _with_each(
+        self, standing: Standing, above: Array, below: Array, joint: SharedReadings, beta: Array, pi: Array
+    ) -> Array:
+        """Return the objective with each candidate, (M,).  above, below, beta, pi : of all their numbers, and more"""
+        count, pool = self.pool.count, self.pool
+        if pool.scalar:
+            return self._after(standing, below[:count], above[:count], beta[:count], pi[:count])
+        result, single = np.empty(len(pool)), pool.values == 1
+        alone = pool.first[single]
+        if len(alone):
+            result[single] = self._after(standing, below[alone], above[alone], beta[alone], pi[alone])
+        near, spread = joint.matrices(above, below)
+        three = joint.first[:, None] + np.arange(3)
+        inverse: Array = np.asarray(np.linalg.inv(spread), dtype=np.float64)
+        together = self._with_numbers(standing, inverse, near, beta[three], pi[three])
+        result[~single] = self._objective(together)
+        return result
+
+    def _with_numbers(self, standing: Standing, inverse: Array, above: Array, beta: Array, pi: Array) -> Standing:
+        """Return what readings show after one of several numbers, or after each of many.
+
+        inverse : (..., r, r) M⁻¹, with M = R + G C Gᵀ; -M of one that leaves; above : (..., r, r) G C W C Gᵀ
+        beta, pi : (..., r, k)
+        """
+        solved = inverse @ beta
+        across = np.sum(self._pair(beta)[0] * self._pair(solved)[1], axis=-2)
+        wrong = standing.wrong - 2 * np.sum(solved * pi, axis=-2) + np.sum(solved * (above @ solved), axis=-2)
+        return Standing(
+            standing.promise - np.sum(inverse * above, axis=(-2, -1)),
+            standing.own + np.sum(beta * solved, axis=-2),
+            standing.across + across,
+            np.maximum(wrong, self.watched.beside),
+        )
 
     def _entered(self, here: int, row: Array, variance: float) -> RankOne:
         self._pad()
         reach = self.state.root.of(self.state.factor @ (row @ self.state.factor))
-        self.beta[here] = self._entering_column - row @ self.x
+        self.beta[here] = next(self._coming) - row @ self.x
         self.pi[here] = reach @ self.left
         return super()._entered(here, row, variance)
 
     def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
         """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
         place = what if isinstance(what, Places) else self.pool.lattice.at(what)
-        self._entering_column = self.watched.columns(place)[0]
+        self._coming = iter(self.watched.columns(place))
         return super().enter(what, slot, bundle)
 
     def _pad(self) -> None:

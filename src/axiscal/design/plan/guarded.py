@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.exchange import Allowed, exchange
@@ -19,7 +21,7 @@ from axiscal.design.plan.greedy import Trial, affordable
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.out_and_back import returns
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
-from axiscal.design.plan.task import Clock, Limits, Task
+from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.watch import Watch, retimed, watch
 from axiscal.estimation.defence import Defence, EffectMap, vouched
 from axiscal.measurement.place import Places
@@ -41,71 +43,162 @@ _ROUGHLY = _How(2, 3, 0.02)
 _CLOSELY = _How(4, 4, 0.001)
 """p = 16: the largest of them counts."""
 _MANY = 120
-"""Unknowns beyond which only the plan that is the best for its model is exchanged, of time."""
+"""Unknowns beyond which only the plan that is the best for its model is exchanged, and a larger one once, of time."""
+_FEWEST = 3
+"""Two readings contradict nothing, wherever they are, and more of them are another plan."""
 _FEW = 5
 """Of fewer readings none is given up to watch a drift."""
-
-
-def guardable(task: Task, limits: Limits, scores: Scores) -> bool:
-    """Whether plans are guarded here: of the volume, for no accuracy, of set-ups that read one number each."""
-    return task.root is task.yardstick.root and not limits.accurate and scores.pool.scalar
+_NEARLY = 1.02
+"""A plan that vouches for nearly what it promises needs no search."""
+_MORE, _A_FEW, _MOST = 1.5, 8, 1000
+"""Times as many readings, and so many, that an accuracy may take beyond those that promise it: a limit of time."""
 
 
 def guarded(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
-    """Return a plan with as many readings of each set-up that can vouch for most."""
-    search = _Guarding(task, trial, affordable(times, trial.setups, limits.slack))
-    tried = [_tried(task, places) for places in search.plain()]
-    starts = tried if task.observation.size <= _MANY else tried[:1]
-    tried += [_tried(task, search.exchanged(each.order, search.watched, _ROUGHLY)) for each in starts]
-    best = _best(limits, tried)
-    later = retimed(search.watched, best.order, best.ends)
-    tried.append(_tried(task, search.exchanged(best.order, later, _CLOSELY)))
-    best = _best(limits, tried)
-    closed = [_tried(task, places) for places in search.closed(best.order)]
-    return replace(trial, scores=search.scored(_best(limits, [*tried[:1], best, *closed]).order))
+    """Return a plan with as many readings of each set-up that can vouch for most; with more for an accuracy.
+
+    An accuracy is met by what the readings can vouch for: to the plan that promises it so many are added as that
+    takes, or none where `_MORE` times as many could not.
+    """
+    plain = _tried(task, limits, trial.scores.places)
+    if plain.vouched <= _NEARLY * plain.promise:
+        return trial
+    search = _Guarding(task, limits, trial, affordable(times, trial.setups, limits.slack))
+    best = search.best(plain)
+    if limits.rms is not None:
+        best = _enough(search, times, best)
+    if limits.accurate and not (best.met and best.checked):
+        best = plain
+    return replace(trial, scores=search.scored(best.order), met=best.met)
 
 
-class _Tried(NamedTuple):
-    """Readings in their order.  ends : (m,) when each ends, s; vouched : what they can vouch for, m"""
+class Enough(NamedTuple):
+    """So many readings could vouch for so much.  vouched : standard uncertainty, m"""
 
-    order: Places
-    ends: Array
+    readings: int
     vouched: float
 
 
-def _tried(task: Task, places: Places) -> _Tried:
+def enough_readings(task: Task, places: Places, times_promise: float) -> Enough | None:
+    """Return how many readings could vouch for their promise, or a little more; None where not half as many again.
+
+    places : of a plan of fewer; times_promise : what is vouched for may be so many times what is promised
+    With more than `_MANY` unknowns nothing is searched, of time.
+    """
+    if len(places) < _FEWEST or task.root is not task.yardstick.root or task.observation.size > _MANY:
+        return None
+    setups = tuple(int(setup) for setup in np.unique(places.setups))
+    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
+    trial, times = Trial(Scores(pool, task.state), setups, 0.0, met=False), clock(task)
+    search, found = _Guarding(task, Limits(), trial, affordable(times, setups, np.inf)), _tried(task, Limits(), places)
+    while found.vouched > times_promise * found.promise and len(found.order) < _most(len(places)):
+        found = search.grown(found, max(len(places) // 8, 1), times)
+    checked = found.vouched <= times_promise * found.promise
+    return Enough(len(found.order), found.vouched) if checked else None
+
+
+def _most(readings: int) -> int:
+    """Return how many readings are tried at most to vouch for what so many promise."""
+    return int(_MORE * readings) + _A_FEW
+
+
+class _Tried(NamedTuple):
+    """Readings in their order.  ends : (m,) when each ends, s
+
+    promise, vouched : what they promise and can vouch for, m
+    met : whether the accuracy that is asked for is promised; checked : whether they can vouch for an RMS
+    """
+
+    order: Places
+    ends: Array
+    promise: float
+    vouched: float
+    met: bool
+    checked: bool
+
+
+def _tried(task: Task, limits: Limits, places: Places) -> _Tried:
     order = in_order(task, places)
     ends = np.cumsum(seconds_each(task, order))
-    return _Tried(order, ends, vouched_along(task, order, ends).u_def)
+    found = vouched_along(task, order, ends)
+    accuracy = RunningAccuracy.of(task.yardstick, task.state.after_readings(order).factor).accuracy
+    damage = max((each.damage for each in found.departures if each.counted), default=0.0)
+    checked = limits.rms is None or damage <= accuracy.attainable(limits.rms)
+    return _Tried(order, ends, found.promise, found.u_def, limits.met(accuracy), checked)
 
 
-def _best(limits: Limits, tried: Sequence[_Tried]) -> _Tried:
-    """Return the readings that vouch for most; the first of them are within the limits, others may take too long."""
-    most = np.inf if limits.budget is None else max(limits.budget, float(tried[0].ends[-1]))
-    fitting = [each for each in tried if each.ends[-1] <= most]
-    return fitting[first_best(-np.array([each.vouched for each in fitting]), ALIKE)]
+def _enough(search: _Guarding, times: Clock, found: _Tried) -> _Tried:
+    """Return the plan with the fewest readings found that can vouch for an accuracy, or the last that was tried."""
+    budget, first = search.limits.budget, len(found.order)
+    most = min(_most(first), search.limits.readings or _MOST)
+    while not (found.met and found.checked) and len(found.order) < most:
+        grown = search.grown(found, min(max(first // 8, 1), most - len(found.order)), times)
+        if budget is not None and float(grown.ends[-1]) > budget:
+            return found
+        found = grown
+    return found
 
 
 class _Guarding:
     """What exchange makes of plans, of which the readings of each set-up keep their number."""
 
-    def __init__(self, task: Task, trial: Trial, allowed: Allowed) -> None:
-        self._task, self._trial, self._allowed = task, trial, allowed
+    def __init__(self, task: Task, limits: Limits, trial: Trial, allowed: Allowed) -> None:
+        self._task, self.limits, self._trial, self._allowed = task, limits, trial, allowed
         self.watched = watch(task.observation, task.yardstick, task.lattice)
 
+    def best(self, first: _Tried) -> _Tried:
+        """Return the best plan with as many readings of each set-up as the first one, or that itself."""
+        tried = [first, *(self._tried(places) for places in self.plain())]
+        starts = tried if self._task.observation.size <= _MANY else tried[:1]
+        tried += [self._tried(self.exchanged(each.order, self.watched, _ROUGHLY)) for each in starts]
+        tried.append(self._closely(self._best(tried)))
+        best = self._best(tried)
+        closed = [self._tried(places) for places in self.closed(best.order)]
+        return self._best([first, best, *closed])
+
+    def grown(self, before: _Tried, more: int, times: Clock) -> _Tried:
+        """Return a plan with so many readings more, of those that lower the objective most for their time."""
+        scores = self._entered(before.order, retimed(self.watched, before.order, before.ends), _ROUGHLY)
+        cost = times.reading[scores.pool.lattice.setups]
+        for _ in range(more):
+            scores.enter(first_best(scores.gains / cost, ALIKE))
+        exchange(scores, self._allowed, _ROUGHLY.sweeps, _ROUGHLY.better)
+        found = self._tried(scores.places)
+        many = self._task.observation.size > _MANY
+        return found if many else self._best([found, self._closely(found)])
+
+    def _tried(self, places: Places) -> _Tried:
+        return _tried(self._task, self.limits, places)
+
+    def _closely(self, before: _Tried) -> _Tried:
+        """Return what a closer exchange makes of a plan, with the times of its own way."""
+        watched = retimed(self.watched, before.order, before.ends)
+        return self._tried(self.exchanged(before.order, watched, _CLOSELY))
+
+    def _best(self, tried: Sequence[_Tried]) -> _Tried:
+        """Return the readings that vouch for most; the first are within the limits, others may take too long."""
+        budget = self.limits.budget
+        most = np.inf if budget is None else max(budget, float(tried[0].ends[-1]))
+        fitting = [each for each in tried if each.ends[-1] <= most]
+        return fitting[first_best(-np.array([each.vouched for each in fitting]), ALIKE)]
+
     def plain(self) -> list[Places]:
-        """Return the plan that is the best for its model, and those that need no thought."""
+        """Return plans that need no thought."""
         places = self._trial.scores.places
         counts = [(s, int(np.sum(places.setups == s))) for s in self._trial.setups]
-        return [places, evenly_spaced(self._task, counts), space_filling(self._task, counts)]
+        return [evenly_spaced(self._task, counts), space_filling(self._task, counts)]
 
     def exchanged(self, places: Places, watched: Watch, how: _How) -> Places:
         """Return what exchange makes of readings."""
+        scores = self._entered(places, watched, how)
+        exchange(scores, self._allowed, how.sweeps, how.better)
+        return scores.places
+
+    def _entered(self, places: Places, watched: Watch, how: _How) -> DefendedScores:
         scores = DefendedScores(self._trial.scores.pool, self._task.state, watched, self._task.yardstick, how.squarings)
         for index in range(len(places)):
             scores.enter(places.at(index))
-        exchange(scores, self._allowed, how.sweeps, how.better)
-        return scores.places
+        return scores
 
     def closed(self, order: Places) -> Iterator[Places]:
         """Yield the readings with one of a set-up of several axes given up for its first one once more, at its end.

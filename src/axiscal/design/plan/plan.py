@@ -21,7 +21,7 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
-from axiscal.design.plan.guarded import guardable, guarded
+from axiscal.design.plan.guarded import guarded
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.patience import PATIENCE, Patience
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
@@ -96,7 +96,7 @@ def make_plan(
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted; progress : is given what is being done, in words
-    guard : whether what its readings would not show is made small along with J
+    guard : whether what its readings would not show is made small along with J, the mean variance over the volume
     """
     _refuse(task, limits)
     times = clock(task)
@@ -109,7 +109,7 @@ def make_plan(
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     trial = fitted(task, limits, times, trial)
     fresh = task.here is None and len(trial.scores.members) >= _FEWEST
-    if guard and fresh and guardable(task, limits, trial.scores):
+    if guard and fresh and task.root is task.yardstick.root:
         progress("what its readings would not show")
         trial = guarded(task, limits, times, trial)
     progress("the bound")

@@ -16,7 +16,6 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable
-from axiscal.design.plan.guarded import guardable
 from axiscal.design.plan.order import arriving, in_order, seconds_along
 from axiscal.design.plan.patience import Patience
 from axiscal.design.plan.task import Clock, Limits, Task, clock
@@ -48,7 +47,7 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, gua
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
         trial = _filled(task, limits, times, trial)
-        if not (guard and guardable(task, limits, trial.scores)):
+        if not guard:
             exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
             polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits, times, trial).scores.places

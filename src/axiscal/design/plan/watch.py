@@ -20,9 +20,10 @@ from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.plan.out_and_back import returns
 from axiscal.estimation.defence import COUNTED, field, largest
 from axiscal.measurement.departures import IN_PLANS, Departure, departures, shape
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.numerics import Array
 
 _WAY = 3600.0
@@ -50,6 +51,14 @@ class RoundTrip(NamedTuple):
 Times = Mapping[int, RoundTrip]
 
 
+class _Numbered(NamedTuple):
+    """first : (m,) number of each place that is its first; owner : (numbers,) its place; which : (numbers,) of it"""
+
+    first: NDArray[np.intp]
+    owner: NDArray[np.intp]
+    which: NDArray[np.intp]
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Watch:
     """Departures with all their columns, those of one column first, then pairs.
@@ -75,29 +84,40 @@ class Watch:
         return len(self.beside)
 
     def columns(self, places: Places) -> Array:
-        """Return b at places of set-ups that read one number, (m, k)."""
-        parts, effects = [], self._effects(places)
+        """Return b of all numbers at places, those of one place beside each other, (numbers, k)."""
+        parts, numbers, effects = [], self._numbers(places), self._effects(places)
+        poses, shares = places.poses[numbers.owner], way_shares(self.observation, places, self.times)[numbers.owner]
         for each in self.departures:
             if each.function is None:
-                parts.append(self._drift(each, places))
+                parts.append(self._drift(each, places.setups[numbers.owner], numbers.which, shares))
             else:
                 function = self.observation.errors.functions[each.function]
                 axis = self.observation.machine.axes[function.axis]
-                along = shape(each.family, each.place, function, axis, places.poses[:, function.axis])
+                along = shape(each.family, each.place, function, axis, poses[:, function.axis])
                 parts.append(effects[each.function][:, None] * along)
         return np.hstack(parts)
 
+    def _numbers(self, places: Places) -> _Numbered:
+        counts = numbers_of_setups(self.observation.setups)[places.setups]
+        first = np.cumsum(counts) - counts
+        owner = np.repeat(np.arange(len(places)), counts)
+        return _Numbered(first, owner, np.arange(len(owner)) - first[owner])
+
     def _effects(self, places: Places) -> Array:
-        """Return what a unit of each error adds to each reading, (terms, m)."""
-        effects = np.zeros((len(self.observation.errors.terms), len(places)))
+        """Return what a unit of each error adds to each number, (terms, numbers)."""
+        numbers = self._numbers(places)
+        effects = np.zeros((len(self.observation.errors.terms), len(numbers.owner)))
         for setup, mine in places.by_setup():
-            effects[:, mine] = self.observation.effects(setup, places.poses[mine], places.approaches[mine])
+            for which, direction in enumerate(directions_of(self.observation.setups[setup])):
+                seen = self.observation.effects(setup, places.poses[mine], places.approaches[mine], direction)
+                effects[:, numbers.first[mine] + which] = seen
         return effects
 
-    def _drift(self, each: Departure, places: Places) -> Array:
-        mine = np.array([self.observation.setups[setup].name == each.owner for setup in places.setups.tolist()])
-        share = way_shares(self.observation, places, self.times)
-        drifted = share if each.family == "drift" else (1 - np.exp(-3 * share)) / (1 - np.exp(-3.0))
+    def _drift(self, each: Departure, setups: NDArray[np.intp], which: NDArray[np.intp], shares: Array) -> Array:
+        """Return the column of a drift.  setups, which, shares : of each number, (numbers,)"""
+        names = np.array([setup.name == each.owner for setup in self.observation.setups])
+        mine = names[setups] & (which == int(each.place))
+        drifted = shares if each.family == "drift" else (1 - np.exp(-3 * shares)) / (1 - np.exp(-3.0))
         return np.where(mine, drifted, 0.0)[:, None]
 
 
@@ -124,10 +144,7 @@ def _pass(at: Array, share: Array) -> OneWay | None:
 
 
 def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Watch:
-    """Return what readings at the places of a lattice are to be watched for.
-
-    observation : of set-ups that read one number each; lattice : the candidates
-    """
+    """Return what readings at the places of a lattice are to be watched for.  lattice : the candidates"""
     times = _evenly(observation)
     found = _thinned([each for each in _departures(observation, lattice, times) if each.family in COUNTED])
     found = sorted(found, key=lambda each: each.columns.shape[1])
@@ -163,10 +180,11 @@ def _thinned(found: Sequence[Departure]) -> list[Departure]:
 def _departures(observation: Observation, lattice: Places, times: Times) -> Sequence[Departure]:
     """Return the departures that the candidates of a lattice could show."""
     setups, shares = observation.setups, way_shares(observation, lattice, times)
-    columns = lattice.setups, lattice.poses, lattice.approaches.astype(int), shares
+    others = numbers_of_setups(setups)[lattice.setups] - 1
+    columns = lattice.setups, lattice.poses, lattice.approaches.astype(int), shares, others
     readings = [
-        Reading(setups[setup].name, tuple(pose), tuple(sides), 0.0, time=_WAY * share)
-        for setup, pose, sides, share in zip(*(part.tolist() for part in columns), strict=True)
+        Reading(setups[setup].name, tuple(pose), tuple(sides), 0.0, others=(0.0,) * more, time=_WAY * share)
+        for setup, pose, sides, share, more in zip(*(part.tolist() for part in columns), strict=True)
     ]
     names = {setup.name for setup in setups if returns(setup)}
     possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
