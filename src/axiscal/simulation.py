@@ -18,7 +18,7 @@ from axiscal.error_model.model import ErrorModel, Term
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.kinematics import SmallMotions, tool_motion
+from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.drift import MEMORY
 from axiscal.measurement.instrument import model_of
@@ -28,7 +28,6 @@ from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import belongs
 from axiscal.numerics import Array
-from axiscal.numerics.rigid import Motion
 
 _SHORTEST = 1e-4
 """Stands for a base without length, m: the slope of so short a chord is that of the curve."""
@@ -63,18 +62,16 @@ class VirtualMachine:
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation in the workpiece frame, m.  poses, approaches : (m, q); returns (m, 3)."""
-        actual, nominal = self._motions(poses, approaches)
-        shift: Array = actual.translation - nominal.translation
-        return shift
+        return self._deviation(poses, approaches).displacement
 
     def rotation(self, poses: Array, approaches: Array) -> Array:
         """Return the orientation deviation of the tool in the workpiece frame, rad, to second order.  Returns (m,
         3).
         """
-        actual, nominal = self._motions(poses, approaches)
-        turn = actual.rotation @ np.swapaxes(nominal.rotation, 1, 2)
-        skew = (turn - np.swapaxes(turn, 1, 2)) / 2
-        return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+        return self._deviation(poses, approaches).rotation
+
+    def _deviation(self, poses: Array, approaches: Array) -> Deviation:
+        return actual_deviation(self.model.machine, poses, self.model.compose(self.values(poses), approaches))
 
     def read(
         self,
@@ -133,15 +130,7 @@ class VirtualMachine:
         """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
         own = np.array([belongs(term, axis) for term in self.model.terms])
         way = self.model.compose(self.values(poses) * own[:, None], np.zeros_like(poses))
-        still = SmallMotions(*(np.zeros_like(part) for part in way))
-        actual, nominal = (tool_motion(self.model.machine, poses, part) for part in (way, still))
-        shift: Array = actual.translation - nominal.translation
-        return shift
-
-    def _motions(self, poses: Array, approaches: Array) -> tuple[Motion, Motion]:
-        small = self.model.compose(self.values(poses), approaches)
-        still = SmallMotions(*(np.zeros_like(part) for part in small))
-        return tool_motion(self.model.machine, poses, small), tool_motion(self.model.machine, poses, still)
+        return actual_deviation(self.model.machine, poses, way).displacement
 
 
 @dataclass(frozen=True, slots=True)

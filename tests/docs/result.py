@@ -190,6 +190,12 @@ class Result(Fields):
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
     defended_um: float = Field(description="what the readings can vouch for: `rms_um`, or the largest damage")
+    linear_to_um: float | None = Field(
+        description="no machine within the bands differs by more from its first order at the tool (docs/nonlinear.md)"
+    )
+    nonlinearity: float | None = Field(
+        description="largest index of non-linearity of a reading, or a bound on it; above 0.3 it is no Gaussian"
+    )
     departures: list[DepartureValue] = Field(description="what they may not show")
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")

@@ -223,8 +223,8 @@ class ErrorModel:
 
     def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
         """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
-        values = np.stack([f.rows(f.coordinates(poses)) @ coefficients[f.columns] for f in self.terms])
-        return self.compose(values, approaches)
+        values = [f.rows(f.coordinates(poses)) @ coefficients[f.columns] for f in self.terms]
+        return self.compose(np.array(values).reshape(len(self.terms), len(poses)), approaches)
 
     def compose(self, values: Array, approaches: Array) -> SmallMotions:
         """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""

@@ -15,11 +15,13 @@ from axiscal.accuracy.part import POSES
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
 from axiscal.description.campaign import CampaignDescription
+from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
+from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
@@ -51,11 +53,13 @@ class Case:
 
     inherited : the prior of the errors where an earlier campaign left one
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
+    about : where readings are linearised; None for the nominal machine
     """
 
     description: CampaignDescription
     inherited: Inherited | None = None
     both: frozenset[str] = frozenset()
+    about: About | None = None
 
     @cached_property
     def variable(self) -> tuple[Scale, ...]:
@@ -78,12 +82,18 @@ class Case:
     def rescaled(self, scales: Scales) -> Case:
         """Return the case with priors and noise as learnt."""
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
-        return Case(replace(self.description, machine=machine, setups=setups), self.inherited)
+        return Case(replace(self.description, machine=machine, setups=setups), self.inherited, about=self.about)
 
     @property
     def turned(self) -> bool:
         """Whether an instrument may stand turned by more than is linear."""
         return any(unknown.name in TURNS for setup in self.description.setups for unknown in setup.unknowns)
+
+    @property
+    def bends(self) -> bool:
+        """Whether a set-up stands, or is turned, where only its readings can tell: they are not linear in that."""
+        pairs = ((setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups)
+        return any(_located_by(setup, names) is not None for setup, names in pairs)
 
     def with_rests(self, rests: Mapping[str, float]) -> Case:
         """Return the case with other rests of errors, by name, m or rad."""
@@ -91,7 +101,7 @@ class Case:
         errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.errors)
         planes = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.planes)
         machine = replace(machine, errors=errors, planes=planes)
-        return Case(replace(self.description, machine=machine), self.inherited, self.both)
+        return replace(self, description=replace(self.description, machine=machine))
 
     def located(self, mean: Array) -> Case | None:
         """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""
@@ -100,7 +110,15 @@ class Case:
             return None
         pairs = zip(self.description.setups, found, strict=True)
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
-        return Case(replace(self.description, setups=setups), self.inherited)
+        return Case(replace(self.description, setups=setups), self.inherited, about=self.about)
+
+    def linear_about(self, mean: Array, bent: bool = False) -> Case:
+        """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last
+
+        bent : rows are taken there too, not at the nominal machine
+        """
+        point = mean[: self.errors.size + len(self.observation.unknowns)].copy()
+        return replace(self.located(mean) or self, about=About(point, bent), both=frozenset())
 
     def _found(self, index: int, mean: Array) -> Vector | None:
         setup = self.description.setups[index]
@@ -115,13 +133,17 @@ class Case:
 
     @cached_property
     def errors(self) -> ErrorModel:
-        """The error model of the machine."""
-        return ErrorModel(self.description.machine)
+        """The error model of the machine, with levers where it is believed to be if nominal ones mislead."""
+        machine, about = self.description.machine, self.about
+        if about is None or not about.bent:
+            return ErrorModel(machine)
+        plain = ErrorModel(machine)
+        return MovedErrors(machine, about.point[: plain.size])
 
     @cached_property
     def observation(self) -> Observation:
         """The map from all unknowns to readings, before any cell is visited."""
-        return Observation(self.errors, self.description.setups)
+        return Observation(self.errors, self.description.setups, self.about)
 
     @cached_property
     def prior(self) -> Belief:

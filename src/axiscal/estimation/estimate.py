@@ -18,7 +18,7 @@ from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimation import Estimation, Stages
 from axiscal.estimation.judged import Judged, judged, judged_at_once
 from axiscal.estimation.learnt import Learnt, counts_to_learn_from, learnt
-from axiscal.estimation.located import located
+from axiscal.estimation.located import bent, located
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.timed import Timed, timed
 from axiscal.measurement.reading import Reading
@@ -54,6 +54,7 @@ def concluded(stated: Case, readings: Sequence[Reading]) -> Estimation:
     plausible = judged_at_once(stated, times.readings)
     scales = learnt(stated, times.readings, plausible.implausible)
     known = located(scales, times.readings, plausible.implausible)
+    known = bent(known, times.readings, plausible.implausible)
     return _estimation(stated, Stages(times, plausible, scales, known))
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.belief import Belief
+from axiscal.error_model.actual import deviation_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
@@ -74,8 +75,11 @@ class Estimate:
         return bool(after < _SILENT * before)
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
-        """Return the TCP deviation that is expected, (m, 3), m, workpiece frame.  poses, approaches : (m, q)."""
-        expected: Array = self.model.rows(poses, approaches) @ self.mean
+        """Return the TCP deviation that is expected by the exact chain, (m, 3), m, workpiece frame.
+
+        poses, approaches : (m, q)
+        """
+        expected = deviation_of(self.model, self.mean, poses, approaches).displacement
         if self.rests:
             levers = self.model.levers(poses)
             for index in self.rests:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from axiscal.error_model.actual import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
@@ -45,7 +46,7 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
 
 
 def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m.
+    """Return mean and standard deviation (m, 3) of the TCP deviation, rests included, m; the mean by the exact chain.
 
     poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
     """
@@ -61,7 +62,8 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
             square += np.sum((basis @ belief.factor[function.columns]) ** 2, axis=1)
             open_side = approaches[:, function.axis] == 0
             loose += np.where(open_side, square / 4, 0.0)[:, None] * lever**2
-    return rows @ belief.mean[: errors.size], np.sqrt(known + loose)
+    mean = deviation_of(errors, belief.mean[: errors.size], poses, approaches).displacement
+    return mean, np.sqrt(known + loose)
 
 
 def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], list[float]]:

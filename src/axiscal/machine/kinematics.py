@@ -51,11 +51,11 @@ def frames(machine: Machine, poses: Array) -> Frames:
     motion = rigid.identity(len(poses))
     rotations, origins = [], []
     for axis, coordinate in zip(machine.axes, poses.T, strict=True):
-        motion = _to_frame(axis, motion, coordinate, None)
+        motion = to_frame(axis, motion, coordinate, None)
         rotations.append(motion.rotation)
         origins.append(motion.translation)
-        motion = _from_frame(axis, motion, coordinate, None)
-    return Frames(np.stack(rotations), np.stack(origins), motion.apply(_tool(machine)), motion.rotation)
+        motion = from_frame(axis, motion, coordinate, None)
+    return Frames(np.stack(rotations), np.stack(origins), motion.apply(tool_point(machine)), motion.rotation)
 
 
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:
@@ -67,27 +67,50 @@ def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Mo
     for k, (axis, coordinate) in enumerate(zip(machine.axes, poses.T, strict=True)):
         tilt = rigid.rotation(small.tilt[k])
         turn = rigid.rotation(small.rotation[k])
-        motion = _to_frame(axis, motion, coordinate, tilt)
+        motion = to_frame(axis, motion, coordinate, tilt)
         if axis.workpiece_side:
             motion = motion.then(np.swapaxes(turn, 1, 2)).moved(-small.displacement[k])
         else:
             motion = motion.moved(small.displacement[k]).then(turn)
-        motion = _from_frame(axis, motion, coordinate, tilt)
-    return motion.moved(_tool(machine))
+        motion = from_frame(axis, motion, coordinate, tilt)
+    return motion.moved(tool_point(machine))
 
 
-def _tool(machine: Machine) -> Array:
+class Deviation(NamedTuple):
+    """What the tool does beside its nominal motion, in the workpiece frame.
+
+    displacement : (m, 3) m, of the TCP; rotation : (m, 3) rad, the skew part of the turn: right to second order
+    """
+
+    displacement: Array
+    rotation: Array
+
+
+def actual_deviation(machine: Machine, poses: Array, small: SmallMotions) -> Deviation:
+    """Return how the tool deviates with small motions, nothing linearised."""
+    still = SmallMotions(*(np.zeros_like(part) for part in small))
+    actual, nominal = tool_motion(machine, poses, small), tool_motion(machine, poses, still)
+    turn = actual.rotation @ np.swapaxes(nominal.rotation, 1, 2)
+    skew = (turn - np.swapaxes(turn, 1, 2)) / 2
+    rotation = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    return Deviation(actual.translation - nominal.translation, rotation)
+
+
+def tool_point(machine: Machine) -> Array:
+    """Return the TCP in the frame of the spindle nose, (3,) m."""
     return np.array([0.0, 0.0, -machine.tool])
 
 
-def _to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
     if axis.rotary:
         motion = motion.moved(np.array(axis.origin))
         return motion.then(_turn(axis, coordinate)) if axis.workpiece_side else motion
     return motion if axis.workpiece_side else motion.moved(_travel(axis, coordinate, tilt))
 
 
-def _from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+    """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
     if axis.rotary:
         motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
         return motion.moved(-np.array(axis.origin))

@@ -16,12 +16,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.error_model.actual import MovedErrors, deviation_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.machine.description import Machine
+from axiscal.measurement.about import About
 from axiscal.measurement.cells import Cell, RestEffect, add_rest, cell_columns, rest_effects
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.owners import Owned
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.way import Way
@@ -50,11 +52,13 @@ class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
+    about : where it is linear, None for the nominal machine
     cells : column of the rest of each visited cell; courses : how each zero has wandered that may
     """
 
     errors: ErrorModel
     setups: tuple[Setup, ...]
+    about: About | None = None
     cells: Mapping[Cell, int] = field(default_factory=lambda: MappingProxyType({}))
     courses: Mapping[Zero, Course] = field(default_factory=lambda: MappingProxyType({}))
 
@@ -205,12 +209,46 @@ class Observation:
                 added += np.where(approaches[:, function.axis] == 0, (levers[index] / 2) ** 2 * spread, 0.0)
         return added
 
-    def nonlinear_part(self, setup: int, poses: Array) -> Array:
+    def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
         mounted, model = self.setups[setup], model_of(self.setups[setup])
-        nominal, own = self._nominal(mounted, poses), np.array(mounted.direction)
+        if self.about is not None:
+            point = self.about.point
+            return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
+        nominal, own = Nominal(self.machine, poses, mounted.moves), np.array(mounted.direction)
         each = [own if direction is None else direction for direction in directions_of(mounted)]
         return np.stack([model.nonlinear_part(mounted, direction, nominal) for direction in each], axis=1)
+
+    def shown(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
+        """Return what each number of readings would show, nothing linearised, (m, k).
+
+        point : (k,) errors, then unknowns; feet on a way see it to first order only
+        """
+        mounted, model = self.setups[setup], model_of(self.setups[setup])
+        if mounted.base is not None:
+            return self._first_order(setup, poses, approaches, point)
+        nominal, own = Nominal(self.machine, poses, mounted.moves), np.array(mounted.direction)
+        actual = Actual(*deviation_of(self.errors, point[: self.errors.size], poses, approaches))
+        each = [own if direction is None else direction for direction in directions_of(mounted)]
+        unknowns = self.own_values(setup, point)
+        return np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
+
+    def own_values(self, setup: int, point: Array) -> dict[str, float]:
+        """Return the unknowns of one set-up by name.  point : (k,) errors, then unknowns"""
+        names = [unknown.name for unknown in self.setups[setup].unknowns]
+        return dict(zip(names, point[self.unknowns_of(setup)].tolist(), strict=True))
+
+    def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
+        """Return the rows of each number of readings times errors and unknowns, (m, k)."""
+        mounted, model, levers = self.setups[setup], model_of(self.setups[setup]), self.levers(setup, poses)
+        nominal, own, numbers = self._nominal(mounted, poses), self.own_values(setup, point), []
+        for direction, along in zip(directions_of(mounted), levers, strict=True):
+            at = np.array(mounted.direction) if direction is None else direction
+            number = self._error_rows(mounted, along, poses, approaches) @ point[: self.errors.size]
+            for name, value in own.items():
+                number = number + value * model.unknown_effect(mounted, name, at, nominal)
+            numbers.append(number)
+        return np.stack(numbers, axis=1)
 
     def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
         """Return what a unit of each error adds to readings, (terms, m); arguments as for `rows`.
@@ -262,8 +300,8 @@ class Observation:
 
     def _field(self, mounted: Setup, poses: Array) -> Array:
         """Return what a unit of each error does in all directions, (terms, m, 3)."""
-        reads = model_of(mounted).reads
-        return self.errors.levers(poses) if reads == "length" else self.errors.angular_levers(poses)
+        lengths = model_of(mounted).reads == "length"
+        return self.errors.levers(poses) if lengths else self.errors.angular_levers(poses)
 
     def _projected(self, mounted: Setup, poses: Array, direction: Array | None, field: Array) -> Array:
         at = np.array(mounted.direction) if direction is None else direction
@@ -272,7 +310,8 @@ class Observation:
         return along
 
     def _nominal(self, mounted: Setup, poses: Array) -> Nominal:
-        return Nominal(self.errors.machine, poses, mounted.moves)
+        actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
+        return Nominal(self.errors.machine, poses, mounted.moves, actual)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:

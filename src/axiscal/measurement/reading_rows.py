@@ -71,7 +71,7 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
     """Return the values of all numbers of readings, what is not linear in the unknowns taken off, (m,)."""
     beside = [np.zeros(0)] * len(places)
     for setup, mine in places.by_setup():
-        parts = observation.nonlinear_part(setup, places.poses[mine])
+        parts = observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
         for index, part in zip(np.arange(len(places))[mine], parts, strict=True):
             beside[index] = part
     return np.concatenate(

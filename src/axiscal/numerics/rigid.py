@@ -8,6 +8,9 @@ import numpy as np
 
 from axiscal.numerics import Array
 
+_SMALL = 1e-2
+"""rad: below, two terms of the series of (θ − sin θ)/θ³ are right to 1e-12, and above it loses no more digits."""
+
 
 class Motion(NamedTuple):
     """p_A = rotation p_B + translation.  rotation : (m, 3, 3); translation : (m, 3)."""
@@ -41,6 +44,18 @@ def rotation(vector: Array) -> Array:
     sinc = np.sinc(angle / np.pi)
     versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
     result: Array = np.eye(3) + sinc * cross + versine * (cross @ cross)
+    return result
+
+
+def left_jacobian(vector: Array) -> Array:
+    """Return J with exp([v + dv]×) = exp([J dv]×) exp([v]×) (Barfoot 2017, eq. 7.77), (m, 3, 3).  vector : (m, 3)"""
+    angle = np.linalg.norm(vector, axis=1)[:, None, None]
+    cross = skew(vector)
+    versine = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    small = angle < _SMALL
+    safe = np.where(small, 1.0, angle)
+    third = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
+    result: Array = np.eye(3) + versine * cross + third * (cross @ cross)
     return result
 
 

@@ -30,9 +30,10 @@ def expanded_words(summary: Summary) -> str:
     found = summary.expanded
     along = ", ".join(f"{axis} {figure(value)}" for axis, value in zip("xyz", found.axes, strict=True))
     named = errors_named(summary)
+    linear = "".join(f" {line}" for line in linear_lines(summary))
     meant = found.conditions.replace(f" ({named})", "") if named else found.conditions
     what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.factor:.2f}, {meant}".rstrip(", ")
-    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}."
+    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}.{linear}"
 
 
 def errors_named(summary: Summary) -> str:
@@ -54,6 +55,11 @@ def checked_lines(summary: Summary) -> Sequence[str]:
     return [] if summary.checks is None else [summary.checks.words]
 
 
+def linear_lines(summary: Summary) -> Sequence[str]:
+    """Return how far the first order can be off."""
+    return [] if summary.linear is None else [summary.linear.words]
+
+
 def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
     """Return what is to be expected with all files of a control loaded.  factor : k"""
     expanded, before, after = (f"{each:.3g} um" for each in (factor * effect.expected, effect.before, effect.after))
@@ -71,5 +77,5 @@ def first_lines(summary: Summary) -> str:
         f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
         f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
     ]
-    said = [summary.verdict_words, *checked_lines(summary), summary.vouched.words]
+    said = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
     return "\n".join([*lines, *said, *table_lines(summary)])

@@ -21,6 +21,19 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, slots=True)
+class Linear:
+    """How linear machine and readings are.
+
+    bound_um : no machine within the bands differs by more from its first order; index : the largest ν of a reading
+    words : the same in a sentence
+    """
+
+    bound_um: float
+    index: float
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
 class CheckReadings:
     """What readings say that were predicted before they were used, um; words : the same in a sentence."""
 

@@ -8,7 +8,7 @@ from typing import Any
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.report.digits import number, numbers
 from axiscal.report.plane_summary import plane_json
-from axiscal.report.promises import CheckReadings
+from axiscal.report.promises import CheckReadings, Linear
 from axiscal.report.summary import (
     BudgetRow,
     ConstantSummary,
@@ -39,6 +39,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
         "budget": [_source(row) for row in summary.budget],
         "defended_um": number(summary.vouched.defended, "defended_um"),
+        **_linear(summary.linear),
         "departures": [dict(row) for row in summary.vouched.departures],
         **_targets(summary),
         "history": [_history(row) for row in summary.history],
@@ -105,6 +106,15 @@ def _checks(found: CheckReadings | None) -> dict[str, Any] | None:
         return None
     names = ("promised_um", "found_um", "low", "high")
     return {"count": found.count, **{name: number(getattr(found, name), f"{name} of checks") for name in names}}
+
+
+def _linear(found: Linear | None) -> dict[str, Any]:
+    if found is None:
+        return {"linear_to_um": None, "nonlinearity": None}
+    return {
+        "linear_to_um": number(found.bound_um, "linear_to_um"),
+        "nonlinearity": number(found.index, "nonlinearity"),
+    }
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:

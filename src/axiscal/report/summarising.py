@@ -19,6 +19,7 @@ from axiscal.estimation.checks import Checks
 from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
+from axiscal.estimation.linearity import linearity
 from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.kinematics import frames
@@ -31,6 +32,7 @@ from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions
+from axiscal.report.linear import linear_of, not_gaussian
 from axiscal.report.planes import planes
 from axiscal.report.promises import CheckReadings, Uncertainty
 from axiscal.report.sources import budget_rows
@@ -87,6 +89,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
     ruling = ruling_of(estimation)
     if ruling.verdict == "widened":
         rows[-1] = _with_figures(rows[-1], estimation)
+    linear = linearity(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
         title=f"Calibration of {description.machine.name}",
@@ -111,7 +114,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         observability=observability(case),
         questions=open_questions(description),
         rejected=_rejections(estimation, rows),
-        warnings=[*extras.warnings, *findings(estimation)],
+        warnings=[*extras.warnings, *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
@@ -130,6 +133,7 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=_ended(campaign),
+        linear=linear_of(linear),
     )
 
 

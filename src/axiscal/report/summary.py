@@ -13,7 +13,7 @@ from axiscal.description.particulars import NOTHING_SAID, Particulars
 from axiscal.estimation.ruling import VerdictWord
 from axiscal.planning.vouched import Vouched
 from axiscal.report.plane_summary import PlaneSummary
-from axiscal.report.promises import CheckReadings, Uncertainty
+from axiscal.report.promises import CheckReadings, Linear, Uncertainty
 from axiscal.report.volume_error import VolumeError
 
 Position = Mapping[str, float]
@@ -259,6 +259,7 @@ class Summary:
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
+    linear: Linear | None = None
 
     @property
     def withheld(self) -> bool:

@@ -25,11 +25,15 @@ TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length")
 
 @dataclass(frozen=True, eq=False)
 class Nominal:
-    """Nominal places of readings of one set-up.  poses : (m, q) m or rad; moves : axes that may move."""
+    """Nominal places of readings of one set-up.  poses : (m, q) m or rad; moves : axes that may move.
+
+    actual : where the tool is believed to be instead, for rows that are taken there
+    """
 
     machine: Machine
     poses: Array
     moves: tuple[int, ...]
+    actual: rigid.Motion | None = None
 
     @property
     def count(self) -> int:
@@ -39,12 +43,12 @@ class Nominal:
     @cached_property
     def tcp(self) -> Array:
         """The nominal TCP in the workpiece frame, (m, 3), m."""
-        return frames(self.machine, self.poses).tcp
+        return frames(self.machine, self.poses).tcp if self.actual is None else self.actual.translation
 
     @cached_property
     def tool(self) -> Array:
         """The nominal orientation R_t of the tool in the workpiece frame, (m, 3, 3)."""
-        return frames(self.machine, self.poses).tool
+        return frames(self.machine, self.poses).tool if self.actual is None else self.actual.rotation
 
     @cached_property
     def travelled(self) -> Array:

@@ -1,0 +1,67 @@
+"""How linear the machine is that the readings show: a bound for the tool point, and the index of the worst reading."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.error_model.linear_bound import linear_to
+from axiscal.error_model.model import ErrorModel, Term
+from axiscal.error_model.volume import Box
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.nonlinearity import GAUSSIAN, indices
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+_SPREAD, _POSITIONS = 2.0, 25
+"""Bands of 95 %, looked at so many times along each axis: a curve bends little between two of them."""
+_SURE = 0.1
+"""Share of the index above which the posterior is no Gaussian: where a bound is below it, nothing is drawn."""
+
+
+class Linearity(NamedTuple):
+    """bound : m, no machine within the 95 % bands differs by more from its first order at the tool
+
+    largest : the largest ν of a reading, or a bound on it; reading : its number
+    """
+
+    bound: float
+    largest: float
+    reading: int | None
+
+    @property
+    def gaussian(self) -> bool:
+        """Whether the belief is the posterior to the digits printed."""
+        return self.largest <= GAUSSIAN
+
+
+@one_thread()
+def linearity(estimation: Estimation) -> Linearity:
+    """Return how linear machine and readings are."""
+    case, known = estimation.case, estimation.stages.absorbed
+    box, errors, belief = case.description.target.volume, case.errors, known.knowledge.belief
+    spread = _sizes(errors, np.zeros(errors.size), belief.factor, box)
+    bound = linear_to(errors, _sizes(errors, belief.mean, belief.factor, box), box)
+    finest = min((setup.noise for setup in case.description.setups), default=np.inf)
+    left = linear_to(errors, spread, box) / finest
+    if left < _SURE * GAUSSIAN and not case.bends:
+        return Linearity(bound, left, None)
+    found = indices(known, estimation.readings)
+    if not len(found):
+        return Linearity(bound, 0.0, None)
+    worst = int(np.argmax(found))
+    return Linearity(bound, float(found[worst]), estimation.readings[worst].numbered(worst))
+
+
+def _sizes(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> Array:
+    """Return what no term exceeds within its band of 95 % over the volume, (terms,), m or rad."""
+    return np.array([_size(term, mean, factor, box) for term in errors.terms])
+
+
+def _size(term: Term, mean: Array, factor: Array, box: Box) -> float:
+    sides = [np.linspace(*box[axis], _POSITIONS) for axis in term.axes]
+    at = sides[0] if len(sides) == 1 else np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
+    rows = term.rows(at)
+    std = np.sqrt(np.sum((rows @ factor[term.columns]) ** 2, axis=1) + term.rest**2)
+    return float(np.max(np.abs(rows @ mean[term.columns]) + _SPREAD * std))

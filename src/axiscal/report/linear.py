@@ -1,0 +1,29 @@
+"""Whether first order is enough, in words: beside the accuracy, and as a warning where it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from axiscal.estimation.linearity import Linearity
+from axiscal.report.promises import Linear
+from axiscal.report.summary import Finding
+from axiscal.units import to_unit
+
+
+def linear_of(found: Linearity) -> Linear:
+    """Return the same for people."""
+    bound = to_unit(found.bound, "um")
+    words = f"Linear to {bound:.2g} um: by no more the first order is off at the tool for a machine within these bands."
+    return Linear(bound, found.largest, words)
+
+
+def not_gaussian(found: Linearity) -> Iterator[Finding]:
+    """Yield a warning where a reading is so far from linear that the posterior is no Gaussian."""
+    if found.gaussian or found.reading is None:
+        return
+    text = (
+        f"Reading {found.reading} is not linear within what is left open: its second order is {found.largest:.2g} "
+        "times its noise, so the bands are only about right. State stations or location errors nearer to "
+        "the truth, or read more."
+    )
+    yield Finding("not-gaussian", None, text)

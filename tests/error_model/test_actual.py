@@ -1,0 +1,78 @@
+"""The machine as it is: levers against differences of the exact chain, and the bound on what first order leaves out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.error_model.actual import deviation_of, levers_at
+from axiscal.error_model.linear_bound import linear_to, longest_arm
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.machine import builtin_names, load_machine
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array, rigid
+from tests.generators.machines import random_machine, random_poses
+
+_STEP = 1e-4
+
+
+def _drawn(model: ErrorModel, rng: np.random.Generator, factor: float) -> Array:
+    return factor * np.sqrt(np.diagonal(model.prior_covariance())) * rng.standard_normal(model.size)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_levers_of_a_machine_with_large_errors_are_the_differences_of_the_exact_chain(seed: int) -> None:
+    model, rng = ErrorModel(random_machine(seed)), np.random.default_rng(seed)
+    poses, _ = random_poses(model.machine, 3, rng)
+    sides, at = np.zeros_like(poses), _drawn(model, rng, 100.0)
+    levers = levers_at(model, at, poses).straight
+    rows = np.stack([model.along(levers[:, :, c], poses, sides) for c in range(3)], axis=1)
+    for i in range(0, model.size, 5):
+        one = _STEP * np.eye(model.size)[i]
+        up, down = (deviation_of(model, at + sign * one, poses, sides).displacement for sign in (1, -1))
+        assert np.abs((up - down) / (2 * _STEP) - rows[:, :, i]).max() < 1e-7
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_levers_without_errors_are_the_nominal_ones(name: str) -> None:
+    model = ErrorModel(load_machine(name))
+    poses, _ = random_poses(model.machine, 5, np.random.default_rng(1))
+    found = levers_at(model, np.zeros(model.size), poses)
+    assert np.abs(found.straight - model.levers(poses)).max() < 1e-15
+    assert np.abs(found.angular - model.angular_levers(poses)).max() < 1e-15
+
+
+def test_left_jacobian_is_the_derivative_of_the_rotation() -> None:
+    rng = np.random.default_rng(2)
+    for size in (1e-9, 5e-3, 0.02, 2.0):
+        vector = size * rng.standard_normal((1, 3))
+        jacobian = rigid.left_jacobian(vector)[0]
+        for c in range(3):
+            step = 1e-6 * np.eye(3)[c]
+            turned = (rigid.rotation(vector + step) - rigid.rotation(vector - step))[0] / 2e-6
+            spin = turned @ rigid.rotation(vector)[0].T
+            assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(jacobian[:, c], abs=1e-8)
+
+
+@pytest.mark.parametrize(("name", "factor"), [("dmu60", 1.0), ("dmu60", 10.0), ("three-axis-mill", 30.0)])
+def test_no_machine_is_farther_from_linear_than_the_bound(name: str, factor: float) -> None:
+    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(3)
+    box, worst = whole_travel(model), 0.0
+    for _ in range(40):
+        poses, sides = random_poses(model.machine, 100, rng)
+        at = _drawn(model, rng, factor)
+        sizes = np.array([np.abs(f.rows(f.coordinates(poses)) @ at[f.columns]).max() for f in model.terms])
+        exact = deviation_of(model, at, poses, sides).displacement
+        left = np.linalg.norm(exact - model.rows(poses, sides) @ at, axis=1).max()
+        worst = max(worst, left / linear_to(model, sizes, box))
+    assert 0.02 < worst < 1.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_arm_is_longer_than_the_longest(seed: int) -> None:
+    machine = random_machine(seed)
+    poses, _ = random_poses(machine, 200, np.random.default_rng(seed))
+    at = frames(machine, poses)
+    arms = np.linalg.norm(at.tcp - at.origins, axis=2).max()
+    assert arms <= longest_arm(machine, tuple(axis.travel for axis in machine.axes)) * (1 + 1e-12)
