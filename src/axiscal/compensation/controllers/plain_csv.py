@@ -40,8 +40,8 @@ def write(table: CompensationTable) -> str:
     cross = table.over != table.axis
     header = f"axis,{'over,' if cross else ''}position_{table.unit},forward_{fine},reverse_{fine},std_{fine}\n"
     name = f"{table.axis},{table.over}" if cross else table.axis
-    columns = [to_unit(table.positions, table.unit)]
-    columns += [to_unit(values, fine) for values in (table.forward, table.reverse, table.std)]
+    columns = [np.round(to_unit(table.positions, table.unit), 7) + 0.0]
+    columns += [np.round(to_unit(values, fine), 4) + 0.0 for values in (table.forward, table.reverse, table.std)]
     return header + "".join("{},{:.7f},{:.4f},{:.4f},{:.4f}\n".format(name, *row) for row in zip(*columns, strict=True))
 
 

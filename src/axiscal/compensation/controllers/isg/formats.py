@@ -119,7 +119,7 @@ def _row(words: Iterable[str]) -> str:
 
 
 def _shown(name: str, values: Array) -> Array:
-    return values if _angular(name) else np.asarray(to_unit(values, "mm"), dtype=float)
+    return 0.0 + (values if _angular(name) else np.asarray(to_unit(values, "mm"), dtype=float))
 
 
 def _inside(name: str, values: Array) -> Array:

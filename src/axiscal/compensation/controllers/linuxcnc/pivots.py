@@ -113,7 +113,7 @@ def write(found: Pivots, unit: str) -> str:
     pins = {"x-rot-point": x, "y-rot-point": y, "z-rot-point": z}
     pins[f"{'xy'[_SWIVELS[found.swivel]]}-offset"] = float(to_unit(found.offset, unit))
     pins["z-offset"] = 0.0
-    lines = [f"setp {found.kinematics}.{pin} {value + 0.0:.7f}" for pin, value in pins.items()]
+    lines = [f"setp {found.kinematics}.{pin} {round(value, 7) + 0.0:.7f}" for pin, value in pins.items()]
     lines += [f"setp {found.kinematics}.{_CONVENTIONAL} 1"] if found.conventional else []
     return "\n".join([_HEAD, *lines, ""])
 

@@ -24,7 +24,7 @@ def write(table: CompensationTable, unit: str | None = None) -> str:
     _refuse_what_it_cannot_hold(table)
     nominal = to_unit(table.positions, unit)
     forward, reverse = (nominal + to_unit(side, unit) for side in (table.forward, table.reverse))
-    columns = np.round(np.array([nominal, forward, reverse]), 6)
+    columns = np.round(np.array([nominal, forward, reverse]), 6) + 0.0
     _refuse_equal_positions(table, columns[0], unit)
     return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in columns.T)
 

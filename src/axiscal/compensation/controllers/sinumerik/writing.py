@@ -64,12 +64,13 @@ def write(
 
 def _directions(table: CompensationTable) -> list[TableBlock]:
     half = (table.forward - table.reverse) / 2
-    return [] if not np.any(half) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
+    seen = np.round(np.asarray(to_unit(half, _unit(table))), 6)
+    return [] if not np.any(seen) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
 
 
 def _enc(table: CompensationTable, name: str, encoder: int) -> str:
     values = np.asarray(to_unit((table.forward + table.reverse) / 2, _unit(table)))
-    lines = [f"$AA_ENC_COMP[{encoder},{i},{name}]={value:.6f}" for i, value in enumerate(values + 0.0)]
+    lines = [f"$AA_ENC_COMP[{encoder},{i},{name}]={value:.6f}" for i, value in enumerate(np.round(values, 6) + 0.0)]
     lines += [f"$AA_ENC_COMP_{key}[{encoder},{name}]={value}" for key, value in _span(table)]
     return "\n".join(lines) + "\n"
 
@@ -77,7 +78,7 @@ def _enc(table: CompensationTable, name: str, encoder: int) -> str:
 def _cec(number: int, block: TableBlock, sign: float, names: Mapping[str, str]) -> str:
     table = block.table
     shown = np.asarray(to_unit(sign * block.values, _unit(table)))
-    lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(shown + 0.0)]
+    lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(np.round(shown, 6) + 0.0)]
     lines.append(f"$AN_CEC_INPUT_AXIS[{number}]=({names[table.over]})")
     lines.append(f"$AN_CEC_OUTPUT_AXIS[{number}]=({names[table.axis]})")
     *span, modulo = _span(table)
