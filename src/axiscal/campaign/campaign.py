@@ -19,6 +19,7 @@ from typing import Self
 from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
 from axiscal.campaign.interrupt import noted_interrupts
+from axiscal.campaign.kept import Kept
 from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import described, refuse_absurd
 from axiscal.campaign.sources import Request, Skip, Source
@@ -59,6 +60,8 @@ Planner = Callable[
 
 PATIENCE = 25
 """So many skipped readings in a row are taken for a source that does not work."""
+_JUDGED_AT_ONCE = 200
+"""Readings up to which all are judged anew with each: a second of waiting at the most."""
 
 
 class Campaign:
@@ -74,6 +77,7 @@ class Campaign:
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
         self._begun: str | None = None
+        self._kept = Kept(record.path, record.events()[0])
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -108,13 +112,20 @@ class Campaign:
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
         if self._case is None:
-            self._case = case_of(self.description)
+            self._known = self._kept.recalled(len(self.state.readings))
+            self._case = case_of(self.description) if self._known is None else self._known.stated
         return self._case
 
     def known(self) -> Estimation:
         """Return what the readings make known while others are to follow."""
-        self._known = estimated(self.case(), self.state.readings, self._known)
+        case = self.case()
+        self._known = estimated(case, self.state.readings, self._known)
+        self._kept.keep(self._known)
         return self._known
+
+    def believed(self) -> Estimation:
+        """Return by what a new reading is judged: all readings at once or, where they are many, as they came."""
+        return self.concluded() if len(self.state.readings) <= _JUDGED_AT_ONCE else self.known()
 
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all."""

@@ -1,0 +1,171 @@
+"""What is known is kept beside the record: the same answers with it, without it, and with any damage to it."""
+
+from __future__ import annotations
+
+import io
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign import kept
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.exec import ExecSource
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.estimation import estimate
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.reviewed import reviewed
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+
+TEXT = """
+{scales}
+machine = "one-axis"
+[target]
+rms = "0.01 um"
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.3 um"
+approach = "both"
+"""
+COUNT = kept.FEWEST + 40
+
+
+def _described(folder: Path, scales: str = "") -> CampaignDescription:
+    path = folder / "campaign.toml"
+    path.write_text(TEXT.format(scales=scales), encoding="utf-8")
+    return read_campaign(path)
+
+
+def _readings(description: CampaignDescription, count: int) -> tuple[Reading, ...]:
+    """Return readings of a virtual machine, of which one is bad."""
+    rng = np.random.default_rng(3)
+    machine, setup = Simulator(description.machine, description.setups).drawn(3), description.setups[0]
+    low, high = description.machine.axes[0].travel
+    found = []
+    for number in range(count):
+        pose, side = (float(rng.uniform(low, high)),), (int(rng.choice([-1, 1])),)
+        value = machine.read(setup, pose, side, rng) + (2e-5 if number == 20 else 0.0)
+        found.append(Reading("laser", pose, side, value))
+    return tuple(found)
+
+
+@pytest.fixture(params=["", 'scales = "estimate"'])
+def record(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A record of many readings, and what is known of the first of them beside it."""
+    description, path = _described(tmp_path, request.param), tmp_path / "c.axiscal"
+    readings = _readings(description, COUNT)
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(readings[: kept.FEWEST])
+        campaign.known()
+        campaign.adopt(readings[kept.FEWEST :])
+    assert kept.kept_beside(path).exists()
+    return path
+
+
+def _known(path: Path) -> Estimation:
+    with Campaign.open(path, write=False) as campaign:
+        return campaign.known()
+
+
+def _same(one: Estimation, other: Estimation) -> None:
+    assert one.readings == other.readings
+    assert [doubt.reading for doubt in one.outliers] == [doubt.reading for doubt in other.outliers]
+    np.testing.assert_allclose(one.accuracy, other.accuracy, rtol=1e-9)
+    mean, std = one.knowledge.belief.mean, np.sqrt(np.diagonal(other.knowledge.belief.covariance))
+    np.testing.assert_allclose(mean / std, other.knowledge.belief.mean / std, rtol=0, atol=1e-7)
+
+
+def test_only_the_new_readings_are_looked_at(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    taken = list[int]()
+
+    def counted(before: object, readings: tuple[Reading, ...], implausible: object) -> object:
+        taken.append(len(before.innovations))  # type: ignore[attr-defined]
+        return reviewed(before, readings, implausible)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(estimate, "reviewed", counted)
+    with_it = _known(record)
+    assert taken[0] >= kept.FEWEST
+    kept.kept_beside(record).unlink()
+    _same(with_it, _known(record))
+    learnt = _known(record).learnt_from  # what is learnt anew is found from all
+    assert taken[-1] < kept.FEWEST or learnt >= kept.FEWEST
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "emptied", "other title", "a folder", "of another campaign"])
+def test_damage_is_not_trusted(record: Path, damage: str) -> None:
+    beside = kept.kept_beside(record)
+    expected, content = _known(record), beside.read_bytes()
+    flipped = bytearray(content)
+    flipped[len(content) // 2] ^= 4
+    if damage == "a folder":
+        beside.unlink()
+        beside.mkdir()
+    else:
+        title, said, rest = content.split(b"\n", 2)
+        other = b"\n".join([title, said.replace(said[:8], b"01234567"), rest])
+        instead = {"cut": content[:-100], "flipped": bytes(flipped), "emptied": b"", "other title": content[1:]}
+        beside.write_bytes(instead.get(damage, other))
+    _same(_known(record), expected)
+
+
+def test_what_was_taken_back_does_not_count(record: Path) -> None:
+    _known(record)
+    with Campaign.open(record) as campaign:
+        for _ in range(50):
+            campaign.undo()
+        count = len(campaign.state.readings)
+        with_it = campaign.known()
+    assert count == COUNT - 50 == len(with_it.readings)
+    kept.kept_beside(record).unlink()
+    _same(with_it, _known(record))
+
+
+def test_other_readings_are_not_taken_for_these(record: Path, tmp_path: Path) -> None:
+    with Campaign.open(record, write=False) as campaign:
+        description, readings = campaign.description, campaign.state.readings
+    path = tmp_path / "other.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(tuple(replace(reading, value=reading.value + 1e-6) for reading in readings))
+    kept.kept_beside(record).rename(kept.kept_beside(path))
+    with_it = _known(path)
+    kept.kept_beside(path).unlink()
+    _same(with_it, _known(path))
+
+
+def test_nothing_can_be_called_from_it(record: Path) -> None:
+    key = kept.kept_beside(record).read_bytes().split(b"\n")[1][:64].decode()
+
+    class Harm:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return ExecSource, ("touch harm",)
+
+    kept._write(kept.kept_beside(record), key, Harm())  # type: ignore[arg-type]
+    assert kept._read(kept.kept_beside(record), key) is None
+    for call in (print, eval, pickle.loads, kept.kept_beside, estimate.estimated):
+        with pytest.raises(pickle.UnpicklingError):
+            kept._KnownReader(io.BytesIO(pickle.dumps(call))).load()
+
+
+def test_a_folder_that_takes_no_file_keeps_nothing(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    expected = _known(record)
+    kept.kept_beside(record).unlink()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    _same(_known(record), expected)
+    assert not kept.kept_beside(record).exists()
+
+
+def test_few_readings_leave_no_file(tmp_path: Path) -> None:
+    description, path = _described(tmp_path), tmp_path / "c.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, kept.FEWEST - 1))
+        campaign.known()
+    assert not kept.kept_beside(path).exists()
