@@ -11,11 +11,11 @@ from axiscal.estimation.estimate import concluded
 from axiscal.evaluation import PositioningTest, evaluate
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
+from axiscal.report.arrow_pictures import volume_panels
 from axiscal.report.side_by_side import files_of_controls
 from axiscal.report.standard import iso230_blocks
 from axiscal.report.summary import TableOffer
 from axiscal.report.volume_error import volume_error
-from axiscal.report.volume_picture import volume_panels
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 

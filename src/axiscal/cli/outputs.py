@@ -41,7 +41,7 @@ def _tell(summary: Summary, out: Path) -> None:
     say(
         f"{first_lines(summary)}\n"
         f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"
-        f"Report: {out / 'report.html'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
+        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
     )
     for offer in summary.tables:
         if not offer.axis:

@@ -19,14 +19,16 @@ from axiscal.report.summarising import Extras, summarise
 def report(
     record: OwnRecord,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="Where to write it; default: beside the record.")
+        Path | None,
+        typer.Option(metavar="FILE.html", help="Where to write it, .html or .pdf; default: beside the record."),
     ] = None,
 ) -> None:
-    """Write the report of a campaign, finished or not: one page that needs no network.
+    """Write the report of a campaign, finished or not: one page that needs no network, or a PDF.
 
     \b
-    Example:
+    Examples:
       axiscal report mill.axiscal --out mill.html
+      axiscal report mill.axiscal --out mill.pdf
     """
 
     target = record.with_suffix(".html") if out is None else _page(out)
@@ -38,8 +40,8 @@ def report(
 
 
 def _page(out: Path) -> Path:
-    """Return the file if its name is one of a page; raises RecordError for another kind of file."""
-    if out.suffix.lower() in (".html", ".htm"):
+    """Return the file if its name is one of a page or a PDF; raises RecordError for another kind of file."""
+    if out.suffix.lower() in (".html", ".htm", ".pdf"):
         return out
-    what = f"the report is an HTML page, and {out.name} is not the name of one"
-    raise RecordError(what, f"Write it to {out.with_suffix('.html').name}; a browser prints it as PDF", out)
+    what = f"the report is an HTML page or a PDF, and {out.name} is the name of neither"
+    raise RecordError(what, f"Write it to {out.with_suffix('.html').name} or {out.with_suffix('.pdf').name}", out)

@@ -1,4 +1,4 @@
-"""What a finished campaign leaves in a folder: tables, `result.json`, `report.html`."""
+"""What a finished campaign leaves in a folder: tables, `result.json`, `report.html`, `report.pdf`."""
 
 from __future__ import annotations
 
@@ -58,6 +58,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         write_report(summary, folder / "report.html")
+        write_report(summary, folder / "report.pdf")
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
 
@@ -71,7 +72,12 @@ def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
 
 
 def write_report(summary: Summary, path: Path) -> None:
-    """Write the report page; raises OSError."""
+    """Write the report, as PDF or as a page, by the name of its file; raises OSError."""
+    if path.suffix.lower() == ".pdf":
+        from axiscal.report.printed import pdf
+
+        write_whole(path, pdf(summary))
+        return
     from axiscal.report.page import render
 
     write_whole(path, render(summary).encode())

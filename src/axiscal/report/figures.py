@@ -52,7 +52,7 @@ def accuracy(summary: Summary) -> Figure:
     levels = _levels(summary)
     traces = [_accuracy_trace(line, steps) for line in lines] + [_level_trace(level, steps) for level in levels]
     span = _log_range([value for line in lines for value in line.values] + [level.value for level in levels])
-    y = axis_style("TCP standard deviation, µm", type="log", range=span)
+    y = axis_style("standard uncertainty, µm", type="log", range=span)
     drawn = layout(axis_style("readings"), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN)
     usual = [index for index, line in enumerate(lines) if line.name == _TRADITIONAL]
     ends = [

@@ -6,8 +6,10 @@ import math
 
 from jinja2 import Environment
 
-from axiscal.report import figures, gallery, headline, plane_maps, sentences, side_by_side, volume_picture, whiskers
+from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, sentences, side_by_side, whiskers
 from axiscal.report.drawing.shown import shown
+from axiscal.report.glossary import WORDS
+from axiscal.report.identity import pairs
 from axiscal.report.standalone import environment, inlined
 from axiscal.report.summary import Summary
 
@@ -21,6 +23,7 @@ _FILTERS = {
     "iso_name": sentences.iso_name,
     "position": sentences.position_text,
     "standardised": sentences.standardised,
+    "spelt": sentences.spelt,
     "curve_note": sentences.curve_note,
 }
 CODES = {
@@ -46,13 +49,15 @@ def render(summary: Summary) -> str:
         "planes": plane_maps.panels(summary),
         "scales": whiskers.scales([each for each in summary.constants if ": " not in each.name]),
         "setup_scales": whiskers.scales([each for each in summary.constants if ": " in each.name]),
-        "volume": [] if summary.volume is None else volume_picture.volume_panels(summary.volume),
-        "magnified": 1.0 if summary.volume is None else volume_picture.magnification(summary.volume),
+        "volume": [] if summary.volume is None else arrow_pictures.volume_panels(summary.volume),
+        "magnified": 1.0 if summary.volume is None else arrow_pictures.magnification(summary.volume),
         "sides": side_by_side.sides(summary),
         "controls": list(side_by_side.effects(summary)),
         "axis_rows": side_by_side.axis_rows(summary),
         "files_of": side_by_side.files_of_controls(summary.tables),
         "codes": CODES,
+        "pairs": pairs(summary),
+        "words": WORDS,
         "accuracy": figures.accuracy(summary) if summary.history else None,
         "innovations": figures.innovations(summary),
         "places": figures.places(summary),
@@ -61,7 +66,7 @@ def render(summary: Summary) -> str:
         "occasion": sentences.occasion(summary),
         "holds_for": headline.expanded_words(summary),
         "errors": headline.errors_named(summary),
-        "table_lines": [line.replace(" um", "\u00a0µm") for line in headline.table_lines(summary)],
+        "table_lines": [sentences.spelt(line) for line in headline.table_lines(summary)],
         "u_target": sentences.target_text(known * summary.expanded.space, summary.target_u_um),
         "rms_target": sentences.target_text(known * summary.rms_um, summary.target_rms_um),
         "worst_target": sentences.target_text(known * summary.worst_um, summary.target_worst_um),

@@ -23,7 +23,7 @@ from axiscal.report.summary import RecordState
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
-_RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "tables"}
+_RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "report.pdf", "data", "certificate.xml", "tables"}
 _BEFORE = "before.json"
 _STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 

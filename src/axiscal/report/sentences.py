@@ -21,6 +21,13 @@ def unit_text(unit: str) -> str:
     return UNITS.get(unit, unit)
 
 
+def spelt(text: str) -> str:
+    """Return a sentence with its units as people write them."""
+    for plain, shown in ((" um", "µm"), (" urad", "µrad"), (" degC", "°C")):
+        text = text.replace(plain, f"{_NO_BREAK}{shown}")
+    return text
+
+
 def figure(value: float) -> str:
     """Return value with three significant digits, without an exponent where a person would write none."""
     size = abs(value)

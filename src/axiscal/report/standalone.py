@@ -29,8 +29,12 @@ def environment(package: str) -> Environment:
 
 def inlined() -> dict[str, Any]:
     """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
-    scripts = [_static("report.js")]
-    return {"css": Markup(_static("report.css")), "scripts": [Markup(s) for s in scripts], "policy": policy(scripts)}
+    scripts = [static_text("report.js")]
+    return {
+        "css": Markup(static_text("report.css")),
+        "scripts": [Markup(s) for s in scripts],
+        "policy": policy(scripts),
+    }
 
 
 def policy(scripts: Iterable[str]) -> str:
@@ -47,5 +51,6 @@ def _hash(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
-def _static(name: str) -> str:
-    return resources.files("axiscal.report").joinpath("static", name).read_text(encoding="utf-8")
+def static_text(name: str, folder: str = "static") -> str:
+    """Return a text file of this package."""
+    return resources.files("axiscal.report").joinpath(folder, name).read_text(encoding="utf-8")

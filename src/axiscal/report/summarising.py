@@ -24,6 +24,7 @@ from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -259,7 +260,8 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     unit = reading_unit(setup)
     noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    along = "the bar" if setup.length is not None else direction_text(setup)
+    along = "x y z" if len(directions_of(setup)) > 1 else direction_text(setup)
+    along = along if setup.length is None else "the bar"
     own = setup.name, setup.instrument, along, moves, noise, count
     return SetupUse(*own, of.serial, of.certificate, _temperature(setup))
 

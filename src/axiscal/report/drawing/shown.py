@@ -24,6 +24,12 @@ def shown(figure: Figure, label: str) -> Markup:
     ))  # fmt: skip
 
 
+def seen_first(figure: Figure) -> Figure:
+    """Return a figure in the view that its page shows first."""
+    views = figure.get("views")
+    return figure if views is None else _seen_as(figure, next(iter(views.values())))
+
+
 def _seen_as(figure: Figure, view: Figure) -> Figure:
     """Return a figure with the abscissa, and without the traces, that a view asks for."""
     layout = figure["layout"]

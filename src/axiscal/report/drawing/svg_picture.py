@@ -22,7 +22,7 @@ _TICK_SIZE, _TITLE_SIZE = 10.5, 11.5
 """Pixels; a matter of taste."""
 _BAR = 9.0
 """Pixels; a matter of taste."""
-_APART = {"x": 64.0, "y": 34.0}
+_APART = {"x": 46.0, "y": 26.0}
 """Pixels between two ticks at least: a number has to fit between them."""
 
 

@@ -22,7 +22,7 @@
     resized.observe(box);
   }
 
-  // The pictures in space turn together: places are mm of the workpiece, projected as in volume_picture.py.
+  // The pictures in space turn together: places are mm of the workpiece, projected as in arrow_pictures.py.
   const spaces = [...document.querySelectorAll("[data-view3]")];
   let turn = 0, tilt = 0;
 

@@ -16,7 +16,7 @@ from axiscal.report.drawing.strokes import short_number, text_safe, title, words
 from axiscal.report.sentences import figure, quantity
 from axiscal.report.volume_error import Triple, VolumeError
 
-_WIDTH, _HEIGHT, _MARGIN = 360, 330, 34
+_WIDTH, _HEIGHT, _MARGIN = 300, 280, 26
 """Pixels; a matter of taste."""
 _TURN, _TILT = -35.0, 24.0
 """Degrees about the vertical and down from the horizon, as the volume is seen at first; a matter of taste."""
@@ -182,15 +182,15 @@ def _box(volume: VolumeError, look: _Look) -> str:
 
 def _bar(scale: ColourScale, largest: float, what: str) -> str:
     """Return the bar of colours under a picture, from nought to the largest."""
-    left, width, top = 70, _WIDTH - 140, _HEIGHT + 8
+    left, width, top = 50, _WIDTH - 100, _HEIGHT + 8
     steps = [[largest * k / 16 for k in range(17)]] * 2
     image = map_image(steps, scale, 0.0, largest)
     place = f'x="{left}" y="{top}" width="{width}" height="7" preserveAspectRatio="none"'
     return (
         f'<image {place} href="{image}"/>'
-        + words("0", (left, top + 20), 10.5, "var(--soft)", "middle")
-        + words(quantity(largest, "um"), (left + width, top + 20), 10.5, "var(--soft)", "middle")
-        + words(what, (_WIDTH / 2, top + 20), 10.5, "var(--soft)", "middle")
+        + words("0", (left, top + 21), 11.5, "var(--soft)", "middle")
+        + words(quantity(largest, "um"), (left + width, top + 21), 11.5, "var(--soft)", "middle")
+        + words(what, (_WIDTH / 2, top + 21), 11.5, "var(--soft)", "middle")
     )
 
 

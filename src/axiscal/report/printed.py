@@ -1,0 +1,238 @@
+"""The report on paper: the same summary, set by typst into a PDF that asks for no network and no font of the system."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Sequence
+from datetime import UTC, date, datetime
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from axiscal.accuracy.expanded import BAND
+from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, side_by_side
+from axiscal.report.drawing.paper import alone, paper_svg
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.glossary import WORDS
+from axiscal.report.identity import pairs, setup_rows
+from axiscal.report.sentences import (
+    constant_note,
+    curve_note,
+    figure,
+    iso_name,
+    occasion,
+    position_text,
+    quantity,
+    short,
+    spelt,
+    standardised,
+)
+from axiscal.report.standalone import static_text
+from axiscal.report.summary import CurveSummary, HistoryRow, Rejection, Summary
+
+_WIDE, _PANEL = 680, 230
+"""Pixels that a picture as wide as the page, and a third of it, are drawn in; a matter of taste."""
+
+
+def pdf(summary: Summary) -> bytes:
+    """Return the report as PDF/A-2b where letters hold all of its signs; raises SummaryError for an infinite figure."""
+    with TemporaryDirectory(prefix="axiscal-") as name:
+        folder = Path(name)
+        document = _Document(summary, folder).content()
+        text = json.dumps(document, ensure_ascii=False, allow_nan=False).encode("utf-8", "replace")
+        (folder / "data.json").write_bytes(text)
+        (folder / "report.typ").write_text(static_text("report.typ", "templates"), encoding="utf-8")
+        return _set(folder / "report.typ", _moment(_day(summary)))
+
+
+def _set(template: Path, moment: int) -> bytes:
+    """Return what typst makes of a template beside its data.
+
+    Signs that its own letters lack are looked for in the system's; where no letters have them, they are boxes, and the
+    PDF is none for archives, which forbid that.
+    """
+    import typst
+
+    *strict, last = (False, ["a-2b"]), (True, ["a-2b"]), (True, [])
+    for system, standards in strict:
+        with contextlib.suppress(typst.TypstError):
+            return _compiled(template, moment, system, standards)
+    return _compiled(template, moment, *last)
+
+
+def _compiled(template: Path, moment: int, system: bool, standards: list[str]) -> bytes:
+    import typst
+
+    fonts = typst.Fonts(include_system_fonts=system)
+    compiler = typst.Compiler(str(template), root=str(template.parent), font_paths=fonts)
+    made = compiler.compile(pdf_standards=standards, timestamp=moment)
+    assert isinstance(made, bytes)  # one document, in one file
+    return made
+
+
+def _day(summary: Summary) -> date:
+    """Return when the campaign was begun: the same campaign gives the same bytes."""
+    try:
+        return date.fromisoformat(summary.date[:10])
+    except ValueError:
+        return date(1970, 1, 1)
+
+
+def _moment(day: date) -> int:
+    return int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp())
+
+
+class _Document:
+    """What the template is filled with; pictures are written into a folder as they are met."""
+
+    def __init__(self, summary: Summary, folder: Path) -> None:
+        self._summary, self._folder, self._count = summary, folder, 0
+
+    def content(self) -> dict[str, Any]:
+        """Return the whole."""
+        return {**self._first(), **self._figures(), **self._pictures(), **self._last()}
+
+    def _first(self) -> dict[str, Any]:
+        s = self._summary
+        number = f" {s.particulars.number}" if s.particulars.number else ""
+        known = "not known: the readings contradict every explanation that was tried"
+        value = known if s.withheld else f"known to U = {quantity(s.expanded.space, 'um')} in space"
+        said = [] if s.withheld else [headline.expanded_words(s)]
+        said += [s.verdict_words, *headline.checked_lines(s), s.vouched.words, *headline.table_lines(s)]
+        return {
+            "title": s.title,
+            "day": [_day(s).year, _day(s).month, _day(s).day],
+            "machine": s.machine,
+            "operator": s.particulars.operator or "not stated",
+            "heading": f"Calibration report{number}, {s.date}",
+            "record": "" if s.record is None else f"{s.record.file}, event {s.record.event}",
+            "result": f"{occasion(s)} the tool point is {value}.",
+            "sentences": [spelt(line) for line in (*said, f"Stopped because: {s.stopped_because}.") if line],
+            "pairs": pairs(s),
+            "setups": setup_rows(s),
+        }
+
+    def _figures(self) -> dict[str, Any]:
+        s = self._summary
+        return {
+            "sides": [[row.words, row.found, *row.left] for row in side_by_side.sides(s)],
+            "controls": list(side_by_side.effects(s)),
+            "axes": side_by_side.axis_rows(s),
+            "budget": [[spelt(r.words), quantity(r.rms_um, "um"), f"{100 * r.share:.1f} %"] for r in s.budget],
+            "constants": [
+                [c.name, spelt(c.words), constant_note(c), f"± {quantity(BAND * c.prior_std, c.unit)}"]
+                for c in s.constants
+            ],
+            "readings": [_reading_row(row) for row in s.history if row.position],
+        }
+
+    def _pictures(self) -> dict[str, Any]:
+        s = self._summary
+        innovations = figures.innovations(s)
+        return {
+            "volume": [] if s.volume is None else [
+                {"name": each.name, "words": "", "note": each.note, "file": self._file(alone(each.svg))}
+                for each in arrow_pictures.volume_panels(s.volume)
+            ],
+            "volume_words": "" if s.volume is None else _volume_words(s),
+            "accuracy": self._drawn(figures.accuracy(s), _WIDE) if s.history else None,
+            "groups": [*self._groups(s.curves), *self._groups(s.reversals)],
+            "planes": [
+                {"name": each.plane.name, "words": each.plane.caption, "maps": [
+                    {"name": "", "words": words, "note": "", "file": self._drawn(drawn, _PANEL)}
+                    for drawn, words in each.maps
+                ]}
+                for each in plane_maps.panels(s)
+            ],
+            "iso": [
+                {"axis": block.axis, "file": self._drawn(figures.iso230(block), _WIDE), "figures": [
+                    [iso_name(name), quantity(value, block.value_unit), _uncertain(block.uncertainties.get(name))]
+                    for name, value in block.figures.items()
+                ]}
+                for block in s.iso230
+            ],
+            "innovations": None if innovations is None else self._drawn(innovations, _WIDE),
+        }  # fmt: skip
+
+    def _groups(self, curves: Sequence[CurveSummary]) -> list[dict[str, Any]]:
+        return [
+            {
+                "axis": group.axis,
+                "note": group.note,
+                "rows": [[self._panel(panel) for panel in row] for row in group.rows],
+            }
+            for group in gallery.groups(curves, self._summary.chain)
+        ]
+
+    def _panel(self, panel: gallery.Panel) -> dict[str, str]:
+        curve, drawn = panel.curve, self._drawn(panel.figure, _WIDE // 2 if panel.figure["wide"] else _PANEL)
+        return {"name": curve.name, "words": curve.caption, "note": curve_note(curve), "file": drawn}
+
+    def _last(self) -> dict[str, Any]:
+        s = self._summary
+        check = s.reading_residual
+        agreement = ["Each reading against what was expected just before it; about one in twenty may lie outside ±2."]
+        if check is not None:
+            agreement.append(
+                f"Their squares add up to {figure(check.chi_square)} where {check.degrees} are to be expected; chance "
+                f"alone gives as much or more with probability {figure(check.probability)}."
+            )
+        errors = headline.errors_named(s)
+        people = (("Operator", s.particulars.operator), ("Responsible", s.particulars.responsible))
+        return {
+            "agreement": [*agreement, *(spelt(line) for line in headline.checked_lines(s))],
+            "rejected": [_rejected(each) for each in s.rejected],
+            "unseen": [spelt(each) for each in s.observability],
+            "questions": list(s.questions),
+            "warnings": [spelt(w.text) for w in s.warnings],
+            "files": [
+                {"controller": each.controller, "sentence": spelt(each.sentence), "files": list(each.files)}
+                for each in side_by_side.files_of_controls(s.tables)
+            ],
+            "checksums": [[name, value] for name, value in s.checksums.items()],
+            "versions": "Programs: " + ", ".join(f"{name} {version}" for name, version in sorted(s.versions.items())),
+            "words": [*WORDS, *([("Errors described", errors)] if errors else [])],
+            "signs": [f"{role}{f': {name}' if name else ''}, date, signature" for role, name in people],
+        }
+
+    def _drawn(self, drawn: Figure, width: int) -> str:
+        return self._file(paper_svg(drawn, width))
+
+    def _file(self, svg: str) -> str:
+        self._count += 1
+        name = f"figure-{self._count}.svg"
+        (self._folder / name).write_bytes(svg.encode("utf-8", "replace"))
+        return name
+
+
+def _volume_words(summary: Summary) -> str:
+    volume = summary.volume
+    assert volume is not None
+    parked = f" with {volume.parked.replace(' deg', '°')}" if volume.parked else ""
+    times = short(arrow_pictures.magnification(volume))
+    over = f"over the travel of {', '.join(volume.axes)}{parked}"
+    return f"How far the tool point is from where it was sent, {times} times as long as it is, {over}."
+
+
+def _uncertain(value: float | None) -> str:
+    return "" if value is None else f"U {figure(value)} (k = 2)"
+
+
+def _rejected(each: Rejection) -> str:
+    value = quantity(each.value_um, each.unit)
+    return f"Reading {each.reading}, {each.setup}, {position_text(each.position)}, {value}: {each.reason}"
+
+
+def _reading_row(row: HistoryRow) -> list[str]:
+    z = standardised(row)
+    return [
+        f"{row.reading}{' ×' if row.rejected else ''}",
+        row.setup or "",
+        position_text(row.position),
+        row.approach,
+        "" if row.value_um is None else quantity(row.value_um, row.unit),
+        "" if row.innovation is None else quantity(row.innovation, row.unit),
+        "" if z is None else figure(z),
+        figure(row.rms_um),
+    ]
