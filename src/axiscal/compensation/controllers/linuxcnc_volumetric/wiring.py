@@ -17,7 +17,7 @@ _HEAD = f"""\
 # addf lines that read the hardware before, those that write it behind. With another order the following error grows by
 # the way of one period.
 """
-_SWITCHES = """\
+SWITCHES = """\
 # Off at start. Switch it on with the spindle stopped and the tool clear: halcmd setp axiscal-vcomp.enable 1
 setp axiscal-vcomp.enable 0
 # A fault lets a part go on wrong by the whole error; to stop the feed then:
@@ -41,7 +41,7 @@ def text(joints: Sequence[int]) -> str:
     ]
     for joint in sorted(joints):
         lines += joint_lines(joint)
-    return "\n".join(lines) + "\n" + _SWITCHES
+    return "\n".join(lines) + "\n" + SWITCHES
 
 
 def joint_lines(joint: int) -> list[str]:
