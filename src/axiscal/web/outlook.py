@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.guide.stopping import CONTROLS, TableLeft
-from axiscal.guide.volume_picture import forecast, volume_picture
+from axiscal.guide.volume_scene import forecast, volume_scene
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal.web.shapes import BallShape, MomentShape, OutlookShape, Point, TableShape
@@ -12,7 +12,7 @@ from axiscal.web.shapes import BallShape, MomentShape, OutlookShape, Point, Tabl
 
 def outlook_shape(campaign: Campaign, version: int) -> OutlookShape:
     """Return the volume as it is known now, and what the plan will reach."""
-    drawn = volume_picture(campaign)
+    drawn = volume_scene(campaign)
     return OutlookShape(
         version=version,
         points=_points(drawn.points),

@@ -20,7 +20,7 @@ _STEPS = 6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class VolumePicture:
+class VolumeScene:
     """Everything in the workpiece frame, m.
 
     points : (m, 3) over the volume; error, std : (m,) of the TCP there, without the shift that a zero takes away
@@ -38,7 +38,7 @@ class VolumePicture:
     balls: tuple[tuple[str, Array], ...]
 
 
-def volume_picture(campaign: Campaign) -> VolumePicture:
+def volume_scene(campaign: Campaign) -> VolumeScene:
     """Return the picture as the readings so far show the volume."""
     case, knowledge = campaign.known().banded
     yardstick, machine = case.yardstick, campaign.description.machine
@@ -49,7 +49,7 @@ def volume_picture(campaign: Campaign) -> VolumePicture:
     readings = [reading.pose for reading in campaign.state.readings]
     poses = [*readings, *(place.pose for place in coming(campaign))]
     box, edges = _travels(machine)
-    return VolumePicture(
+    return VolumeScene(
         points=frames(machine, places).tcp,
         error=np.sqrt(_of_both_sides(square, len(places))),
         std=np.sqrt(_of_both_sides(yardstick.variances(belief.factor), len(places))),
