@@ -222,7 +222,9 @@ def drawn(loops: Mapping[str, Loop]) -> str:
             bars.append({"type": "rect", "y0": 0, "y1": to_unit(height, "um"), "fillcolor": colour, **side})
             if foretold:
                 at = to_unit(foretold, "um")
-                expected.append({"type": "line", "y0": at, "y1": at, "line": _LINE, **side})
+                expected.append(
+                    {"type": "line", "y0": at, "y1": at, "line": {"color": "var(--ink)", "width": 1.5}, **side}
+                )
         names.append(_label(name, (place - 0.86) / len(loops), 0.9 * top))
     said = "as found | with tables | with the component; line: expected"
     names.append(_label(said, 0.02, 0.98 * top))
@@ -233,7 +235,6 @@ def drawn(loops: Mapping[str, Loop]) -> str:
 
 
 _COLOURS = ("var(--soft)", "var(--truth)", "var(--accent)")
-_LINE = {"color": "var(--ink)", "width": 1.5}
 
 
 def _label(text: str, x: float, y: float) -> Figure:
