@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs trust certify reliability fuzz audit lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs languages trust certify reliability fuzz audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -16,6 +16,7 @@ help:
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
+	@echo "make languages  bring the translations of prompt and page up to the messages there are (src/axiscal/guide/languages)"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
@@ -60,6 +61,9 @@ docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.stories
 	$(BIN)/python -m tests.docs.api
 	$(BIN)/python -m tests.docs.result
+
+languages: .venv/dev.stamp
+	$(BIN)/python -m tests.docs.languages
 
 trust: .venv/dev.stamp
 	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART)) $(if $(MACHINES),--attacked $(MACHINES)) \

@@ -169,6 +169,25 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
         assert campaign.state.finished == "ended by the operator"
 
 
+def test_the_prompt_speaks_german(folder: Path) -> None:
+    terminal = Terminal(folder, "--language", "de")
+    assert "das Messgerät aufbauen (Laserinterferometer)" in terminal.until("Eingabetaste, wenn es steht, oder ? > ")
+    terminal.type("")
+    assert "von unten" in terminal.until("Messwert [um] > ").replace("von oben", "von unten")
+    terminal.type("1,5")
+    terminal.until("Messung 1 bei X = ")
+    terminal.until("Messwert [um] > ")
+    terminal.type("zurück")
+    assert "Zurückgenommen: " in terminal.until("Messwert [um] > ")
+    terminal.type("ende")
+    terminal.until("Eingabetaste macht weiter: ")
+    terminal.type("ja")
+    terminal.until("result.json")
+    assert terminal.ended() == 0
+    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
+        assert campaign.state.finished == "ended by the operator"
+
+
 def test_a_number_before_the_set_up_stands_is_no_reading(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
 import re
 import signal
 import subprocess
@@ -90,11 +91,12 @@ def started(folder: Path, campaign: str = FOUR_READINGS) -> Path:
 
 
 @contextmanager
-def served(record: Path) -> Iterator[Served]:
-    """Serve a record until the end of the block; it then ends by Ctrl-C with status 0."""
-    command = [sys.executable, "-m", "axiscal.cli", "serve", str(record)]
+def served(record: Path, *options: str) -> Iterator[Served]:
+    """Serve a record until the end of the block, in English unless said; it then ends by Ctrl-C with status 0."""
+    command = [sys.executable, "-m", "axiscal.cli", "serve", str(record), *options]
+    english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=english
     )
     assert process.stdout is not None
     try:

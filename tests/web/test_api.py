@@ -175,7 +175,7 @@ def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -
     left = json.loads((page.record.parent / "results" / "result.json").read_text())["tables"]
     mine = next(each for each in left if each["controller"] == "linuxcnc")
     assert mine["expected_um"] == pytest.approx(table["expected_um"], rel=1e-5)  # as many digits as are printed
-    assert "template" in page.call("table?control=fanuc").document["refusal"].lower()
+    assert "made from one of your control" in page.call("table?control=fanuc").document["refusal"]
     assert page.call("table?control=abacus").document["refusal"].startswith('"abacus" is not a controller')
 
 

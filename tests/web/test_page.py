@@ -216,6 +216,35 @@ def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser,
 
 
 @pytest.mark.chromium
+def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Browser, tmp_path: Path) -> None:
+    record = started(tmp_path)
+    page = browser.page(1400, 900)
+    with served(record, "--language", "de") as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'stands'")
+        assert page.value("document.documentElement.lang") == "de"
+        assert page.value("document.getElementById('stands').textContent") == "Es steht"
+        looked_at(page)
+        page.press("Enter")
+        type_reading(page, "-1,7")
+        looked_at(page)
+        page.type("400")
+        page.press("Enter")
+        page.until("document.getElementById('heard').textContent.includes('Standardabweichungen vom Erwarteten')")
+        looked_at(page)
+        page.press("Enter")
+        assert page.value("document.getElementById('sign').textContent").startswith("+ wo das Werkzeug")
+        assert server.state()["question"]["sign"].startswith("+ where the tool")
+        refused = server.call("typed?text=zwei").document["sentence"]
+        assert refused == '"zwei" is no reading and no word known here. Type ? for what can be typed.'
+        tab_to(page, "stop")
+        page.press("Enter")
+        page.until("document.getElementById('table-words').textContent.startsWith('mit ihrer Tabelle')")
+        looked_at(page)
+        assert page.complaints() == []
+
+
+@pytest.mark.chromium
 def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
     one, two = browser.page(1400, 900), browser.page(768, 1024)

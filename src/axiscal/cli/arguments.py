@@ -50,7 +50,7 @@ OwnRecord = Annotated[
 Language = Annotated[
     str | None,
     typer.Option(
-        metavar="NAME", help="Of the person, such as en; default: AXISCAL_LANGUAGE, or the language of the computer."
+        metavar="NAME", help="Of the person: en or de; default: AXISCAL_LANGUAGE, or the language of the computer."
     ),
 ]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]

@@ -33,7 +33,7 @@ def measure(
     \b
     Examples:
       axiscal measure mill.axiscal
-      axiscal measure mill.axiscal -o results
+      axiscal measure mill.axiscal -o results --language de
     """
     folder = out or results_beside(record)
     with speaking(chosen(language)):

@@ -12,6 +12,7 @@ from axiscal.cli.prompt_texts import expected_text, headline, help_text, mountin
 from axiscal.cli.texts import micrometres
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.guide.answers import Value, Word, action, answer
+from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.language import counted, said
 from axiscal.guide.progress import Progress
@@ -162,7 +163,7 @@ class Prompt:
         done = "Done: {because}. RMS {rms}, worst {worst}, {taken} in {minutes} min."
         minutes, rms, worst = f"{to_unit(known.seconds, 'min'):.0f}", known.now.rms, known.now.worst
         figures = {"rms": micrometres(rms), "worst": micrometres(worst), "minutes": minutes}
-        say("\n" + said(done, because=ended.because, taken=taken, **figures))
+        say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
         then = _Then.SAME
         while then is _Then.SAME:

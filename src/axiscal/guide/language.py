@@ -15,7 +15,7 @@ from importlib import resources
 
 from axiscal.exceptions import InputError
 
-LANGUAGES = {"en": "English"}
+LANGUAGES = {"en": "English", "de": "Deutsch"}
 """Those there are, each by its own name."""
 _SPOKEN = ContextVar("language", default="en")
 

@@ -11,11 +11,12 @@ def mount_sentence(question: Question) -> str:
     """Return what to mount and what it will read."""
     setup, reads = question.setup, reads_text(question.setup)
     if setup.artefact is not None:
-        sentence = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
-        mounted = said(sentence, artefact=setup.artefact.name, instrument=said(setup.instrument), reads=reads)
+        with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
+        mounted = said(with_artefact, artefact=setup.artefact.name, instrument=said(setup.instrument), reads=reads)
     else:
-        sentence = "mount the instrument ({instrument}); it reads {reads}"
-        mounted = said(sentence, instrument=said(setup.instrument), reads=reads)
+        mounted = said(
+            "mount the instrument ({instrument}); it reads {reads}", instrument=said(setup.instrument), reads=reads
+        )
     if question.go.count("=") == 1:
         return said("{mounted}, while {axis} moves", mounted=mounted, axis=question.go.split(" = ")[0])
     return mounted

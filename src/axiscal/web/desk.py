@@ -13,6 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
+from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.language import said, speaking
 from axiscal.guide.question import Question, asked_text
@@ -181,7 +182,11 @@ class Desk:
         self._refuse_overtaken(after)
         asked = self.campaign.next(beyond=True)
         self._show({})
-        ended = said("Nothing more to ask: {because}.", because=asked.because) if isinstance(asked, Ended) else ""
+        ended = (
+            said("Nothing more to ask: {because}.", because=because_text(asked.because))
+            if isinstance(asked, Ended)
+            else ""
+        )
         return ended or said("One more.")
 
     def finish(self, after: int) -> str:

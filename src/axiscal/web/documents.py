@@ -12,6 +12,7 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.guide.axis_places import axis_places
 from axiscal.guide.due import Due, due
+from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import BAND, Expectation
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.picture import Dot, Picture, picture
@@ -68,8 +69,8 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         record=campaign.path.name,
         progress=_progress(campaign),
         question=None if asked is None or shown.question is None else _question(campaign, asked, shown.question),
-        ended=shown.ended,
-        finished=state.finished,
+        ended=None if shown.ended is None else because_text(shown.ended),
+        finished=None if state.finished is None else because_text(state.finished),
         trouble=shown.trouble,
         readings=_latest(campaign),
         notes=[NoteShape(text=note.text, at=note.at, after=note.after) for note in state.notes],

@@ -1,0 +1,75 @@
+"""Prompt and page in other languages: nothing is left out, and nothing is lost on the way from file to screen."""
+
+from __future__ import annotations
+
+import re
+from string import Formatter
+
+import pytest
+from babel.messages.catalog import Message
+
+from axiscal.exceptions import InputError
+from axiscal.guide.answers import Value, Word, answer
+from axiscal.guide.language import LANGUAGES, chosen, counted, messages, said, speaking
+from tests.docs import languages
+from tests.guide.test_answers import DIAL
+
+OTHERS = [language for language in LANGUAGES if language != "en"]
+
+
+def names(text: str) -> set[str]:
+    """Return the names in braces."""
+    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+
+
+def pairs(message: Message) -> list[tuple[str, str]]:
+    """Return each English text of a message with its translation."""
+    one, other = message.id, message.string
+    if isinstance(one, str):
+        return [(one, str(other))]
+    assert isinstance(other, list | tuple)
+    return list(zip(one, other, strict=True))
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_every_message_is_translated_and_none_is_left_over(language: str) -> None:
+    kept = [message for message in languages.translated(language) if message.id]
+    assert {
+        message.id if isinstance(message.id, str) else tuple(message.id) for message in kept
+    } == languages.messages()
+    every = [pair for message in kept for pair in pairs(message)]
+    assert [english for english, other in every if not other.strip()] == []
+    assert [english for english, other in every if names(english) - {"count"} != names(other) - {"count"}] == []
+    assert [english for english, other in every if re.search(r"\s$", english) and english[-1] != other[-1]] == []
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_what_the_program_reads_is_what_the_translator_wrote(language: str) -> None:
+    for message in languages.catalogue(language):
+        if isinstance(message.id, str) and message.id:
+            assert messages(language)[message.id] == message.string
+
+
+def test_a_message_is_said_in_the_language_that_is_spoken() -> None:
+    assert said("reading {number} of {last}", number=3, last=9) == "reading 3 of 9"
+    with speaking("de"):
+        assert said("reading {number} of {last}", number=3, last=9) == "Messung 3 von 9"
+        assert counted("{count} reading", "{count} readings", 1) == "1 Messung"
+        assert counted("{count} reading", "{count} readings", 2) == "2 Messungen"
+        assert answer("auslassen der Strahl ist weg", DIAL) == Word("skip", "der Strahl ist weg")
+        assert answer("undo", DIAL) == answer("zurück", DIAL) == Word("undo")
+        assert isinstance(answer("-1,7", DIAL), Value)
+    assert said("undo") == "undo"
+
+
+def test_the_language_is_the_one_named_or_that_of_the_computer(monkeypatch: pytest.MonkeyPatch) -> None:
+    for variable in ("AXISCAL_LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
+        monkeypatch.delenv(variable, raising=False)
+    assert chosen(None) == "en"
+    for usual, found in (("de_DE.UTF-8", "de"), ("C", "en"), ("tr_TR.UTF-8", "en")):
+        monkeypatch.setenv("LANG", usual)
+        assert chosen(None) == found
+    monkeypatch.setenv("AXISCAL_LANGUAGE", "de")
+    assert (chosen(None), chosen("en")) == ("de", "en")
+    with pytest.raises(InputError, match=r"de \(Deutsch\)"):
+        chosen("xx")
