@@ -18,6 +18,7 @@ from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.estimation.defence import defended
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
@@ -77,6 +78,14 @@ def export(
             help="What was active while measuring: a table, AXIS=FILE, a folder, LinuxCNC's INI file; repeatable.",
         ),
     ] = None,
+    ini: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.ini",
+            help="linuxcnc-volumetric: your INI file; units and joints are taken from it, and it and its HAL files are "
+            "written with the component in them, with apply.sh and undo.sh, started without motors first.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -87,7 +96,7 @@ def export(
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
       axiscal export router.axiscal --to linuxcnc --coordinates XYYZ --out tables
-      axiscal export mill.axiscal --to linuxcnc-volumetric --out tables
+      axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
     """
@@ -112,7 +121,7 @@ def export(
         estimation = ruled(campaign.concluded())
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
-        offered = registry.export(estimation.estimate(), to, options)
+        offered = _offered(estimation.estimate(), to, options, ini)
         ruling = ruling_of(estimation)
         factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
         vouched = vouched_words(estimation.case, defended(estimation))
@@ -123,6 +132,17 @@ def export(
         say_document(_document(offered, out))
     else:
         say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
+
+
+def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | None) -> Export:
+    """Return the files, with those of the owner's configuration where it is given."""
+    if ini is None:
+        return registry.export(estimate, to, options)
+    if to.casefold() != "linuxcnc-volumetric":
+        raise TableError(f"{shown(to)} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric")
+    from axiscal.campaign.configuring import export_into
+
+    return export_into(ini, estimate, options)
 
 
 def _options(

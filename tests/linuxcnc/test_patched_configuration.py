@@ -1,0 +1,155 @@
+"""An owner's INI and HAL files with the component in them: started on a real LinuxCNC, put in, taken out again."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.configuring import export_into
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.exceptions import ControlError, InputError
+from axiscal.lab.linuxcnc import Joint, Settings, available, can_compile
+from axiscal.lab.linuxcnc.configuration import files as lab_files
+from tests.linuxcnc.test_closed_loop import known
+
+NEEDS = [
+    pytest.mark.linuxcnc,
+    pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
+    pytest.mark.skipif(not can_compile(), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
+]
+HAL = """\
+loadrt [KINS]KINEMATICS
+loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
+loadrt lowpass names=lag
+addf motion-command-handler servo-thread  # as in many a file
+addf motion-controller servo-thread
+addf lag servo-thread
+setp lag.gain 1.0
+net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
+net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared
+net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed
+net x-to-drive joint.0.motor-pos-cmd => lag.in
+net x-is-at joint.0.motor-pos-fb <= lag.out
+net y-both joint.1.motor-pos-cmd => joint.1.motor-pos-fb
+net everything-homed <= motion.is-all-homed
+net x-shown joint.0.pos-cmd
+"""
+
+
+def owned(folder: Path, hal: str = HAL, more: str = "") -> Path:
+    """A mill's folder, as its owner may have it: two HAL files, and a backlash."""
+    made = lab_files([Joint(axis, -400, 700) for axis in "XYZ"], Settings())
+    ini = made["machine.ini"].replace("HALFILE = machine.hal", "HALFILE = mill.hal\nHALFILE = z.hal  # of Z")
+    ini = ini.replace("[JOINT_0]\n", "[JOINT_0]\nBACKLASH = 0.01\n").replace("./driver.py", "axis") + more
+    (folder / "mill.ini").write_text(ini)
+    (folder / "mill.hal").write_text(hal)
+    (folder / "z.hal").write_text("net z-both joint.2.motor-pos-cmd => joint.2.motor-pos-fb\n")
+    (folder / "sim.tbl").write_text(made["sim.tbl"])
+    return folder / "mill.ini"
+
+
+def script(folder: Path, name: str, target: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["sh", folder / name, target], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, str]:
+    """The owner's folder, what was written for it, and the README."""
+    theirs, ours = tmp_path_factory.mktemp("theirs"), tmp_path_factory.mktemp("ours")
+    made = export_into(owned(theirs), known("three-axis")[0], ExportOptions())
+    for name, text in made.files.items():
+        (ours / name).write_text(text)
+    return theirs, ours, made.readme
+
+
+class TestStarted:
+    pytestmark = NEEDS
+
+    def test_the_patched_files_were_started_themselves(self, exported: tuple[Path, Path, str]) -> None:
+        assert "Started here without motors: the patched files themselves" in exported[2]
+        assert "1 lines of COMP_FILE and BACKLASH are taken out" in exported[2]
+
+    def test_a_configuration_that_would_not_run_is_not_offered(self, tmp_path: Path) -> None:
+        with pytest.raises(ControlError):
+            export_into(
+                owned(tmp_path, HAL + "net x-to-drive => no.such-pin\n"), known("three-axis")[0], ExportOptions()
+            )
+
+    def test_with_hardware_its_axes_are_started_with_simulated_drives(self, tmp_path: Path) -> None:
+        made = export_into(owned(tmp_path, "loadrt hostmot2\n" + HAL), known("three-axis")[0], ExportOptions())
+        assert "a configuration of these axes with simulated drives, not your HAL" in made.readme
+
+
+class TestPutIn:
+    pytestmark = NEEDS
+
+    def test_signals_and_hardware_stay_as_they_are_named(self, exported: tuple[Path, Path, str]) -> None:
+        text = (exported[1] / "mill.hal").read_text()
+        assert "net x-to-drive axiscal-vcomp.drive-0 => lag.in\n" in text
+        assert "net x-is-at axiscal-vcomp.encoder-0 <= lag.out\n" in text
+        assert "net y-both axiscal-vcomp.drive-1 => axiscal-vcomp.encoder-1\n" in text
+        join = (exported[1] / "axiscal-join.hal").read_text()
+        assert "net everything-homed => axiscal-vcomp.homed\n" in join
+        assert "net x-shown => axiscal-vcomp.pos-0\n" in join
+        assert "net vc-pos-1 joint.1.pos-cmd => axiscal-vcomp.pos-1\n" in join
+        ini = (exported[1] / "mill.ini").read_text()
+        order = [line.split()[2] for line in ini.splitlines() if line.startswith("HALFILE")]
+        assert order == ["axiscal-load.hal", "mill.hal", "z.hal", "axiscal-join.hal"]
+        assert "# taken out by axiscal: BACKLASH = 0.01" in ini
+
+    def test_it_is_put_in_and_taken_out_without_a_trace(self, exported: tuple[Path, Path, str]) -> None:
+        theirs, ours, _ = exported
+        before = {path.name: path.read_bytes() for path in theirs.iterdir()}
+        assert script(ours, "apply.sh", theirs).returncode == 0
+        assert (theirs / "mill.hal").read_text() == (ours / "mill.hal").read_text()
+        assert (theirs / "axiscal.vcomp").exists()
+        again = script(ours, "apply.sh", theirs)
+        assert again.returncode == 1
+        assert "not the one that was read" in again.stderr
+        (theirs / "z.hal").write_text((theirs / "z.hal").read_text() + "# changed\n")
+        assert script(ours, "undo.sh", theirs).returncode == 1
+        (theirs / "z.hal").write_text((ours / "z.hal").read_text())
+        assert script(ours, "undo.sh", theirs).returncode == 0
+        assert {path.name: path.read_bytes() for path in theirs.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("addf motion-controller servo-thread\n", "", "no addf lines of motion-command-handler and motion-controller"),
+        (
+            "net x-is-at joint.0.motor-pos-fb <= lag.out\n",
+            "",
+            "no net line of the HAL files joins joint.0.motor-pos-fb",
+        ),
+        ("net y-both", "linkps joint.1.motor-pos-cmd y\nnet y-both", "linkps joins pins of motion here"),
+        ("loadrt lowpass", "loadrt axiscal_vcomp file=x\nloadrt lowpass", "in this configuration already"),
+    ],
+)
+def test_what_has_to_be_done_by_hand_is_said(old: str, new: str, message: str, tmp_path: Path) -> None:
+    assert old in HAL
+    with pytest.raises(InputError, match=message):
+        export_into(owned(tmp_path, HAL.replace(old, new)), known("three-axis")[0], ExportOptions())
+
+
+def test_names_that_could_do_harm_reach_no_script(tmp_path: Path) -> None:
+    ini = owned(tmp_path)
+    name = "z$(reboot).hal"
+    ini.write_text(ini.read_text().replace("z.hal  # of Z", name))
+    (tmp_path / name).write_text("net z-both joint.2.motor-pos-cmd => joint.2.motor-pos-fb\n")
+    with pytest.raises(InputError, match="no name that a script can copy"):
+        export_into(ini, known("three-axis")[0], ExportOptions())
+
+
+def test_another_machine_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"the INI file has axes X Y Z, machine.toml A C X Y Z"):
+        export_into(owned(tmp_path), known("xyzac")[0], ExportOptions())
+    ini = owned(tmp_path)
+    made = lab_files([Joint(axis) for axis in "XYZAC"], Settings(kinematics="xyzac-trt-kins"))
+    hal = HAL + "setp xyzac-trt-kins.conventional-directions 1\n"
+    ini.write_text(made["machine.ini"].replace("HALFILE = machine.hal", "HALFILE = mill.hal"))
+    (tmp_path / "mill.hal").write_text(hal)
+    with pytest.raises(InputError, match=r"turns [AC] by ISO 841, and machine.toml says the other way"):
+        export_into(ini, known("xyzac")[0], ExportOptions())
