@@ -12,6 +12,7 @@ from axiscal.cli.arguments import OwnRecord
 from axiscal.cli.printing import say
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import RecordError
+from axiscal.report.calibration_certificate import check_against
 from axiscal.report.delivery import write_report
 from axiscal.report.summarising import Extras, summarise
 
@@ -20,15 +21,22 @@ def report(
     record: OwnRecord,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.html", help="Where to write it, .html or .pdf; default: beside the record."),
+        typer.Option(metavar="FILE.html", help="Where to write it, .html, .pdf or .xml; default: beside the record."),
+    ] = None,
+    schema: Annotated[
+        Path | None, typer.Option(metavar="dcc.xsd", help="The schema that a certificate is compared with.")
     ] = None,
 ) -> None:
-    """Write the report of a campaign, finished or not: one page that needs no network, or a PDF.
+    """Write the report of a campaign, finished or not: one page that needs no network, a PDF, or a certificate.
+
+    FILE.xml is a Digital Calibration Certificate (DCC 3.3.0), without signature and seal: whoever is responsible adds
+    them. With --schema it is compared with PTB's schema, which has to be at hand.
 
     \b
     Examples:
       axiscal report mill.axiscal --out mill.html
       axiscal report mill.axiscal --out mill.pdf
+      axiscal report mill.axiscal --out mill.xml --schema dcc.xsd
     """
 
     target = record.with_suffix(".html") if out is None else _page(out)
@@ -36,12 +44,23 @@ def report(
         summary = summarise(campaign, ruled(campaign.concluded()), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target)
-    say(f"The report is in {target}.")
+    say(f"The report is in {target}.{_compared(target, schema)}")
+
+
+def _compared(target: Path, schema: Path | None) -> str:
+    """Return what a certificate was compared with; raises ReadingError where it is not as its schema wants it."""
+    if target.suffix.lower() != ".xml":
+        return ""
+    if schema is None:
+        return " It was compared with no schema (--schema dcc.xsd), and is neither signed nor sealed."
+    check_against(schema, target.read_bytes(), target)
+    return f" It is as {schema} wants it, and neither signed nor sealed."
 
 
 def _page(out: Path) -> Path:
     """Return the file if its name is one of a page or a PDF; raises RecordError for another kind of file."""
-    if out.suffix.lower() in (".html", ".htm", ".pdf"):
+    if out.suffix.lower() in (".html", ".htm", ".pdf", ".xml"):
         return out
-    what = f"the report is an HTML page or a PDF, and {out.name} is the name of neither"
-    raise RecordError(what, f"Write it to {out.with_suffix('.html').name} or {out.with_suffix('.pdf').name}", out)
+    what = f"the report is an HTML page, a PDF or a certificate, and {out.name} is the name of none"
+    names = ", ".join(out.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
+    raise RecordError(what, f"Write it to one of {names}", out)

@@ -25,6 +25,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
+from axiscal.report.calibration_certificate import certificate
+from axiscal.report.data_files import data_files
 from axiscal.report.headline import effect_words
 from axiscal.report.result_document import result_json
 from axiscal.report.result_set import RECORD, result_set, write_manifest
@@ -59,6 +61,10 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         written(folder / "result.json", f"{document}\n".encode())
         write_report(summary, folder / "report.html")
         write_report(summary, folder / "report.pdf")
+        write_whole(folder / "certificate.xml", certificate(summary))
+        (folder / "data").mkdir()
+        for name, text in data_files(summary).items():
+            write_whole(folder / "data" / name, text.encode("utf-8", "replace"))
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
 
@@ -72,7 +78,10 @@ def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
 
 
 def write_report(summary: Summary, path: Path) -> None:
-    """Write the report, as PDF or as a page, by the name of its file; raises OSError."""
+    """Write the report, as certificate, as PDF or as a page, by the name of its file; raises OSError."""
+    if path.suffix.lower() == ".xml":
+        write_whole(path, certificate(summary))
+        return
     if path.suffix.lower() == ".pdf":
         from axiscal.report.printed import pdf
 

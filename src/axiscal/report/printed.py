@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from datetime import UTC, date, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Literal
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, side_by_side
@@ -54,19 +54,18 @@ def _set(template: Path, moment: int) -> bytes:
     """
     import typst
 
-    *strict, last = (False, ["a-2b"]), (True, ["a-2b"]), (True, [])
-    for system, standards in strict:
+    for system in (False, True):
         with contextlib.suppress(typst.TypstError):
-            return _compiled(template, moment, system, standards)
-    return _compiled(template, moment, *last)
+            return _compiled(template, moment, system, "a-2b")
+    return _compiled(template, moment, True, None)
 
 
-def _compiled(template: Path, moment: int, system: bool, standards: list[str]) -> bytes:
+def _compiled(template: Path, moment: int, system: bool, standard: Literal["a-2b"] | None) -> bytes:
     import typst
 
     fonts = typst.Fonts(include_system_fonts=system)
     compiler = typst.Compiler(str(template), root=str(template.parent), font_paths=fonts)
-    made = compiler.compile(pdf_standards=standards, timestamp=moment)
+    made = compiler.compile(pdf_standards=standard or [], timestamp=moment)
     assert isinstance(made, bytes)  # one document, in one file
     return made
 

@@ -1,0 +1,85 @@
+"""The same figures as CSV files, for spreadsheets: readings, curves, constants, volume, budget."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from axiscal.accuracy.expanded import BAND
+from axiscal.measurement.csv_cells import csv_text
+from axiscal.report.digits import number
+from axiscal.report.sentences import axis_unit, standardised
+from axiscal.report.summary import CurveSummary, Summary
+
+Rows = Iterator[Sequence[str]]
+
+
+def data_files(summary: Summary) -> dict[str, str]:
+    """Return the text of each file by its name; raises SummaryError for a figure that is not finite."""
+    return {
+        "readings.csv": csv_text(_readings(summary)),
+        "curves.csv": csv_text(_curves([*summary.curves, *summary.reversals])),
+        "constants.csv": csv_text(_constants(summary)),
+        "volume.csv": csv_text(_volume(summary)),
+        "budget.csv": csv_text(_budget(summary)),
+    }
+
+
+def _readings(summary: Summary) -> Rows:
+    axes = list(dict.fromkeys(axis for row in summary.history for axis in row.position or {}))
+    names = [f"{axis}_{axis_unit(axis)}" for axis in axes]
+    yield [
+        "reading",
+        "setup",
+        *names,
+        "approach",
+        "value",
+        "unit",
+        "less_expected",
+        "surprise",
+        "used",
+        "rms_um",
+        "minutes",
+    ]
+    for row in summary.history:
+        if row.position is None:
+            continue
+        at = [_figure(row.position.get(axis)) for axis in axes]
+        value, left, z = row.value_um, row.innovation, standardised(row)
+        said = [row.approach, _figure(value), row.unit, _figure(left), _figure(z), "no" if row.rejected else "yes"]
+        yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes)]
+
+
+def _curves(curves: Sequence[CurveSummary]) -> Rows:
+    yield ["error", "axis", "position", "position_unit", "mean", "half_width_95", "before_95", "unit"]
+    for each in curves:
+        for at, mean, std, prior in zip(each.position, each.mean, each.std, each.prior_std, strict=True):
+            figures = [_figure(mean), _figure(BAND * std), _figure(BAND * prior)]
+            yield [each.name, each.axis, _figure(at), each.position_unit, *figures, each.value_unit]
+
+
+def _constants(summary: Summary) -> Rows:
+    yield ["constant", "is", "mean", "half_width_95", "before_95", "unit"]
+    for each in summary.constants:
+        figures = [_figure(each.mean), _figure(BAND * each.std), _figure(BAND * each.prior_std)]
+        yield [each.name, each.words, *figures, each.unit]
+
+
+def _volume(summary: Summary) -> Rows:
+    kinds = ("found", "left", "half_width_95")
+    yield [*(f"{name}_mm" for name in "xyz"), *(f"{kind}_{name}_um" for kind in kinds for name in "xyz")]
+    volume = summary.volume
+    if volume is None:
+        return
+    for k, at in enumerate(volume.tcp_mm):
+        left = volume.left_um[k] if volume.left_um else (None, None, None)
+        yield [_figure(each) for each in (*at, *volume.found_um[k], *left, *volume.half_um[k])]
+
+
+def _budget(summary: Summary) -> Rows:
+    yield ["source", "rms_um", "share"]
+    for row in summary.budget:
+        yield [row.words, _figure(row.rms_um), _figure(row.share)]
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{number(value, 'a figure of a CSV file'):.6g}"

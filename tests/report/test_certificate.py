@@ -1,0 +1,110 @@
+"""The certificate and the CSV files: elements in the order of DCC 3.3.0, the numbers of the summary, schemas used."""
+
+from __future__ import annotations
+
+import csv
+import io
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import ReadingError
+from axiscal.report.calibration_certificate import DCC, SI, certificate, check_against
+from axiscal.report.data_files import data_files
+from tests.report.test_page import HOSTILE, _with_every_text, five_axis_summary
+
+ORDER = {
+    "digitalCalibrationCertificate": ["administrativeData", "measurementResults"],
+    "administrativeData": [
+        "dccSoftware", "coreData", "items", "calibrationLaboratory", "respPersons", "customer",
+    ],
+    "coreData": [
+        "countryCodeISO3166_1", "usedLangCodeISO639_1", "mandatoryLangCodeISO639_1", "uniqueIdentifier",
+        "beginPerformanceDate", "endPerformanceDate", "performanceLocation",
+    ],
+    "item": ["name", "manufacturer", "identifications"],
+    "identification": ["issuer", "value", "name"],
+    "respPerson": ["person", "role", "mainSigner"],
+    "measurementResults": ["usedMethods", "measuringEquipments", "influenceConditions", "measurementResult"],
+    "usedMethod": ["name", "norm"],
+    "measuringEquipment": ["name", "description", "identifications"],
+    "measurementResult": ["name", "description", "results"],
+    "result": ["name", "data"],
+    "realListXMLList": ["valueXMLList", "unitXMLList", "measurementUncertaintyUnivariateXMLList"],
+    "expandedMUXMLList": ["valueExpandedMUXMLList", "coverageFactorXMLList", "coverageProbabilityXMLList"],
+    "real": ["value", "unit", "measurementUncertaintyUnivariate"],
+}  # fmt: skip
+"""Children of each element in the order in which the schemas DCC 3.3.0 and D-SI 2.2 ask for them."""
+
+
+def _name(element: ET.Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+@pytest.fixture(scope="module")
+def root() -> ET.Element:
+    return ET.fromstring(certificate(five_axis_summary(12)))
+
+
+def test_elements_stand_in_the_order_of_the_schema(root: ET.Element) -> None:
+    met = set()
+    for element in root.iter():
+        if (order := ORDER.get(_name(element))) is not None:
+            places = [order.index(_name(child)) for child in element]
+            assert places == sorted(places)
+            met.add(_name(element))
+    assert met == set(ORDER)
+    assert root.get("schemaVersion") == "3.3.0"
+
+
+def test_curves_have_their_numbers_and_expanded_uncertainties(root: ET.Element) -> None:
+    curve = five_axis_summary(12).curves[3]
+    results = root.findall(f".//{{{DCC}}}result")
+    (mine,) = [each for each in results if each.findtext(f"{{{DCC}}}name/{{{DCC}}}content", "").startswith(curve.name)]
+    series = mine.findall(f".//{{{SI}}}realListXMLList")
+    position, value = ([float(x) for x in each.findtext(f"{{{SI}}}valueXMLList", "").split()] for each in series)
+    half = [float(x) for x in series[1].findtext(f".//{{{SI}}}valueExpandedMUXMLList", "").split()]
+    np.testing.assert_allclose(position, curve.position, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(value, curve.mean, rtol=1e-5)
+    np.testing.assert_allclose(half, 1.96 * np.array(curve.std), rtol=1e-5)
+
+
+def test_any_text_makes_a_certificate_that_parses() -> None:
+    text = certificate(_with_every_text(five_axis_summary(2), HOSTILE + "\ud800\x07"))
+    assert "alert(1)" in "".join(ET.fromstring(text).itertext())
+
+
+SCHEMA = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" targetNamespace="https://ptb.de/dcc">
+<xs:element name="{name}"><xs:complexType><xs:sequence>
+<xs:any minOccurs="0" maxOccurs="unbounded" processContents="skip"/></xs:sequence>
+<xs:attribute name="schemaVersion"/></xs:complexType></xs:element></xs:schema>"""
+
+
+def test_a_schema_at_hand_is_used(tmp_path: Path) -> None:
+    schema, document = tmp_path / "dcc.xsd", certificate(five_axis_summary(2))
+    schema.write_text(SCHEMA.format(name="digitalCalibrationCertificate"))
+    check_against(schema, document, tmp_path / "c.xml")
+    schema.write_text(SCHEMA.format(name="other"))
+    with pytest.raises(ReadingError, match=r"c\.xml|another version"):
+        check_against(schema, document, tmp_path / "c.xml")
+    schema.write_text("<not a schema")
+    with pytest.raises(ReadingError, match="cannot be used"):
+        check_against(schema, document, tmp_path / "c.xml")
+
+
+def test_csv_files_hold_what_the_summary_holds() -> None:
+    summary = five_axis_summary(12)
+    rows = {name: list(csv.DictReader(io.StringIO(text))) for name, text in data_files(summary).items()}
+    assert [row["reading"] for row in rows["readings.csv"]] == [str(n) for n in range(1, 13)]
+    assert len(rows["curves.csv"]) == sum(len(curve.position) for curve in summary.curves)
+    first = rows["curves.csv"][0]
+    assert float(first["mean"]) == pytest.approx(summary.curves[0].mean[0], rel=1e-5)
+    assert float(first["half_width_95"]) == pytest.approx(1.96 * summary.curves[0].std[0], rel=1e-5)
+    assert len(rows["constants.csv"]) == len(summary.constants)
+
+
+def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:
+    files = data_files(_with_every_text(five_axis_summary(2), "=1+1"))
+    assert "'=1+1" in files["readings.csv"]
