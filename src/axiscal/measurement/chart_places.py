@@ -46,11 +46,16 @@ def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sid
 
 
 def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
-    choices = side_choices(setup.approach, chart.size, _sides_count(machine, setup, chart))
+    choices = chart_sides(machine, setup, chart)
     ends = [chart.bounds(number) for number in range(chart.size)]
     if all(end.step > 0 for end in ends):
         return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
     return _even(chart, choices, count)
+
+
+def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
+    """Return the sides from which places of a set-up are come to and that differ in what is seen, (choices, size)."""
+    return side_choices(setup.approach, chart.size, _sides_count(machine, setup, chart))
 
 
 def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.design.bound.prove import prove
-from axiscal.design.bound.row_curves import refuse_unless_polynomial
+from axiscal.design.bound.prove import prove, refuse_setup
 from axiscal.design.gains.candidate_rows import MEMORY
 from axiscal.design.plan.guarded import Enough, enough_readings
 from axiscal.design.plan.plan import Plan, make_plan
@@ -60,7 +59,7 @@ def proposed(
 def refuse_unless_provable(case: Case) -> None:
     """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
     for index in range(len(case.description.setups)):
-        refuse_unless_polynomial(case.observation, index)
+        refuse_setup(case.observation, index)
 
 
 @one_thread()

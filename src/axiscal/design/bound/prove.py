@@ -1,7 +1,8 @@
-"""A lower bound that holds for readings anywhere, not only on a lattice, for machines whose errors simply add up.
+"""A lower bound that holds for readings anywhere, not only on a lattice: where errors simply add up, and on charts.
 
 The matrix Z of `dual` bounds every plan once Σ |Z b|² over its readings is bounded. Without lever arms Z b(t) is a sum
-of polynomial curves, one per axis, and the largest |Z b(t)|² over all poses is enclosed by `steepest`; the poses found
+of polynomial curves, one per axis, and the largest |Z b(t)|² over all poses is enclosed by `steepest`; on a chart of
+one or two coordinates it is a sum of waves times splines, and is enclosed by `chart_boxes`. The poses found
 on the way join the weighted plan, until no place is worth more than those that have weight. The rests of cells are
 taken as known: that can only lower the bound. In floating point, with a margin for rounding, without intervals.
 """
@@ -16,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.bound.certificate import Dual
+from axiscal.design.bound.chart_boxes import largest_on_chart, refuse_unless_boxed
 from axiscal.design.bound.lower_bound import Bound, most_numbers, settling
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.bound.row_curves import joined, refuse_unless_polynomial, row_sums
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.step.starts_with_levers import sides
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import steepest
@@ -33,6 +36,8 @@ _ROUNDS = 40
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
 _BOXES = 400_000
 """Boxes that are cut before the search gives up: memory. The bound holds wherever it ends."""
+_CUTS = 60_000
+"""The same on a chart, where each costs as much as six readings."""
 _GONE = 1e-5
 """A weight of this share is none; it can enter again."""
 _ADDED = 24
@@ -60,11 +65,11 @@ def prove(
     """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
 
     state : before the first; lattice : candidates to begin with; places : a good plan; gap : share of J to stop at
-    Raises PlanError for a machine with lever arms.
+    Raises PlanError where neither the errors add up nor a chart can be cut into boxes.
     """
     setups, count = [int(s) for s in np.unique(lattice.setups)], len(places)
     for setup in setups:
-        refuse_unless_polynomial(state.observation, setup)
+        refuse_setup(state.observation, setup)
     if not count:
         return Proof(Bound(state.value, True), 0.0)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
@@ -75,6 +80,7 @@ def prove(
         level = float(relaxation.slopes(dual) @ relaxation.weights) / count
         kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
         found = [_largest(dual, *way, kept, level, gap) for way in _ways(state, setups)]
+        found += [_on_chart(dual, setup, level, gap) for setup in setups if charted(state, setup)]
         spent = count * max(each.upper for each in found)
         best = max(best, dual.floor(spent, numbers))
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
@@ -103,9 +109,31 @@ def _everywhere(state: Covariance, lattice: Places, count: int) -> Relaxation:
     return relaxation
 
 
+def charted(state: Covariance, setup: int) -> bool:
+    """Whether a set-up is read on a chart."""
+    return state.observation.setups[setup].chart is not None
+
+
+def refuse_setup(observation: Observation, setup: int) -> None:
+    """Raise PlanError for a set-up for which no proof can be had."""
+    if observation.setups[setup].chart is None:
+        refuse_unless_polynomial(observation, setup)
+    else:
+        refuse_unless_boxed(observation, setup)
+
+
+def _on_chart(dual: Dual, setup: int, level: float, gap: float) -> _Steep:
+    """Enclose the largest |Z b|² of a set-up on a chart."""
+    observation = dual.state.observation
+    reach = dual.reach / observation.setups[setup].noise
+    found = largest_on_chart(observation, setup, reach, level, gap / 4, _CUTS)
+    return _Steep(found.upper, found.places)
+
+
 def _ways(state: Covariance, setups: list[int]) -> list[tuple[int, Array]]:
     """Return each set-up with each of the sides that it can be read from."""
-    return [(setup, side) for setup in setups for side in sides(state.observation, setup)]
+    plain = [setup for setup in setups if not charted(state, setup)]
+    return [(setup, side) for setup in plain for side in sides(state.observation, setup)]
 
 
 class _Steep(NamedTuple):

@@ -80,8 +80,6 @@ def _why(observation: Observation, mounted: Setup) -> str:
     turning = [machine.axes[k].name for k in mounted.moves if machine.axes[k].rotary]
     if turning:
         return f"{' and '.join(turning)} {'turns' if len(turning) == 1 else 'turn'}"
-    if mounted.chart is not None:
-        return "it is read on a chart, on which several axes go together"
     if mounted.station is not None:
         return f"a {mounted.instrument} looks another way at every place"
     together = [plane.name for plane in observation.errors.planes if set(plane.axes) <= set(mounted.moves)]
