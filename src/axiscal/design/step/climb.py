@@ -59,7 +59,7 @@ class Climb:
     def best(self, count: int, share: float, than: float) -> Climb:
         """Return the best `count` that gain at least a share of `than`."""
         order = ranked(self.gains, TIE, count)
-        return self.keep(order[self.gains[order] >= share * than])
+        return self.keep(order[self.gains[order] >= share * than - TIE * abs(than)])
 
     def scattered(self, count: int, apart: float) -> Climb:
         """Return the best, no two of them closer than a share of every travel.  apart : share"""
