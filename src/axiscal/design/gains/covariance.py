@@ -21,6 +21,8 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import solution
+from axiscal.numerics.gaussian import lower_root
 
 _MODERATE = 1e13
 """By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
@@ -136,11 +138,12 @@ class Covariance:
 def informed(factor: Array, scaled: Array) -> Array:
     """Return F T with T Tᵀ = (I + BᵀB)⁻¹: the factor after readings.  scaled : B = R^-½ G F, (m, r).
 
-    By Cholesky; by singular values where readings are so much better than the prior that forming BᵀB would lose it.
+    By Cholesky, m r² + r³/3 + n r² operations; by singular values where readings are so much better than the prior that
+    forming BᵀB would lose it.
     """
     if np.sum(scaled**2) < _MODERATE:
         information = np.eye(scaled.shape[1]) + scaled.T @ scaled
-        return np.asarray(np.linalg.solve(np.linalg.cholesky(information), factor.T).T, dtype=np.float64)
+        return solution(lower_root(information), factor.T).T
     _, values, right = np.linalg.svd(scaled, full_matrices=False)
     shrink = 1.0 - 1.0 / np.hypot(1.0, values)
     return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)

@@ -7,7 +7,8 @@ noise so that they stay within the range of numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,29 @@ def joint_forms(above: Array, below: Array, noise: float) -> tuple[Array, Array]
 
 def joint_gains(above: Array, below: Array) -> Array:
     """Return tr(M⁻¹ N), (...).  above : N (..., k, k); below : M (..., k, k)."""
+    if above.shape[-1] == 3:
+        return _gains_of_three(above, below)
     gains: Array = np.trace(np.linalg.solve(below, above), axis1=-2, axis2=-1)
+    return gains
+
+
+def _gains_of_three(above: Array, below: Array) -> Array:
+    """Return tr(M⁻¹ N) with M = L D Lᵀ written out: tr(D⁻¹ L⁻¹ N L⁻ᵀ), some forty operations for each.
+
+    above : N (..., 3, 3), below : M (..., 3, 3), both symmetric
+    """
+    one = 1.0 / below[..., 0, 0]
+    up, far = below[..., 0, 1] * one, below[..., 0, 2] * one
+    two = 1.0 / (below[..., 1, 1] - up * below[..., 0, 1])
+    left = below[..., 1, 2] - up * below[..., 0, 2]
+    across = left * two
+    three = 1.0 / (below[..., 2, 2] - far * below[..., 0, 2] - across * left)
+    back = up * across - far  # the last row of L⁻¹ is [back, −across, 1]
+    first, both, second = above[..., 0, 0], above[..., 0, 1], above[..., 1, 1]
+    middle = second + up * (up * first - 2 * both)
+    last = above[..., 2, 2] + 2 * (back * above[..., 0, 2] - across * above[..., 1, 2])
+    last += back * (back * first - 2 * across * both) + across**2 * second
+    gains: Array = first * one + middle * two + last * three
     return gains
 
 
@@ -42,6 +65,11 @@ class SharedReadings:
     first: NDArray[np.intp]
     above: Array
     below: Array
+    _pairs: tuple[NDArray[np.intp], NDArray[np.intp]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Note where both numbers of every pair stand."""
+        self._pairs = self.first[:, None] + PAIRS[0], self.first[:, None] + PAIRS[1]
 
     @classmethod
     def of(cls, parts: Sequence[SharedReadings]) -> SharedReadings:
@@ -52,7 +80,9 @@ class SharedReadings:
 
     def copy(self) -> SharedReadings:
         """Return a copy that goes its own way."""
-        return SharedReadings(self.first, self.above.copy(), self.below.copy())
+        other = copy(self)
+        other.above, other.below = self.above.copy(), self.below.copy()
+        return other
 
     def gains(self, above: Array, below: Array) -> Array:
         """Return the gains, (t,).  above, below : (numbers,) the diagonals of all readings."""
@@ -71,4 +101,4 @@ class SharedReadings:
 
     def ends(self, values: Array) -> tuple[Array, Array]:
         """Return values (numbers,) of the first and the second number of every pair, each (t, 3)."""
-        return values[self.first[:, None] + PAIRS[0]], values[self.first[:, None] + PAIRS[1]]
+        return values.take(self._pairs[0]), values.take(self._pairs[1])
