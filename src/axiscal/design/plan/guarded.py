@@ -63,8 +63,8 @@ def guarded(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     plain = _tried(task, limits, trial.scores.places)
     if plain.vouched <= _NEARLY * plain.promise:
         return trial
-    search = _Guarding(task, limits, trial, affordable(times, trial.setups, limits.slack))
-    best = search.best(plain)
+    search = _Guarding(task, limits, trial, affordable(times, trial.setups, limits.slack), plain)
+    best = search.best()
     if limits.rms is not None:
         best = _enough(search, times, best)
     if limits.accurate and not (best.met and best.checked):
@@ -90,7 +90,8 @@ def enough_readings(task: Task, places: Places, times_promise: float) -> Enough 
     setups = tuple(int(setup) for setup in np.unique(places.setups))
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     trial, times = Trial(Scores(pool, task.state), setups, 0.0, met=False), clock(task)
-    search, found = _Guarding(task, Limits(), trial, affordable(times, setups, np.inf)), _tried(task, Limits(), places)
+    found = _tried(task, Limits(), places)
+    search = _Guarding(task, Limits(), trial, affordable(times, setups, np.inf), found)
     while found.vouched > times_promise * found.promise and len(found.order) < _most(len(places)):
         found = search.grown(found, max(len(places) // 8, 1), times)
     checked = found.vouched <= times_promise * found.promise
@@ -142,19 +143,19 @@ def _enough(search: _Guarding, times: Clock, found: _Tried) -> _Tried:
 class _Guarding:
     """What exchange makes of plans, of which the readings of each set-up keep their number."""
 
-    def __init__(self, task: Task, limits: Limits, trial: Trial, allowed: Allowed) -> None:
-        self._task, self.limits, self._trial, self._allowed = task, limits, trial, allowed
-        self.watched = watch(task.observation, task.yardstick, task.lattice)
+    def __init__(self, task: Task, limits: Limits, trial: Trial, allowed: Allowed, first: _Tried) -> None:
+        self._task, self.limits, self._trial, self._allowed, self._first = task, limits, trial, allowed, first
+        self.watched = watch(task.observation, task.yardstick, task.lattice, first.order, first.ends)
 
-    def best(self, first: _Tried) -> _Tried:
+    def best(self) -> _Tried:
         """Return the best plan with as many readings of each set-up as the first one, or that itself."""
-        tried = [first, *(self._tried(places) for places in self.plain())]
+        tried = [self._first, *(self._tried(places) for places in self.plain())]
         starts = tried if self._task.observation.size <= _MANY else tried[:1]
         tried += [self._tried(self.exchanged(each.order, self.watched, _ROUGHLY)) for each in starts]
         tried.append(self._closely(self._best(tried)))
         best = self._best(tried)
         closed = [self._tried(places) for places in self.closed(best.order)]
-        return self._best([first, best, *closed])
+        return self._best([self._first, best, *closed])
 
     def grown(self, before: _Tried, more: int, times: Clock) -> _Tried:
         """Return a plan with so many readings more, of those that lower the objective most for their time."""

@@ -1,8 +1,8 @@
 """The departures that a plan is to be defended against, as columns b at any candidate.
 
 When a reading will be taken is not known before the way is: of a set-up that is read out and back, a place on the way
-out is at half its share of the travel, one on the way back as far from the end. What several axes reach on a short way
-has no such order, and its drift is left to the closing readings.
+out is at half its share of the travel, one on the way back as far from the end. Where several axes move, a place is
+read when the nearest one of a plan is.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ from axiscal.numerics import Array
 
 _WAY = 3600.0
 """s: the departures of the drift are asked for on a way of an hour, of which only the shape counts."""
-_WATCHED = 120
-"""Departures that a search keeps up to date, of time: their places are thinned, and what is printed counts them all."""
+_WATCHED = 400
+"""Departures that a search keeps up to date, of time: of more the places are thinned. A search that saw four of nine
+places of a step left the others as they were: on a mill 4.7 um were vouched for with 200 of 337, and 3.6 with all.
+"""
 _PARTS = 1000
 """Where no side is asked for, every other thousandth of the travel is read on the way back."""
 
@@ -48,7 +50,14 @@ class RoundTrip(NamedTuple):
     back: OneWay
 
 
-Times = Mapping[int, RoundTrip]
+class ShortWay(NamedTuple):
+    """When places of several axes are read.  poses : (m, q) m or rad; share : (m,) of the time of the set-up"""
+
+    poses: Array
+    share: Array
+
+
+Times = Mapping[int, RoundTrip | ShortWay]
 
 
 class _Numbered(NamedTuple):
@@ -66,7 +75,7 @@ class Watch:
     observation : before any cell is visited; single : how many have one column
     fields : (w, k) V φ; beside : (k,) mean squares that no spline follows, m²; most : (h,) largest sizes
     weights : (h,) one over the number of places of its family
-    times : by set-up that is read out and back
+    times : by set-up of which they are known
     """
 
     observation: Observation
@@ -127,13 +136,15 @@ def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
     order : its readings; ends : (m,) when each ends, s
     """
     times = dict(watched.times)
+    times |= _on_short_ways(watched.observation, order, ends)
     for index, mine in order.by_setup():
-        if index in times and len(mine) > 1:
+        evenly = times.get(index)
+        if isinstance(evenly, RoundTrip) and len(mine) > 1:
             (k,) = watched.observation.setups[index].moves
-            share = (ends[mine] - ends[mine[0]]) / (ends[mine[-1]] - ends[mine[0]])
+            share = _shares(ends[mine])
             out = _on_the_way_out(watched.observation, index, order.within(mine))
             passes = [_pass(order.poses[mine, k][part], share[part]) for part in (out, ~out)]
-            times[index] = RoundTrip(*(new or old for new, old in zip(passes, times[index], strict=True)))
+            times[index] = RoundTrip(*(new or old for new, old in zip(passes, evenly, strict=True)))
     return replace(watched, times=MappingProxyType(times))
 
 
@@ -143,9 +154,26 @@ def _pass(at: Array, share: Array) -> OneWay | None:
     return OneWay(at[order], share[order]) if len(at) else None
 
 
-def watch(observation: Observation, yardstick: Yardstick, lattice: Places) -> Watch:
-    """Return what readings at the places of a lattice are to be watched for.  lattice : the candidates"""
-    times = _evenly(observation)
+def _on_short_ways(observation: Observation, order: Places, ends: Array) -> dict[int, ShortWay]:
+    """Return when places are read where several axes move, by the way through readings.  ends : (m,) of each, s"""
+    groups = [(index, mine) for index, mine in order.by_setup() if not returns(observation.setups[index])]
+    return {index: ShortWay(order.poses[mine], _shares(ends[mine])) for index, mine in groups if len(mine) > 1}
+
+
+def _shares(ends: Array) -> Array:
+    """Return at what share of the way of their set-up readings are taken.  ends : (m,) in their order, s"""
+    shares: Array = (ends - ends[0]) / (ends[-1] - ends[0])
+    return shares
+
+
+def watch(observation: Observation, yardstick: Yardstick, lattice: Places, order: Places, ends: Array) -> Watch:
+    """Return what readings at the places of a lattice are to be watched for.
+
+    lattice : the candidates; order : readings of a plan, from which the way is known where several axes move
+    ends : (m,) when each of them ends, s
+    """
+    known: dict[int, RoundTrip | ShortWay] = {**_evenly(observation), **_on_short_ways(observation, order, ends)}
+    times: Times = MappingProxyType(known)
     found = _thinned([each for each in _departures(observation, lattice, times) if each.family in COUNTED])
     found = sorted(found, key=lambda each: each.columns.shape[1])
     fields = [
@@ -186,12 +214,12 @@ def _departures(observation: Observation, lattice: Places, times: Times) -> Sequ
         Reading(setups[setup].name, tuple(pose), tuple(sides), 0.0, others=(0.0,) * more, time=_WAY * share)
         for setup, pose, sides, share, more in zip(*(part.tolist() for part in columns), strict=True)
     ]
-    names = {setup.name for setup in setups if returns(setup)}
+    names = {setups[index].name for index in times}
     possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
     return [each for each in possible if each.function is not None or each.owner in names]
 
 
-def _evenly(observation: Observation) -> Times:
+def _evenly(observation: Observation) -> dict[int, RoundTrip]:
     """Return the times of ways that rise first and go evenly."""
     times = {}
     for index, setup in enumerate(observation.setups):
@@ -199,19 +227,32 @@ def _evenly(observation: Observation) -> Times:
             (k,) = setup.moves
             ends = np.array(setup.span(observation.machine.axes[k], k))
             times[index] = RoundTrip(OneWay(ends, np.array([0.0, 0.5])), OneWay(ends, np.array([1.0, 0.5])))
-    return MappingProxyType(times)
+    return times
 
 
 def way_shares(observation: Observation, places: Places, times: Times) -> Array:
     """Return at what share of the way of its set-up each place is read, 0 to 1, (m,); ½ where nobody knows."""
     shares = np.full(len(places), 0.5)
     for index, mine in places.by_setup():
-        if index in times:
+        known = times.get(index)
+        if isinstance(known, ShortWay):
+            shares[mine] = known.share[_nearest(observation, places.poses[mine], known.poses)]
+        elif known is not None:
             at = places.poses[mine, observation.setups[index].moves[0]]
             out = _on_the_way_out(observation, index, places.within(mine))
-            there, back = (np.interp(at, each.at, each.share) for each in times[index])
+            there, back = (np.interp(at, each.at, each.share) for each in known)
             shares[mine] = np.where(out, there, back)
     return shares
+
+
+def _nearest(observation: Observation, poses: Array, among: Array) -> NDArray[np.intp]:
+    """Return which of some poses (k, q) is nearest to each of others (m, q), in shares of the travels, (m,)."""
+    spans = np.array([axis.length for axis in observation.machine.axes])
+    away: Array = poses / spans
+    near: Array = among / spans
+    squares = np.sum(near**2, axis=1) - 2 * away @ near.T
+    nearest: NDArray[np.intp] = squares.argmin(axis=1)
+    return nearest
 
 
 def _on_the_way_out(observation: Observation, index: int, places: Places) -> NDArray[np.bool_]:
