@@ -9,6 +9,7 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 from axiscal.numerics.threads import one_thread
@@ -18,6 +19,7 @@ from benchmarks.trust.curves import CASES, DATA, iso_test
 from benchmarks.trust.displays import display_rows
 from benchmarks.trust.iso_tests import iso_rows
 from benchmarks.trust.measured import Outcome, iso_outcome, outcomes
+from benchmarks.trust.sources import version
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "trust.md"
@@ -28,7 +30,8 @@ _HEAD = """# Can you trust it?
 
 Every figure the program prints has a ±. This page says how often the truth lies within it: on virtual machines, where
 the model is right by construction or wrong on purpose, and on curves that others have measured on real machines, where
-no model is right. `make trust` writes it anew; nothing here is typed by hand.
+no model is right. `make trust` writes it anew; nothing here is typed by hand. A section says at its end which sources
+of the package its figures were measured with; one that does not is of an earlier state.
 
 A band is 1.96 standard deviations either way, so 95 % of the truth should lie in it. *Curves* counts every error curve
 of the machine at 101 positions, *tool point* the TCP deviation along x, y, z at 80 poses all over the volume.
@@ -214,6 +217,11 @@ def _told(lines: Iterable[str]) -> str:
     return "\n".join(kept) + "\n"
 
 
+def stamp(sources: str, day: date) -> str:
+    """Return the line that says what a section was measured with.  sources : their name"""
+    return f"\nMeasured on {day} with the sources `{sources}`.\n"
+
+
 def renewed(page: str, section: str) -> str:
     """Return a page with the section of the same heading replaced, or put at its end."""
     heading = section.splitlines()[0]
@@ -240,7 +248,7 @@ def main() -> None:
     page = args.out.read_text(encoding="utf-8") if args.part else _HEAD
     for name in [args.part] if args.part else PARTS:
         section = _told(PARTS[name](args))
-        page = renewed(page, section) if section.strip() else page
+        page = renewed(page, section + stamp(version(), datetime.now(UTC).date())) if section.strip() else page
         args.out.write_text(page, encoding="utf-8")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import time
@@ -19,11 +18,11 @@ from scipy import stats
 
 from benchmarks.trust.attacks import ATTACKS, Attack, Outcome, outcome
 from benchmarks.trust.benches import PLACES, PRIORS
+from benchmarks.trust.sources import ROOT, version
 
 FIRST = 20_261_120
 """The seed of the first machine: nobody has looked at these before they were shown."""
-_ROOT = Path(__file__).resolve().parents[2]
-_KEPT = _ROOT / "build" / "attacks"
+_KEPT = ROOT / "build" / "attacks"
 _SURE = 0.95
 _GOAL = 0.02
 
@@ -38,15 +37,6 @@ class Trial(NamedTuple):
 
 
 CELLS = tuple(product(PLACES, PRIORS))
-
-
-def version() -> str:
-    """Return what outcomes depend on, as a short name: the sources of the package and of the attacks."""
-    digest = hashlib.sha256()
-    package = sorted(path for path in (_ROOT / "src").rglob("*") if path.suffix in (".py", ".toml"))
-    for path in (*package, *(Path(__file__).with_name(name) for name in ("attacks.py", "benches.py"))):
-        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
 
 
 class Kept:
@@ -73,7 +63,8 @@ class Kept:
 
 def kept_outcomes() -> Kept:
     """Return the outcomes of this version that are there already."""
-    return Kept(_KEPT / f"{version()}.jsonl")
+    beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
+    return Kept(_KEPT / f"{version(beside)}.jsonl")
 
 
 def attacked(kept: Kept, machines: int, processes: int, seconds: float) -> int:

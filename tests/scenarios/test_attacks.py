@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 from scipy import stats
 
 from benchmarks.trust import attack_table
+from benchmarks.trust.__main__ import renewed, stamp
 from benchmarks.trust.attack_table import CELLS, FIRST, Kept, Trial, attack_rows, attacked, goal_lines, limits
 from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
+from benchmarks.trust.sources import ROOT, version
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
 
@@ -112,3 +115,11 @@ class Here:
 
     def terminate(self) -> None:
         """Stop."""
+
+
+def test_a_section_says_which_sources_it_was_measured_with() -> None:
+    page = "# Page\n\n## One\nold\n\n## Two\nkept\n"
+    new = renewed(page, "## One\nnew\n" + stamp(version(), date(2026, 11, 20)))
+    assert new == f"# Page\n\n## One\nnew\n\nMeasured on 2026-11-20 with the sources `{version()}`.\n\n## Two\nkept\n"
+    beside = ROOT / "benchmarks" / "trust" / "attacks.py"
+    assert len({version(), version([beside]), version([beside, beside])}) == 3
