@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from axiscal.accuracy.other_tool import other_tool
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
@@ -47,6 +48,16 @@ class Vouched:
 
 def vouched_by_plan(case: Case, plan: Plan) -> Defence:
     """Return what the readings of a plan can vouch for, each taken when it is planned."""
+    return defence(case, _planned(case, plan), plan.accuracy.rms)
+
+
+def other_tool_words(case: Case, plan: Plan) -> str:
+    """Return what a plan leaves with a longer tool than the one it is read with, "" where it is as good."""
+    known = case.knowledge.read(_planned(case, plan))
+    return other_tool(case.errors, known.belief, case.yardstick.box).words
+
+
+def _planned(case: Case, plan: Plan) -> list[Reading]:
     setups = case.description.setups
     rows = zip(plan.places.setups.tolist(), plan.places.poses.tolist(), plan.places.approaches.tolist(), strict=True)
     readings = []
@@ -54,7 +65,7 @@ def vouched_by_plan(case: Case, plan: Plan) -> Defence:
         others = (0.0,) * (INSTRUMENTS[setups[setup].instrument].values - 1)
         side = tuple(int(each) for each in approach)
         readings.append(Reading(setups[setup].name, tuple(pose), side, 0.0, others=others, time=planned.seconds))
-    return defence(case, readings, plan.accuracy.rms)
+    return readings
 
 
 def vouched_words(case: Case, found: Defence) -> str:

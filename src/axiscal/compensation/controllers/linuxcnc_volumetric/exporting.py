@@ -6,6 +6,7 @@ from importlib import resources
 
 import numpy as np
 
+from axiscal.accuracy.other_tool import other_tool
 from axiscal.compensation.controllers.linuxcnc_volumetric import applying, vcomp_reading, vcomp_writing, wiring
 from axiscal.compensation.controllers.linuxcnc_volumetric.content import VcompFile
 from axiscal.compensation.export_options import ExportOptions
@@ -134,6 +135,7 @@ def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
         "Soft limits, positions shown and the following error are those without the correction: keep "
         f"{file.limit:.4g} {file.unit} to the switches. Give the drives 1.2 times MAX_ACCELERATION.",
         "A campaign is measured with axiscal-vcomp.active false, its verification with active true.",
+        *([other] if (other := other_tool(estimate.model, estimate.belief, estimate.box).words) else []),
         "Faults: 1 over the limit, 2 not finite, 3 COMP_FILE or BACKLASH works as well, 4 the linear axes do not span "
         "space. The correction then goes within ramp-time; enable off, reset, and find out why.",
         *_reversals(estimate, file),
