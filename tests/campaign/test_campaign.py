@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH, Ended
+from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH, Ended, reaches, standing
 from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.ruled import ruling_of
+from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.vouching import defended
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -126,7 +127,7 @@ def ignore(milestone: Milestone) -> None:
 
 def test_a_target_of_u_is_reached_when_the_u_that_is_promised_is_within_it(start: Start) -> None:
     """Not before 1.96 standard uncertainties of the model are; and with departures and scales averaged over."""
-    campaign = start('U = "6 um"')
+    campaign = start('U = "6 um"\nunchecked = "allow"')
     campaign.run(Listed(*[Answer(0.0)] * 40), lambda milestone: None)
     count = len(campaign.state.readings)
     taken = [Reading("laser along X", r.pose, r.approach, 0.0) for r in campaign.state.readings]
@@ -257,8 +258,8 @@ def test_a_skip_needs_a_reason(start: Start) -> None:
 @pytest.mark.parametrize(
     ("target", "because", "readings"),
     [
-        ('rms = "5.1 um"', "rms target reached", 3),
-        ('worst = "4.5 um"', "worst target reached", 4),
+        ('rms = "5.1 um"\nunchecked = "allow"', "rms target reached", 3),
+        ('worst = "4.5 um"\nunchecked = "allow"', "worst target reached", 4),
         ("readings = 7", "7 readings taken", 7),
         ('budget = "40 min"', "time budget used", 40),
         ('rms = "2 um"\nreadings = 2', "2 readings taken", 2),
@@ -391,7 +392,7 @@ def test_a_target_that_no_reading_brings_nearer_ends_the_run(start: Start) -> No
 @pytest.mark.parametrize(("size", "because"), [(100e-6, DOES_NOT_FIT), (30e-6, "rms target reached")])
 def test_no_target_is_reached_by_readings_that_contradict_the_model(start: Start, size: float, because: str) -> None:
     """From one side it reads now too much, now too little: by ten or by three times the noise."""
-    campaign = start('rms = "2.9 um"')
+    campaign = start('rms = "2.9 um"\nunchecked = "allow"')
     assert campaign.run(Listed(*[Answer(size), Answer(-size)] * 30), ignore) == because
 
 
@@ -406,3 +407,31 @@ def test_a_reading_that_cannot_be_ends_the_run_and_is_kept(start: Start) -> None
 def test_readings_that_were_wanted_are_taken_even_if_they_help_little(start: Start) -> None:
     campaign = start('rms = "2 um"\nreadings = 55', noise="10 mm")
     assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == "55 readings taken"
+
+
+def test_what_is_promised_and_not_vouched_for_is_no_target_reached(start: Start) -> None:
+    """Read once along and never again, no reading could show a drift, however many there are."""
+    campaign = start('rms = "5.5 um"\nreadings = 12')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 12), ignore) == "12 readings taken"
+    known, target = campaign.known(), campaign.description.target
+    assert known.accuracy.rms < 3e-6 < 5.5e-6 < defended(known).u_def
+    told = standing(target, known)
+    assert told.reached is None
+    assert told.promised == "rms"
+    assert told.vouched == defended(known).u_def
+    assert reaches(target, known) is False
+    assert reaches(replace(target, unchecked=True), known) is True
+    assert reaches(replace(target, rms=None), known) is None
+
+
+def test_what_the_readings_vouch_for_reaches_a_target(start: Start) -> None:
+    campaign = start("readings = 100")
+    for x in [0.1 * n for n in (0, 1, 2, 3, 4, 5, 6, 6, 5, 4, 3, 2, 1, 0)]:
+        campaign.record(1e-6, at=Place("laser along X", (x, 0.2), (1, 0)), live=False)
+    known, target = campaign.known(), campaign.description.target
+    vouched = defended(ruled(known)).u_def
+    above, below = (standing(replace(target, rms=share * vouched), known) for share in (1.01, 0.99))
+    assert above.reached == "rms target reached"
+    assert above.promised is None
+    assert below.reached is None
+    assert below.promised == "rms"

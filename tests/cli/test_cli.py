@@ -289,7 +289,8 @@ def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside
     assert first.startswith(f"U = {result['U_um']:.3g} um in space (95%, k = {result['k']:.2f}), for a tool of ")
     assert "as warm as when it was read, of the 2 errors that are described (EXX EXX_reversal)" in first
     assert f"Standard uncertainty {result['rms_um']:.3g} um RMS" in second
-    assert result["k"] == pytest.approx(result["U_um"] / result["rms_um"], rel=1e-5)
+    assert result["k"] == pytest.approx(result["U_um"] / result["u_um"], rel=1e-5)
+    assert result["rms_um"] <= result["u_um"] * (1 + 1e-9)
     tables = [line.split(" U =")[0] for line in others if line.startswith("With the files for ")]
     assert tables == ["With the files for linuxcnc", "With the files for csv"]
     assert others[0] == result["verdict_words"]

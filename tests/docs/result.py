@@ -180,7 +180,11 @@ class Result(Fields):
     U_axis_um: dict[str, float] | None = Field(description="the same along x, y and z of the workpiece frame")
     U_worst_um: float | None = Field(description="the same in space at the worst place of the volume")
     U_level: float | None = Field(description="the probability that they hold: 0.95")
-    k: float | None = Field(description="coverage factor, `U_um` over `rms_um`")
+    k: float | None = Field(description="coverage factor, `U_um` over `u_um`")
+    u_um: float | None = Field(
+        description="standard uncertainty, RMS, of the distribution that `U_um` is of: `rms_um`, or more where what "
+        "else could explain the readings promises less than the model"
+    )
     U_holds_for: str | None = Field(
         description="tool, volume, temperature and errors that they were evaluated for, in words"
     )
@@ -200,6 +204,9 @@ class Result(Fields):
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")
     target_u: float | None = Field(alias="target_U_um", description="the expanded uncertainty asked for")
+    target_reached: bool | None = Field(
+        None, description="whether one of these is reached, by what the readings can vouch for; null where none is set"
+    )
     promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
     reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
     history: list[Milestone] = Field(description="how well the machine was known after each reading")

@@ -12,9 +12,10 @@ from scipy import stats
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import EffectMap, defence, defended
+from axiscal.estimation.defence import EffectMap, defence
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
+from axiscal.estimation.vouching import defended
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.reading import Reading

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.campaign.ending import DOES_NOT_FIT, accuracy_reached
+from axiscal.campaign.ending import DOES_NOT_FIT, standing
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
@@ -72,13 +72,15 @@ def test_readings_of_the_model_itself_hold_where_they_could_have_said_otherwise(
     assert verdicts.count("holds") >= 8
 
 
-def test_few_readings_leave_it_unchecked_and_their_means_as_they_were() -> None:
+def test_few_readings_leave_it_unchecked_and_their_means_as_they_were_and_u_is_of_one_distribution() -> None:
     model = concluded(CASE, read(machine(1), 8))
     known = ruled(model)
     ruling = ruling_of(known)
     assert ruling.verdict == "unchecked"
-    assert ruling.vouched > 1.25 * known.accuracy.rms
+    assert ruling.defence.u_def > 1.25 * model.accuracy.rms
     assert known.banded is model.banded
+    assert known.accuracy.rms <= ruling.standard <= ruling.defence.u_def
+    assert 1.96 <= ruling.expanded.factor(ruling.standard) < 2.1  # a little more where places differ
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
@@ -93,7 +95,7 @@ def test_nonsense_contradicts_every_explanation_and_reaches_no_target() -> None:
     known = concluded(CASE, nonsense)
     assert ruling_of(ruled(known)).verdict == "contradicted"
     assert known.accuracy.rms < 3e-6
-    assert accuracy_reached(CASE.description.target, known) == DOES_NOT_FIT
+    assert standing(CASE.description.target, known).reached == DOES_NOT_FIT
 
 
 def test_the_verdict_is_the_same_every_time() -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimation.defence import defended
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.ruled import ruled
+from axiscal.estimation.vouching import defended
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator

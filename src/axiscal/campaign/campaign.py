@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
-from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, accuracy_reached, count_reached, futile
+from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, count_reached, futile, standing
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.milestones import Milestone, Status
@@ -260,7 +260,7 @@ class Campaign:
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
         if target.accurate:
-            said = accuracy_reached(target, self.known())
+            said = standing(target, self.known()).reached
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
     def looked_at_again(self) -> State:

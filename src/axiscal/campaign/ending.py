@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.ruled import GROSS, ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.vouching import defended
 from axiscal.units import to_unit
 
 FUTILE = 50
@@ -26,6 +27,18 @@ class Ended:
     because: str
 
 
+@dataclass(frozen=True, slots=True)
+class Attained:
+    """Whether an accuracy is reached, in words; where none is, which one is promised that is not vouched for.
+
+    vouched : standard uncertainty that the readings can vouch for, m
+    """
+
+    reached: str | None = None
+    promised: str | None = None
+    vouched: float = 0.0
+
+
 def count_reached(target: Target, count: int) -> str | None:
     """Return in words that so many readings are all that were wanted; None where they are not."""
     if target.readings is None or count < target.readings:
@@ -33,25 +46,54 @@ def count_reached(target: Target, count: int) -> str | None:
     return f"{count} reading{'' if count == 1 else 's'} taken"
 
 
-def accuracy_reached(target: Target, known: Estimation) -> str | None:
-    """Return in words which accuracy is reached, by the verdict on what is known; None where none is."""
-    if _reached(target, known) is None:
-        return None
+def standing(target: Target, known: Estimation) -> Attained:
+    """Return whether an accuracy is reached, by the verdict on what is known.
+
+    Where readings could hardly have contradicted the model, its promise does not count, but what they can vouch for.
+    """
+    promised = _reached(target, known)
+    if promised is None:
+        return Attained()
+    if known.misfit() > GROSS:
+        return Attained(DOES_NOT_FIT)
+    if _reached(target, known, unshown(target, known)) is None:
+        return _promised(promised, known)
     judged = ruled(known)
-    return _reached(target, judged) if ruling_of(judged).promises else DOES_NOT_FIT
+    if not ruling_of(judged).promises:
+        return Attained(DOES_NOT_FIT)
+    said = _reached(target, judged, unshown(target, judged))
+    return _promised(promised, judged) if said is None else Attained(said)
 
 
-def _reached(target: Target, known: Estimation) -> str | None:
-    """Return which accuracy is reached by what is known."""
-    now = known.accuracy
-    factor = 1.0 if target.expanded is None else expanded_uncertainty(known).factor(now.rms)
+def reaches(target: Target, known: Estimation) -> bool | None:
+    """Return whether an accuracy that was asked for is reached; None where none was asked for."""
+    return standing(target, known).reached not in (None, DOES_NOT_FIT) if target.accurate else None
+
+
+def _promised(said: str, known: Estimation) -> Attained:
+    return Attained(promised=said.partition(" ")[0], vouched=defended(known).u_def)
+
+
+def unshown(target: Target, known: Estimation) -> float:
+    """Return how many times what is promised the readings can vouch for, 1 where the target allows more."""
+    promised = known.accuracy.rms
+    return 1.0 if target.unchecked or not promised > 0 else defended(known).u_def / promised
+
+
+def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | None:
+    """Return which accuracy is reached by what is known, where the standard uncertainty is so many times as large."""
+    now, factor = known.accuracy, 1.0
+    if target.expanded is not None:
+        found = expanded_uncertainty(known)
+        standard = now.rms if known.ruling is None else known.ruling.standard
+        factor = max(found.factor(now.rms), found.factor(standard) * larger) / larger
     wanted = (
         ("rms", target.rms, now.seen, now.rms, 1.0),
         ("worst", target.worst, now.worst_seen, now.worst, 1.0),
         ("U", target.expanded, now.seen, now.rms, factor),
     )
     for name, limit, seen, whole, k in wanted:
-        if limit is not None and seen <= now.attainable(limit / k):
+        if limit is not None and larger * seen <= now.attainable(limit / k):
             return f"{name} target reached" + _unless_hidden(k * whole, limit)
     return None
 

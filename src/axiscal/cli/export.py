@@ -17,9 +17,9 @@ from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
-from axiscal.estimation.defence import defended
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.vouching import defended
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.planning.vouched import vouched_words

@@ -15,6 +15,7 @@ from axiscal.guide.answers import Value, Word, action, answer
 from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.language import counted, said
+from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.progress import Progress
 from axiscal.guide.question import Question
 from axiscal.guide.second_thoughts import doubted, others_doubted
@@ -128,7 +129,7 @@ class Prompt:
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = question.go or said('set-up "{setup}"', setup=question.setup.name)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        for sentence in others_doubted(self.campaign, before):
+        for sentence in [*others_doubted(self.campaign, before), *standing_words(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return _Then.ANEW
 

@@ -13,6 +13,7 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import next_text, question_document
+from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -76,6 +77,7 @@ def record(
             surprise, mind = _doubt(campaign)
             said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
             said += [] if stood is None else [stood.left_for(campaign, kept)]
+            said += standing_words(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
             document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}

@@ -6,6 +6,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
@@ -41,6 +42,7 @@ def _lines(campaign: Campaign) -> list[str]:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
+    lines += [f"Mind: {sentence}" for sentence in standing_words(campaign)]
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
 
 
@@ -62,6 +64,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "target": _target(campaign),
         "reached": status.reached,
         "finished": state.finished,
+        "mind": standing_words(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [

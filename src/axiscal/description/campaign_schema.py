@@ -30,6 +30,7 @@ class TargetTable(Table):
     )
     aligned: bool | None = Field(None, examples=["true"])
     criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
+    unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])
 
 
 class SetupTable(Table):

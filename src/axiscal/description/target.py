@@ -34,6 +34,7 @@ class Target:
     part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
     aligned : a rigid motion of the part is not counted: it is probed
     expanded : U, of the TCP in space over the volume with 95 %, m
+    unchecked : an accuracy counts as reached by what the model promises, although the readings could not contradict it
     """
 
     rms: float | None
@@ -45,6 +46,7 @@ class Target:
     part: PartVolume | None = None
     aligned: bool = False
     expanded: float | None = None
+    unchecked: bool = False
 
     @property
     def accurate(self) -> bool:
@@ -72,7 +74,9 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
     aligned = part is not None if table.aligned is None else table.aligned
-    return Target(table.rms, table.worst, table.readings, table.budget, volume, table.criterion, part, aligned, table.U)
+    allowed = table.unchecked == "allow"
+    limits = table.rms, table.worst, table.readings, table.budget
+    return Target(*limits, volume, table.criterion, part, aligned, table.U, allowed)
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:

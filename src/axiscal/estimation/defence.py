@@ -1,6 +1,6 @@
 """What readings can vouch for: the promise, or the damage of what they would not show, whichever is larger.
 
-    found = defended(estimation)
+    found = defence(case, readings, promise)
     found.u_def, found.weakest, found.departures[0].damage
 
 Everything follows from where readings were taken and when; their values do not matter.
@@ -19,7 +19,6 @@ from axiscal.accuracy.damage import Harm
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures, shape
@@ -32,6 +31,8 @@ from axiscal.numerics.threads import one_thread
 
 COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump"})
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
+OPEN = 1.25
+"""What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
 _LARGEST_DRIFT = 20e-6
 """m or rad over one set-up: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md)."""
 _LARGEST_PITCH = 5e-6
@@ -78,18 +79,16 @@ class Defence:
     readings: int
     departures: tuple[Departed, ...]
 
+    def promising(self, promise: float) -> Defence:
+        """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
+        worst = max((each.damage for each in self.departures if each.counted), default=0.0)
+        return replace(self, u_def=max(promise, worst), promise=promise)
+
     @property
     def weakest(self) -> Departed | None:
         """The departure that does most damage among those that count; None where the promise is the larger."""
         counted = [each for each in self.departures if each.counted and each.damage > self.promise]
         return counted[0] if counted else None
-
-
-def defended(estimation: Estimation) -> Defence:
-    """Return what the readings of an estimation can vouch for: those that are believed."""
-    apart = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
-    believed = [reading for index, reading in enumerate(estimation.readings) if index not in apart]
-    return defence(estimation.case, believed, estimation.accuracy.rms)
 
 
 @one_thread()
@@ -106,8 +105,7 @@ def vouched(
     """Return what readings with these effects can vouch for; without effects they are too few to show anything."""
     found = _unseen(observation) if effects is None else _departed(observation, readings, effects, promise)
     order = tuple(sorted(found, key=lambda each: -each.damage))
-    worst = max((each.damage for each in order if each.counted), default=0.0)
-    return Defence(max(promise, worst), promise, len(readings), order)
+    return Defence(promise, promise, len(readings), order).promising(promise)
 
 
 def _departed(

@@ -20,10 +20,11 @@ from axiscal.belief import Belief
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.believed import plausible_with_sides, with_sides
 from axiscal.estimation.checks import checked
-from axiscal.estimation.defence import Defence, defended
+from axiscal.estimation.defence import OPEN, Defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
+from axiscal.estimation.vouching import defended
 from axiscal.inference.averaging import Average, average
 from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
 from axiscal.inference.evidence import Evidence
@@ -37,8 +38,6 @@ from axiscal.numerics.threads import one_thread
 
 GROSS = 5.0
 """So many times as much as the model says: no band of it means anything."""
-_VOUCHED = 1.25
-"""A promise that the readings can vouch for within so much of itself is checked."""
 _A_SLIP = 0.9
 """Share of what explains the readings from which one that others contradict is a bad reading and nothing else."""
 _BELIEVED, _TELLING = 0.5, 5
@@ -55,23 +54,45 @@ def ruling_of(known: Estimation) -> Ruling:
 @one_thread()
 def ruled(known: Estimation) -> Estimation:
     """Return what is known with the verdict, and where that is `widened` with means and bands of the mixture."""
+    if known.ruling is not None:
+        return known
     readings: Sequence[Reading] = with_sides(known)
     defence = defended(known)
     if len(readings) < FEWEST:
-        comparison = Comparison((), 1.0, 1.0)
-        return replace(known, ruling=Ruling("unchecked", comparison, _expanded(known.banded), defence.u_def))
+        comparison, own = Comparison((), 1.0, 1.0), _expanded(known.banded)
+        return replace(known, ruling=Ruling("unchecked", comparison, own, defence, known.accuracy.rms))
     readings, comparison = _compared(known, readings)
     mixture = _average(known, readings)
     verdict = _verdict(known, comparison, defence)
     factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
     moved = mixture.moved + _brought_back(known, readings) if verdict == "widened" else None
-    wide = _mixed(known, mixture, moved, factor)
     own = _expanded(known.banded)
-    figures, checks = _larger(own, _expanded(wide)), checked(known.case, readings, own.space)
-    ruling = Ruling(verdict, comparison, figures, defence.u_def, mixture.model, factor, checks, tuple(readings))
+    wide, figures = _no_narrower(known, own, mixture, moved, factor)
+    accuracy = wide.case.yardstick.measure(wide.knowledge.belief)
+    checks, vouched = checked(known.case, readings, own.space), defence.promising(accuracy.rms)
+    ruling = Ruling(
+        verdict, comparison, figures, vouched, accuracy.rms, mixture.model, factor, checks, tuple(readings)
+    )  # fmt: skip
     if verdict != "widened":
         return replace(known, ruling=ruling)
-    return replace(known, ruling=ruling, banded=wide, accuracy=wide.case.yardstick.measure(wide.knowledge.belief))
+    return replace(known, ruling=ruling, banded=wide, accuracy=accuracy)
+
+
+def _no_narrower(
+    known: Estimation, own: Expanded, mixture: Average, moved: Array | None, factor: float
+) -> tuple[Banded, Expanded]:
+    """Return of mixture and model what promises less, and its expanded uncertainties: of one distribution all figures.
+
+    own : those of the model; moved : None where means stay the model's
+    """
+    wide = _mixed(known, mixture, moved, factor)
+    found = _expanded(wide)
+    if found.space >= own.space:
+        return wide, found
+    if moved is None:
+        return known.banded, own
+    wide = _mixed(known, mixture, moved, factor * (own.space / found.space) ** 2)
+    return wide, _expanded(wide)
 
 
 def _compared(known: Estimation, trusted: Sequence[Reading]) -> tuple[Sequence[Reading], Comparison]:
@@ -106,7 +127,7 @@ def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> Ver
         return "contradicted"
     if comparison.contradicted:
         return "widened"
-    return "unchecked" if defence.u_def > _VOUCHED * defence.promise else "holds"
+    return "unchecked" if defence.u_def > OPEN * defence.promise else "holds"
 
 
 def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
@@ -149,8 +170,3 @@ def _inflation(known: Estimation, comparison: Comparison, mixture: Average) -> f
 
 def _expanded(wide: Banded) -> Expanded:
     return expanded(wide.case.yardstick, wide.knowledge.belief)
-
-
-def _larger(first: Expanded, second: Expanded) -> Expanded:
-    x, y, z = (max(pair) for pair in zip(first.axes, second.axes, strict=True))
-    return Expanded(max(first.space, second.space), (x, y, z), max(first.worst, second.worst))

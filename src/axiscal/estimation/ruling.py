@@ -7,6 +7,7 @@ from typing import Literal
 
 from axiscal.accuracy.expanded import Expanded
 from axiscal.estimation.checks import Checks
+from axiscal.estimation.defence import Defence
 from axiscal.inference.contradiction import Comparison
 from axiscal.measurement.reading import Reading
 
@@ -23,7 +24,9 @@ class Ruling:
         holds         they could have contradicted it, and did not
 
     comparison : of the departures with the model; expanded : what may be promised, never less than the model does
-    vouched : U_def, what the readings can vouch for, standard uncertainty, m
+    defence : what the readings can vouch for, beside what is promised
+    standard : uncertainty, RMS over the volume, of the distribution that `expanded` is of, m: of the model, or of the
+        mixture over scales and departures where that promises less
     model : the share of the belief that the model as it is holds, other scales among it, 0 to 1
     inflated : the factor on the variances of the last resort (Birge), 1 where it is not needed
     readings : those that were compared; one that others contradict is among them where a shape explains that as well
@@ -33,7 +36,8 @@ class Ruling:
     verdict: VerdictWord
     comparison: Comparison
     expanded: Expanded
-    vouched: float
+    defence: Defence
+    standard: float
     model: float = 1.0
     inflated: float = 1.0
     checks: Checks | None = None

@@ -31,6 +31,8 @@ from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
 _AT_ONCE = 150
+_MORE = 6
+"""Readings planned at once for what is promised already and not vouched for: then it is looked at again."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -45,6 +47,7 @@ def planned_places(
     """
     task = posed(case, knowledge, gaps, readings)
     limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
+    limits = _beyond_promise(limits, case, knowledge)
     if not len(task.lattice):
         return ()
     if begin := _first(case, task, readings, gaps):
@@ -147,10 +150,18 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
 def _guarding(case: Case) -> bool:
     """Return whether plans are chosen for what they can vouch for.
 
-    Not for an accuracy, which ends a campaign as soon as it is promised; not by the paper's criterion, nor for one
-    place that moves with every reading.
+    Not for an accuracy: what promises it is read first, then more of it until that is vouched for; not by the paper's
+    criterion, nor for one place that moves with every reading.
     """
     return case.description.target.criterion == "volume" and not case.description.target.accurate
+
+
+def _beyond_promise(limits: Limits, case: Case, knowledge: Knowledge) -> Limits:
+    """Return the limits for what is still to be read where the promise is good enough, and not vouched for."""
+    if not (limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))):
+        return limits
+    few = _MORE if limits.readings is None else min(_MORE, limits.readings)
+    return replace(limits, readings=few, rms=None, worst=None)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

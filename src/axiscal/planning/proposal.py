@@ -13,9 +13,10 @@ from axiscal.design.plan.guarded import Enough, enough_readings
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
+from axiscal.estimation.defence import OPEN
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import posed
-from axiscal.planning.vouched import OPEN, lacking, vouched_by_plan
+from axiscal.planning.vouched import lacking, vouched_by_plan
 
 Progress = Callable[[str], None]
 

@@ -12,14 +12,12 @@ from axiscal.accuracy.other_tool import other_tool
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, Departed, defence
+from axiscal.estimation.defence import OPEN, Defence, Departed, defence
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.units import to_unit
 
-OPEN = 1.25
-"""What readings vouch for may be larger than their promise by a quarter before it is said what they would not show."""
 _NAMED = 3
 """Departures in a sentence that is read."""
 _WORDS: Mapping[Family, str] = MappingProxyType(

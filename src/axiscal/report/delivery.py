@@ -134,7 +134,7 @@ def introduced(
     """
     expected = f"WHAT TO EXPECT IS {NOT_KNOWN[:9].upper()}{NOT_KNOWN[9:]}."
     if factor is not None:
-        expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %, k = {factor:.2f})"
+        expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
     text = offered.readme.replace("\nThese files hold ", f"\n{expected}\n{vouched}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"

@@ -10,6 +10,8 @@ from axiscal.report.sentences import figure, quantity
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import format_quantity
 
+_AS_GOOD = 1.02
+"""A standard uncertainty that is larger by a fiftieth is printed alike."""
 _MANY = 12
 """Names in a sentence; a matter of taste."""
 
@@ -32,8 +34,9 @@ def expanded_words(summary: Summary) -> str:
     named = errors_named(summary)
     linear = "".join(f" {line}" for line in linear_lines(summary))
     meant = found.conditions.replace(f" ({named})", "") if named else found.conditions
-    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.factor:.2f}, {meant}".rstrip(", ")
-    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}.{linear}"
+    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.k:.2f}, {meant}".rstrip(", ")
+    mixed = "".join(f" {line}".replace(" um", "\u00a0µm") for line in mixed_lines(summary))
+    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}.{mixed}{linear}"
 
 
 def errors_named(summary: Summary) -> str:
@@ -48,6 +51,15 @@ def table_lines(summary: Summary) -> Sequence[str]:
         return []
     effects = {offer.controller: offer.effect for offer in summary.tables if offer.effect is not None}
     return [effect_words(name, effect, summary.expanded.factor) for name, effect in effects.items()]
+
+
+def mixed_lines(summary: Summary) -> Sequence[str]:
+    """Return the standard uncertainty that U is of, where that is more than the model's."""
+    standard = summary.expanded.standard
+    if standard is None or standard <= _AS_GOOD * summary.rms_um:
+        return []
+    mixed = f"U is of a standard uncertainty of {standard:.3g} um RMS"
+    return [f"{mixed}: what else could explain the readings counts in it; the model alone promises the other."]
 
 
 def checked_lines(summary: Summary) -> Sequence[str]:
@@ -73,9 +85,10 @@ def first_lines(summary: Summary) -> str:
         return summary.verdict_words
     found = summary.expanded
     lines = [
-        f"U = {found.space:.3g} um in space ({LEVEL:.0%}, k = {found.factor:.2f}), {found.conditions}.",
+        f"U = {found.space:.3g} um in space ({LEVEL:.0%}, k = {found.k:.2f}), {found.conditions}.",
         f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
-        f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place.",
+        f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place."
+        + "".join(f" {line}" for line in mixed_lines(summary)),
     ]
     said = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
     return "\n".join([*lines, *said, *table_lines(summary)])

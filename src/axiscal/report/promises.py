@@ -10,7 +10,8 @@ class Uncertainty:
     """Expanded uncertainties of the tool point over the volume, 95 %, um.
 
     space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
-    factor : k, of `space` over the standard uncertainty; conditions : what it was evaluated for, in words
+    factor : of `space` over the standard uncertainty of the model; conditions : what it was evaluated for, in words
+    standard : uncertainty RMS of the distribution that `space` is of, where that is not the model's
     """
 
     space: float
@@ -18,6 +19,12 @@ class Uncertainty:
     worst: float
     factor: float
     conditions: str = ""
+    standard: float | None = None
+
+    @property
+    def k(self) -> float:
+        """Of `space` over the standard uncertainty of the same distribution."""
+        return self.space / self.standard if self.standard else self.factor
 
 
 @dataclass(frozen=True, slots=True)

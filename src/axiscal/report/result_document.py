@@ -94,6 +94,7 @@ def _targets(summary: Summary) -> dict[str, Any]:
         "target_rms_um": _optional(summary.target_rms_um, "target_rms_um"),
         "target_worst_um": _optional(summary.target_worst_um, "target_worst_um"),
         "target_U_um": _optional(summary.target_u_um, "target_U_um"),
+        "target_reached": summary.target_reached,
     }
     if summary.truth is not None:
         found["promised_rms_um"] = number(summary.truth.promised_rms_um, "promised_rms_um")
@@ -119,7 +120,7 @@ def _linear(found: Linear | None) -> dict[str, Any]:
 
 def _expanded(summary: Summary) -> dict[str, Any]:
     if summary.withheld:
-        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for"))
+        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "u_um", "U_holds_for"))
     found = summary.expanded
     x, y, z = numbers(found.axes, "U_axis_um", 3)
     return {
@@ -127,7 +128,8 @@ def _expanded(summary: Summary) -> dict[str, Any]:
         "U_axis_um": {"x": x, "y": y, "z": z},
         "U_worst_um": number(found.worst, "U_worst_um"),
         "U_level": LEVEL,
-        "k": number(found.factor, "k"),
+        "k": number(found.k, "k"),
+        "u_um": number(summary.rms_um, "rms_um") if found.standard is None else number(found.standard, "u_um"),
         "U_holds_for": found.conditions,
     }
 

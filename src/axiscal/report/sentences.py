@@ -78,11 +78,17 @@ def unseen_size(summary: Summary) -> float:
     return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
 
 
-def target_text(value_um: float, target_um: float | None) -> str:
-    """Return "target 2 µm: reached", or nothing where no target was set."""
+def target_text(value_um: float, target_um: float | None, unshown: float = 1.0) -> str:
+    """Return "target 2 µm: reached", or nothing where no target was set.
+
+    unshown : times the value that the readings can vouch for
+    """
     if target_um is None:
         return ""
-    return f"target {short(target_um)}{_NO_BREAK}µm: {'reached' if value_um <= target_um else 'not reached'}"
+    said = "reached" if unshown * value_um <= target_um else "not reached"
+    if value_um <= target_um < unshown * value_um:
+        said = "promised, and not reached by what the readings can vouch for"
+    return f"target {short(target_um)}{_NO_BREAK}µm: {said}"
 
 
 def curve_note(curve: CurveSummary) -> str:

@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import reaches, unshown
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
 from axiscal.estimation.case import Case
 from axiscal.estimation.checks import Checks
-from axiscal.estimation.defence import defended
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
 from axiscal.estimation.linearity import linearity
 from axiscal.estimation.ruled import ruling_of
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.vouching import defended
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.observation import directions_of
@@ -120,6 +120,8 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
+        unshown=unshown(target, estimation),
+        target_reached=reaches(target, estimation),
         truth=extras.truth_check,
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings),
         reading_residual=residual_check(estimation),
@@ -164,11 +166,12 @@ def open_questions(description: CampaignDescription) -> list[str]:
 
 def _expanded(estimation: Estimation) -> Uncertainty:
     """Return the expanded uncertainties of the headline."""
-    found = expanded_uncertainty(estimation)
+    found = ruling_of(estimation).expanded
     x, y, z = (to_unit(each, "um") for each in found.axes)
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
-    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated))
+    standard = to_unit(ruling_of(estimation).standard, "um")
+    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard)
 
 
 def _checks(found: Checks | None) -> CheckReadings | None:

@@ -216,7 +216,10 @@ class RecordState:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Everything the report shows."""
+    """Everything the report shows.
+
+    unshown : times what is promised that the readings can vouch for, 1 where the target allows it to be more
+    """
 
     title: str
     machine: str
@@ -245,6 +248,8 @@ class Summary:
     target_rms_um: float | None = None
     target_worst_um: float | None = None
     target_u_um: float | None = None
+    unshown: float = 1.0
+    target_reached: bool | None = None
     truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     reading_residual: ResidualCheck | None = None
@@ -260,6 +265,11 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
+
+    @property
+    def unshown_u(self) -> float:
+        """The same of the expanded uncertainty, which may be of a wider distribution than the model."""
+        return max(1.0, self.unshown * self.expanded.k / self.expanded.factor)
 
     @property
     def withheld(self) -> bool:

@@ -11,11 +11,13 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
+from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
 from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.language import said, speaking
+from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import Question, asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.guide.stopping import results_beside, table_left
@@ -199,7 +201,7 @@ class Desk:
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
         self.campaign.finish()
-        summary = deliver(self.campaign, self.campaign.concluded(), self.results, Extras(compared=True))
+        summary = deliver(self.campaign, ruled(self.campaign.concluded()), self.results, Extras(compared=True))
         self._verdict = first_lines(summary).splitlines()
         self._show({})
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
@@ -231,10 +233,14 @@ class Desk:
         for language in reversed(self._languages):  # English last: its question is the one that answers belong to
             with speaking(language):
                 self._question, self._ended, self._trouble = self._asked()
-                minds = self._minds.get(language, [])
+                minds = [*self._minds.get(language, []), *self._standing()]
                 shown = Shown(self._question, self._ended, self._trouble, minds, self._verdict, course, version)
                 states[language] = state_shape(self.campaign, shown, self.results)
         return states
+
+    def _standing(self) -> list[str]:
+        """Return what stands between the campaign and its end."""
+        return [] if self.campaign.state.finished is not None else standing_words(self.campaign)
 
     def _next_version(self) -> int:
         self._version += 1

@@ -1,0 +1,15 @@
+"""What the readings of an estimation can vouch for: found once, the same wherever it is said."""
+
+from __future__ import annotations
+
+from axiscal.estimation.defence import Defence, defence
+from axiscal.estimation.estimation import Estimation
+
+
+def defended(estimation: Estimation) -> Defence:
+    """Return what the readings of an estimation that are believed vouch for, once there is a verdict its own."""
+    if estimation.ruling is not None:
+        return estimation.ruling.defence
+    apart = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    believed = [reading for index, reading in enumerate(estimation.readings) if index not in apart]
+    return defence(estimation.case, believed, estimation.accuracy.rms)
