@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs languages trust certify reliability fuzz audit lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs languages trust certify reliability fuzz requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -21,6 +21,7 @@ help:
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
+	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
@@ -77,6 +78,9 @@ reliability: .venv/dev.stamp
 
 fuzz: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES))
+
+requests: .venv/dev.stamp
+	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q tests/web/test_conformance.py
 
 audit: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.audit --lock requirements/run.txt --out build/sbom.json

@@ -16,7 +16,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
-from tests.generators.texts import FOUR_READINGS
+from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 
 STANDS = "Enter when it stands, or ? > "
 PATIENCE = 60.0
@@ -167,6 +167,27 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
     assert terminal.ended() == 0
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.finished == "ended by the operator"
+
+
+def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text(TWO_SPHERES)
+    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
+    subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
+    terminal = Terminal(tmp_path)
+    shown = terminal.until(STANDS)
+    assert "set up two spheres, and mount the instrument (sphere); it reads x, y and z" in shown
+    assert re.search(r"go to     X = \S+ mm, Y = \S+ mm, Z = \S+ mm, B = \S+ deg, C = \S+ deg", shown)
+    terminal.type("")
+    for reading in ("1,2 -0,4 3", "0.4; 1; 2", "-2.5 3 0", "1 1 1", "0.0 -1.0 2.5"):
+        assert re.search(r"ball (low|high) of two spheres", terminal.until("reading [um] > "))
+        terminal.type(reading)
+        terminal.until("it is on the disk")
+    terminal.until("note or pause > ")
+    terminal.type("")
+    terminal.until("result.json")
+    assert terminal.ended() == 0
+    assert kept(tmp_path) == [1.2, 0.4, -2.5, 1.0, 0.0]
+    assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
 def test_the_prompt_speaks_german(folder: Path) -> None:

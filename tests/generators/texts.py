@@ -17,6 +17,23 @@ noise = "0.5 um"
 """
 """A campaign of four readings on the built-in machine of one axis."""
 
+TWO_SPHERES = """\
+machine = "dmu60"
+[target]
+readings = 5
+part = { radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }
+[[artefacts]]
+name = "two spheres"
+balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
+[[setups]]
+name = "spheres, touched"
+instrument = "sphere"
+artefact = "two spheres"
+raster = { B = "15 deg", C = "15 deg" }
+approach = "both"
+"""
+"""A campaign of five readings on the built-in machine of five axes, of three numbers each."""
+
 Std = str | tuple[str, int, int]
 """Of an error: its std, or also the knots and the length, mm or deg, of its curve."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.generators.texts import FOUR_READINGS
+from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.web.browser import Browser, Page
 from tests.web.served import served, started
 
@@ -171,26 +172,9 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
     assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
-FIVE_AXES = """\
-machine = "dmu60"
-[target]
-readings = 5
-part = { radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }
-[[artefacts]]
-name = "two spheres"
-balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
-[[setups]]
-name = "spheres, touched"
-instrument = "sphere"
-artefact = "two spheres"
-raster = { B = "15 deg", C = "15 deg" }
-approach = "both"
-"""
-
-
 @pytest.mark.chromium
 def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
-    record = started(tmp_path, FIVE_AXES)
+    record = started(tmp_path, TWO_SPHERES)
     page = browser.page(1400, 900)
     with served(record) as server:
         page.open(server.address)
@@ -210,6 +194,9 @@ def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser,
         tab_to(page, "field")
         type_reading(page, "0.0 -1.0 2.5")
         page.until("document.activeElement.id === 'finish'")
+        looked_at(page)
+        page.press("Enter")
+        page.until(f"{SHOWN}('report')")
         looked_at(page)
         assert page.complaints() == []
     assert kept(record) == [1.2, 0.4, -2.5, 1.0, 0.0]
@@ -263,6 +250,54 @@ def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Brow
         looked_at(two)
         assert one.complaints() + two.complaints() == []
     assert kept(record) == [-1.7, 0.5]
+
+
+def hostile_texts() -> list[str]:
+    """Return 1,000 texts that would be markup or script where a page took them for that."""
+    begins = ["", "\"'>", "</textarea>", "</title>", "-->", "'-", "${", "\\", "]]>", "\u202e"]
+    tags = [
+        "img src=x",
+        "svg",
+        "iframe src=javascript:0",
+        "body",
+        "details open",
+        "video src=x",
+        "math",
+        "a href=data:,",
+        "b",
+    ]
+    handlers = ["onerror", "onload", "ontoggle", "onfocus autofocus", "onpointerover"]
+    ends = ["=hit()>", "=`hit()`//"]
+    marked = [f"{a}<{b} {c}{d}" for a in begins for b in tags for c in handlers for d in ends]
+    scripts = [f"{a}<script>hit({n})</script>" for a in begins for n in range(10)]
+    return [*marked, *scripts][:1000]
+
+
+@pytest.mark.chromium
+def test_a_thousand_hostile_texts_stay_text_in_every_field(browser: Browser, tmp_path: Path) -> None:
+    texts = hostile_texts()
+    assert len(set(texts)) == 1000
+    record = started(tmp_path)
+    page = browser.page(390, 844)
+    with served(record) as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'stands'")
+        page.value("window.hit = () => { window.struck = true; }; 0")
+        page.press("Enter")
+        for at in range(0, 1000, 40):
+            text = " ".join(texts[at : at + 40])
+            assert server.call("notes", text=text).status == 200
+            shown = "[...document.getElementById('notes').children].some(e => e.textContent.includes(%s))"
+            page.until(shown % json.dumps(text[:40] + text[40:80]))
+            page.value("document.getElementById('field').select()")
+            page.type(text[:200])
+            page.press("Enter")
+            page.until("document.getElementById('heard').className === 'alarm'")
+        assert page.value("window.struck") is None
+        assert (
+            page.value("document.querySelectorAll('main :is(img, script, iframe, video, math, body, b)').length") == 0
+        )
+        assert page.complaints() == []
 
 
 @pytest.mark.chromium

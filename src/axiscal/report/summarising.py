@@ -85,8 +85,9 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
     rows = _history(campaign, estimation)
     if extras.compared:
         usual = traditional(case, len(campaign.state.readings)).rms
-        pairs = zip(rows, usual, strict=True)
-        rows = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
+        pairs = zip(rows, usual, strict=False)  # the usual way may have no place for as many readings
+        beside = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
+        rows = [*beside, *rows[len(beside) :]]
     ruling = ruling_of(estimation)
     if ruling.verdict == "widened":
         rows[-1] = _with_figures(rows[-1], estimation)

@@ -1,0 +1,59 @@
+"""The API against its own description: schemathesis makes requests, right and wrong ones, and looks at every answer.
+
+`make requests` is the long run; AXISCAL_REQUESTS says how many of each kind.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from schemathesis.checks import not_a_server_error
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    negative_data_rejection,
+    response_schema_conformance,
+    status_code_conformance,
+)
+
+from axiscal.web.openapi import description
+from tests.web.served import Served, served, started
+
+REQUESTS = int(os.environ.get("AXISCAL_REQUESTS", "12"))
+CHECKS = [
+    not_a_server_error,
+    status_code_conformance,
+    content_type_conformance,
+    response_schema_conformance,
+    negative_data_rejection,
+]
+OPERATIONS = [(path, method) for path, methods in description()["paths"].items() for method in methods]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A campaign that is served."""
+    with served(started(tmp_path_factory.mktemp("conformance"))) as running:
+        yield running
+
+
+@pytest.mark.parametrize(("path", "method"), OPERATIONS)
+@pytest.mark.parametrize("mode", [schemathesis.GenerationMode.POSITIVE, schemathesis.GenerationMode.NEGATIVE])
+def test_every_answer_is_as_described(page: Served, path: str, method: str, mode: schemathesis.GenerationMode) -> None:
+    schema = schemathesis.openapi.from_dict(description())
+    schema.config.update(base_url=f"http://127.0.0.1:{page.port}")
+    operation = schema[path][method.upper()]
+
+    @settings(max_examples=REQUESTS, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.generate])
+    @given(st.data())
+    def answered(data: st.DataObject) -> None:
+        case = data.draw(operation.as_strategy(generation_mode=mode))
+        if isinstance(case.query, dict) and isinstance(case.query.get("wait"), int | float):
+            case.query["wait"] = min(case.query["wait"], 0)  # nobody waits for news in a test
+        case.call_and_validate(headers={"Authorization": f"Bearer {page.token}"}, checks=CHECKS)
+
+    answered()
