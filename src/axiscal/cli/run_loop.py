@@ -28,7 +28,11 @@ def run_loop(
     campaign: CampaignFile,
     out: Out,
     source: Annotated[
-        str, typer.Option(metavar="SOURCE", help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND or linuxcnc.")
+        str,
+        typer.Option(
+            metavar="SOURCE",
+            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND, moonraker:HOST, duet:HOST or linuxcnc.",
+        ),
     ],
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
     timeout: Annotated[

@@ -1,4 +1,8 @@
-"""Where readings come from: `sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc[:SEED|:FILE]`."""
+"""Where readings come from.
+
+`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc[:SEED|:FILE]`,
+`moonraker:HOST`, `duet:HOST`.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +34,7 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
         return _simulated(simulator, rest, bool(colon))
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
-    if kind in ("truth", "csv", "exec") and not rest.strip():
+    if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():
         raise SourceError(f"the source '{text}' names nothing after '{kind}:'", _KINDS)
     if kind == "truth":
         from axiscal.campaign.sources.simulated import SimulatedSource
@@ -42,6 +46,10 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
         source = CsvSource(Path(rest))
         source.pass_over(taken)
         return source
+    if kind in ("moonraker", "duet"):
+        from axiscal.campaign.sources.printer import Duet, Moonraker, PrinterSource
+
+        return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](rest.strip()))
     if kind == "exec":
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
 
@@ -49,7 +57,10 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
     raise SourceError(f"'{text}' is not a source", _KINDS)
 
 
-_KINDS = "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc:SEED with LinuxCNC"
+_KINDS = (
+    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc:SEED with LinuxCNC, and "
+    "moonraker:HOST and duet:HOST with a printer"
+)
 
 
 def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:

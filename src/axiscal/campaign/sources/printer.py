@@ -1,0 +1,208 @@
+"""`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
+
+Where the bed is high the tool is too low over it, by as much: a reading is minus the height at which the probe meets
+it. Written from the protocols that Moonraker and RepRapFirmware document and tried against small servers that speak
+them, never on a printer.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+from abc import ABC, abstractmethod
+from typing import Any
+
+from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.exceptions import SourceError
+from axiscal.units import from_unit, to_unit
+
+TIMEOUT = 60.0
+"""s for one answer: a probe on a slow printer takes some."""
+_HOST = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?(?::[0-9]{1,5})?")
+_MOST = 2_000_000
+"""Bytes of an answer; an object model has a hundred thousand."""
+_CLEAR, _LIFT, _TRAVEL, _ASIDE = 5.0, 600, 3000, 2.0
+"""mm over the bed on the way, mm/min up and across, mm by which a side is come from: gentle on any printer."""
+_FARTHEST = 5.0
+"""mm off the bed's zero; a probe that triggers farther away has met something else, or nothing."""
+_FOUND = re.compile(r"[Ss]topped at height (-?\d+(?:\.\d+)?) ?mm")
+_POLL = 0.1
+"""s between two looks for a reply."""
+
+
+class PrinterSource:
+    """A printer over the network, looked at before the first reading.
+
+    Raises SourceError for a printer that is not ready, not homed, prints, or has a mesh or skew in force.
+    """
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        printer.refuse_unready()
+
+    def read(self, request: Request) -> Answer | Skip:
+        """Go over the point, from the side that is asked for, and probe; raises SourceError."""
+        self._refuse_others(request)
+        at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
+        side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
+        beside = {name: at[name] - _ASIDE * side[name] for name in "XY"}
+        codes = ["G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
+        if any(side[name] for name in "XY"):
+            codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
+        codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
+        height = self._printer.probed(codes)
+        if not abs(height) <= _FARTHEST:
+            what = f"the probe met something {height:.3f} mm off the bed's zero"
+            raise SourceError(what, f"Look at the probe and its offset; beyond {_FARTHEST:g} mm nothing is believed")
+        return Answer(-float(from_unit(height, "mm")), live=True)
+
+    def close(self) -> None:
+        """There is nothing to let go of: the tool stays where it is, over the bed."""
+
+    @staticmethod
+    def _refuse_others(request: Request) -> None:
+        setup, names = request.setup, {axis.name for axis in request.axes}
+        upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
+        if setup.instrument != "probe" or not upright or not {"X", "Y"} <= names:
+            what = f"a printer cannot take the readings of the set-up {setup.name}"
+            raise SourceError(what, 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]')
+
+
+class Printer(ABC):
+    """A printer behind its web server.  host : name or address, with :PORT where it is another than usual"""
+
+    def __init__(self, host: str) -> None:
+        if not _HOST.fullmatch(host):
+            raise SourceError(
+                f"{host[:60]!r} is no name of a printer", "Write moonraker:voron.local or duet:192.168.1.7"
+            )
+        self._host = host
+
+    @abstractmethod
+    def refuse_unready(self) -> None:
+        """Raise SourceError where the printer is not ready to be measured."""
+
+    @abstractmethod
+    def probed(self, codes: list[str]) -> float:
+        """Execute lines, probe, and return the height of the bed there, mm."""
+
+    def _ask(self, path: str, query: dict[str, str] | None = None, body: str | None = None) -> bytes:
+        url = f"http://{self._host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
+        asked = urllib.request.Request(url, None if body is None else body.encode("ascii"))
+        try:
+            with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
+                data: bytes = answer.read(_MOST + 1)
+        except urllib.error.HTTPError as refusal:
+            said = refusal.read(2000).decode(errors="replace")
+            raise self._failed(f"refused {path} ({refusal.code}): {' '.join(said.split())[:200]}") from None
+        except (OSError, ValueError) as fault:
+            raise self._failed(f"does not answer {path}: {fault}") from None
+        if len(data) > _MOST:
+            raise self._failed(f"answers {path} with more than {_MOST} bytes")
+        return data
+
+    def _document(self, path: str, query: dict[str, str] | None = None) -> dict[str, Any]:
+        try:
+            found = json.loads(self._ask(path, query))
+        except (ValueError, RecursionError):
+            found = None
+        if not isinstance(found, dict):
+            raise self._failed(f"answers {path} with something that is no JSON object")
+        return found
+
+    def _failed(self, what: str) -> SourceError:
+        return SourceError(f"the printer {self._host} {what}", "Mend it, then go on with --resume")
+
+    def _not_ready(self, what: str, remedy: str) -> SourceError:
+        return SourceError(f"the printer {self._host} {what}", remedy)
+
+    def _height(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise self._failed(f"answers {value!r} where the height of the bed was expected")
+        return float(value)
+
+
+class Moonraker(Printer):
+    """Klipper behind Moonraker: `/printer/gcode/script` answers when the lines are done."""
+
+    def refuse_unready(self) -> None:
+        """Ask for state, homing, mesh and skew."""
+        found = self._status("webhooks", "print_stats", "toolhead", "bed_mesh")
+        if _get(found, "webhooks", "state") != "ready":
+            raise self._not_ready(f"is {_get(found, 'webhooks', 'state')!r}, not ready", "Restart it")
+        if _get(found, "print_stats", "state") in ("printing", "paused"):
+            raise self._not_ready("prints", "Wait until it has ended")
+        if not set("xyz") <= set(str(_get(found, "toolhead", "homed_axes") or "")):
+            raise self._not_ready("is not homed", "Send G28 first")
+        if _get(found, "bed_mesh", "profile_name"):
+            raise self._not_ready("has a bed mesh in force", "Send BED_MESH_CLEAR first")
+
+    def probed(self, codes: list[str]) -> float:
+        """Send the lines and PROBE; `last_z_result` is where it met the bed."""
+        self._script("\n".join([*codes, "PROBE"]))
+        return self._height(_get(self._status("probe"), "probe", "last_z_result"))
+
+    def _script(self, script: str) -> None:
+        self._ask("/printer/gcode/script", {"script": script}, body="")
+
+    def _status(self, *objects: str) -> dict[str, Any]:
+        found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
+        status = _get(found, "result", "status")
+        if not isinstance(status, dict):
+            raise self._failed("answers no status")
+        return status
+
+
+class Duet(Printer):
+    """RepRapFirmware: `/machine/code` of a Duet with a computer beside it, `rr_gcode` of one that stands alone."""
+
+    def __init__(self, host: str) -> None:
+        super().__init__(host)
+        self._alone = False
+
+    def refuse_unready(self) -> None:
+        """Ask the object model for state, homing and compensation."""
+        try:
+            found = self._document("/machine/model")
+        except SourceError:
+            self._alone = True
+            self._document("/rr_connect", {"password": ""})
+            parts = {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
+            found = dict(parts)
+        if _get(found, "state", "status") != "idle":
+            raise self._not_ready(f"is {_get(found, 'state', 'status')!r}, not idle", "Wait, or end what it does")
+        axes = _get(found, "move", "axes")
+        homed = [axis.get("homed") for axis in axes if isinstance(axis, dict)] if isinstance(axes, list) else []
+        if len(homed) < 3 or not all(each is True for each in homed[:3]):
+            raise self._not_ready("is not homed", "Send G28 first")
+        if str(_get(found, "move", "compensation", "type") or "none").lower() != "none":
+            raise self._not_ready("has a height map in force", "Send G29 S2 first")
+
+    def probed(self, codes: list[str]) -> float:
+        """Send the lines and G30 S-1, which probes and only says at which height."""
+        for code in codes:
+            self._run(code)
+        found = _FOUND.search(said := self._run("G30 S-1", wait=True))
+        if found is None:
+            raise self._failed(f"answers {said.strip()[:200]!r} to G30 S-1")
+        return self._height(float(found[1]))
+
+    def _run(self, code: str, wait: bool = False) -> str:
+        if not self._alone:
+            return self._ask("/machine/code", body=code).decode(errors="replace")
+        self._ask("/rr_gcode", {"gcode": code})
+        end = time.monotonic() + (TIMEOUT if wait else 0.0)
+        while not (said := self._ask("/rr_reply").decode(errors="replace")).strip() and time.monotonic() < end:
+            time.sleep(_POLL)
+        return said
+
+
+def _get(found: Any, *keys: str) -> Any:
+    for key in keys:
+        found = found.get(key) if isinstance(found, dict) else None
+    return found

@@ -1,0 +1,221 @@
+"""Printers as sources, against small servers that speak what Moonraker and RepRapFirmware document."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+import urllib.parse
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import pytest
+
+from axiscal.campaign.sources import open_source
+from axiscal.campaign.sources.source import Answer, Request
+from axiscal.exceptions import SourceError
+from axiscal.machine.description import load_machine
+from axiscal.measurement.setup import Setup
+
+
+def bed(x: float, y: float) -> float:
+    """How high the bed is, mm."""
+    return 0.05 + 0.0004 * x - 0.0002 * y
+
+
+class Server(ThreadingHTTPServer):
+    """A printer: where it is, what it was told, and what it answers."""
+
+    daemon_threads = True
+    state: dict[str, Any]
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), Handler)
+        self.at = {"X": 0.0, "Y": 0.0, "Z": 0.0}
+        self.told: list[str] = []
+        self.replies: list[str] = []
+        self.last: object = None
+        self.lost = False
+        self.alone = False
+        self.klipper: dict[str, Any] = {
+            "webhooks": {"state": "ready"},
+            "print_stats": {"state": "standby"},
+            "toolhead": {"homed_axes": "xyz"},
+            "bed_mesh": {"profile_name": ""},
+        }
+        self.duet: dict[str, Any] = {
+            "state": {"status": "idle"},
+            "move": {"axes": [{"homed": True}] * 3, "compensation": {"type": "none"}},
+        }
+
+    def execute(self, code: str) -> str:
+        self.told.append(code)
+        self.at |= {axis: float(value) for axis, value in re.findall(r"([XYZ])(-?[\d.]+)", code)}
+        height = round(bed(self.at["X"], self.at["Y"]), 6)
+        if code == "PROBE":
+            self.last = height
+        return f"Stopped at height {height} mm\n" if code == "G30 S-1" else ""
+
+
+class Handler(BaseHTTPRequestHandler):
+    server: Server
+
+    def do_GET(self) -> None:
+        path, _, query = self.path.partition("?")
+        asked = dict(urllib.parse.parse_qsl(query, keep_blank_values=True))
+        printer = self.server
+        if printer.lost:
+            self.connection.close()
+        elif path == "/printer/objects/query":
+            known = printer.klipper | {"probe": {"last_z_result": printer.last}}
+            self._say(json.dumps({"result": {"status": {name: known[name] for name in asked}}}))
+        elif path == "/machine/model" and not printer.alone:
+            self._say(json.dumps(printer.duet))
+        elif path == "/rr_connect":
+            self._say('{"err": 0}')
+        elif path == "/rr_model":
+            self._say(json.dumps({"key": asked["key"], "result": printer.duet[asked["key"]]}))
+        elif path == "/rr_gcode":
+            printer.replies.append(printer.execute(asked["gcode"]))
+            self._say('{"buff": 200}')
+        elif path == "/rr_reply":
+            self._say(printer.replies.pop(0) if printer.replies else "")
+        else:
+            self.send_error(404)
+
+    def do_POST(self) -> None:
+        path, _, query = self.path.partition("?")
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0))).decode()
+        if self.server.lost:
+            self.connection.close()
+        elif path == "/printer/gcode/script":
+            for code in urllib.parse.parse_qs(query)["script"][0].split("\n"):
+                self.server.execute(code)
+            self._say('{"result": "ok"}')
+        elif path == "/machine/code":
+            self._say(self.server.execute(body))
+        else:
+            self.send_error(404)
+
+    def _say(self, text: str) -> None:
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(text.encode())
+
+    def log_message(self, *_: Any) -> None:
+        """Nobody reads it."""
+
+
+@pytest.fixture
+def printer() -> Iterator[Server]:
+    server = Server()
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    yield server
+    server.shutdown()
+    server.server_close()
+    thread.join()
+
+
+def opened(kind: str, server: Server) -> Any:
+    return open_source(f"{kind}:127.0.0.1:{server.server_address[1]}", None)  # type: ignore[arg-type]
+
+
+def request(x: float, y: float, side: tuple[int, int] = (0, 0), up: float = 1.0) -> Request:
+    machine = load_machine("printer-gantry")
+    direction, still = (1.0 - up, 0.0, up), (0.0,) * 4
+    setup = Setup("bed", "probe", direction, (1, 2), still[:3], 1e-5, (), 60, 1, 5, still[:3], "both")
+    place = {"X": x / 1e3, "Y": y / 1e3, "Z": 0.0}
+    come = {"X": side[0], "Y": side[1], "Z": 0}
+    names = [axis.name for axis in machine.axes]
+    return Request(1, setup, machine.axes, tuple(place[n] for n in names), tuple(come[n] for n in names))
+
+
+WAYS = [("moonraker", False), ("duet", False), ("duet", True)]
+
+
+@pytest.mark.parametrize(("kind", "alone"), WAYS)
+def test_the_bed_is_probed_where_it_was_planned(printer: Server, kind: str, alone: bool) -> None:
+    """Where the bed is high the tool is too low: a reading is minus the height."""
+    printer.alone = alone
+    source = opened(kind, printer)
+    for x, y in ((10.0, 20.0), (250.5, 130.25)):
+        answer = source.read(request(x, y))
+        assert isinstance(answer, Answer)
+        assert answer.value == pytest.approx(-bed(x, y) * 1e-3, abs=1e-9)
+        assert answer.live
+    source.close()
+    lifted = [code for code in printer.told if code.startswith("G1 Z5.000")]
+    assert len(lifted) == 2  # over the bed before it goes across
+
+
+def test_a_side_is_come_from(printer: Server) -> None:
+    opened("moonraker", printer).read(request(100.0, 50.0, (1, -1)))
+    moves = [code for code in printer.told if code.startswith("G1 X")]
+    assert moves == ["G1 X98.000 Y52.000 F3000", "G1 X100.000 Y50.000 F3000"]
+
+
+NOT_READY = [
+    ("moonraker", ("webhooks", "state"), "shutdown", "not ready"),
+    ("moonraker", ("print_stats", "state"), "printing", "prints"),
+    ("moonraker", ("toolhead", "homed_axes"), "xy", "is not homed"),
+    ("moonraker", ("bed_mesh", "profile_name"), "default", "has a bed mesh in force"),
+    ("duet", ("state", "status"), "processing", "not idle"),
+    ("duet", ("move", "axes"), [{"homed": True}, {"homed": False}, {"homed": True}], "is not homed"),
+    ("duet", ("move", "compensation"), {"type": "mesh"}, "has a height map in force"),
+]
+
+
+@pytest.mark.parametrize(("kind", "keys", "value", "message"), NOT_READY)
+def test_a_printer_that_is_not_ready_is_not_moved(
+    printer: Server, kind: str, keys: tuple[str, str], value: object, message: str
+) -> None:
+    known = printer.klipper if kind == "moonraker" else printer.duet
+    known[keys[0]] = known[keys[0]] | {keys[1]: value}
+    with pytest.raises(SourceError, match=message):
+        opened(kind, printer)
+    assert printer.told == []
+
+
+@pytest.mark.parametrize("last", [None, "0.1", float("nan"), True, [1]])
+def test_a_height_that_is_none_is_refused(printer: Server, last: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = opened("moonraker", printer)
+    monkeypatch.setattr(printer, "execute", lambda code: setattr(printer, "last", last))
+    with pytest.raises(SourceError, match="where the height of the bed was expected"):
+        source.read(request(10, 10))
+
+
+def test_a_probe_that_meets_something_else_ends_the_run(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = opened("moonraker", printer)
+    monkeypatch.setattr(printer, "execute", lambda code: setattr(printer, "last", 7.5))
+    with pytest.raises(SourceError, match=r"7\.500 mm off the bed's zero"):
+        source.read(request(10, 10))
+
+
+def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = opened("duet", printer)
+    monkeypatch.setattr(printer, "execute", lambda code: "Error: G30: probe already triggered")
+    with pytest.raises(SourceError, match="probe already triggered"):
+        source.read(request(10, 10))
+
+
+@pytest.mark.parametrize("kind", ["moonraker", "duet"])
+def test_a_lost_connection_is_said(printer: Server, kind: str) -> None:
+    source = opened(kind, printer)
+    printer.lost = True
+    with pytest.raises(SourceError, match="does not answer"):
+        source.read(request(10, 10))
+
+
+@pytest.mark.parametrize("host", ["a b", "x/../y", "a\r\nHost: b", "-x", "h:999999", "user@host", "é"])
+def test_names_that_could_do_harm_are_refused(host: str) -> None:
+    with pytest.raises(SourceError, match="is no name of a printer"):
+        open_source(f"moonraker:{host}", None)  # type: ignore[arg-type]
+
+
+def test_other_readings_are_not_a_printers(printer: Server) -> None:
+    source = opened("moonraker", printer)
+    with pytest.raises(SourceError, match="cannot take the readings"):
+        source.read(request(10, 10, up=0.0))
+    assert printer.told == []
