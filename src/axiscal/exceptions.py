@@ -106,6 +106,10 @@ class OvertakenError(RecordError):
     """A step that was meant for a state of the record in which it is no longer."""
 
 
+class AmbiguityError(InputError):
+    """Two different machines or stations fit the readings as well as each other."""
+
+
 class SourceError(InputError):
     """A source of readings that died, stalled or answered nonsense."""
 

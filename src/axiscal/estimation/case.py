@@ -85,11 +85,6 @@ class Case:
         return Case(replace(self.description, machine=machine, setups=setups), self.inherited, about=self.about)
 
     @property
-    def turned(self) -> bool:
-        """Whether an instrument may stand turned by more than is linear."""
-        return any(unknown.name in TURNS for setup in self.description.setups for unknown in setup.unknowns)
-
-    @property
     def bends(self) -> bool:
         """Whether a set-up stands, or is turned, where only its readings can tell: they are not linear in that."""
         pairs = ((setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups)
@@ -119,6 +114,15 @@ class Case:
         """
         point = mean[: self.errors.size + len(self.observation.unknowns)].copy()
         return replace(self.located(mean) or self, about=About(point, bent), both=frozenset())
+
+    def station_columns(self, index: int) -> tuple[int, ...] | None:
+        """Return the columns of where a set-up's station is found, x, y, z; None where it is not to be found."""
+        setup, columns = self.description.setups[index], self.observation.unknowns_of(index).tolist()
+        own = dict(zip((unknown.name for unknown in setup.unknowns), columns, strict=True))
+        names = _located_by(setup, set(own))
+        if names is None or names == TURNS or not set(names) <= set(own):
+            return None
+        return tuple(own[name] for name in names)
 
     def _found(self, index: int, mean: Array) -> Vector | None:
         setup = self.description.setups[index]

@@ -19,6 +19,7 @@ from axiscal.estimation.estimation import Estimation, Stages
 from axiscal.estimation.judged import Judged, judged, judged_at_once
 from axiscal.estimation.learnt import Learnt, counts_to_learn_from, learnt
 from axiscal.estimation.located import bent, located
+from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.timed import Timed, timed
 from axiscal.measurement.reading import Reading
@@ -49,12 +50,16 @@ def estimated(stated: Case, readings: Sequence[Reading], before: Estimation | No
 
 @one_thread()
 def concluded(stated: Case, readings: Sequence[Reading]) -> Estimation:
-    """Return what readings make known if none is to follow: bad ones found, scales and places learnt from all."""
+    """Return what readings make known if none is to follow: bad ones found, scales and places learnt from all.
+
+    Raises AmbiguityError where a station may as well stand elsewhere.
+    """
     times = timed(stated, readings, Timed())
     plausible = judged_at_once(stated, times.readings)
     scales = learnt(stated, times.readings, plausible.implausible)
     known = located(scales, times.readings, plausible.implausible)
     known = bent(known, times.readings, plausible.implausible)
+    refuse_mirrors(known, times.readings, [*plausible.implausible])
     return _estimation(stated, Stages(times, plausible, scales, known))
 
 

@@ -9,7 +9,7 @@ from math import ceil
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.turned import turned
+from axiscal.estimation.progressed import progressed
 from axiscal.inference.fit import Fit, fit
 from axiscal.inference.outliers import FEWEST, Doubt, Verdict, verdict
 from axiscal.measurement.reading import Reading
@@ -35,7 +35,7 @@ class Learnt:
 def counts_to_learn_from(case: Case, count: int) -> list[int]:
     """Return the numbers of readings, up to a count, after which scales and turns are learnt anew: by a third more."""
     due: list[int] = []
-    while (case.variable or case.turned) and (
+    while (case.variable or case.bends) and (
         following := max(FEWEST, ceil((due[-1] if due else 0) * _GROWTH))
     ) <= count:
         due.append(following)
@@ -47,7 +47,7 @@ def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Do
 
     case : as stated; readings : to learn from, those that are implausible among them
     """
-    case = turned(case, readings, implausible)
+    case = progressed(case, readings, implausible)
     found = weighed(case, readings, implausible)
     doubtful = {*implausible, *(doubt.reading for doubt in found.doubts)}
     plausible = sum(index not in implausible for index in range(len(readings)))

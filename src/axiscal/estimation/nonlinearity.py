@@ -21,7 +21,7 @@ from axiscal.measurement.about import About
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import linear_values, numbers_of_setups, places_of, seen
+from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_values
 from axiscal.numerics import Array
 
 GAUSSIAN = 0.3
@@ -67,21 +67,9 @@ def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
     drawn = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
     mean = belief.mean[:errors]
     squares = np.zeros(len(numbers.values))
-    at_mean = exact_values(observation, readings, mean)
+    at_mean = shown_values(observation, readings, mean)
     for draw in drawn.T:
-        beyond = exact_values(observation, readings, mean + draw) - at_mean - numbers.rows[:, :errors] @ draw
+        beyond = shown_values(observation, readings, mean + draw) - at_mean - numbers.rows[:, :errors] @ draw
         squares += beyond**2
     index = np.sqrt(squares / _DRAWS) / np.sqrt(numbers.variances)
     return np.array([float(index[numbers.reading == i].max()) for i in range(len(readings))])
-
-
-def exact_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:
-    """Return what readings show by the exact chain without noise, (m,).  point : (k,) errors, then unknowns"""
-    places = places_of(observation.setups, readings)
-    each = numbers_of_setups(observation.setups)[places.setups]
-    first, result = np.cumsum(each) - each, np.zeros(int(each.sum()))
-    for setup, mine in places.by_setup():
-        shown = observation.shown(setup, places.poses[mine], places.approaches[mine], point)
-        for number in range(shown.shape[1]):
-            result[first[mine] + number] = shown[:, number]
-    return result

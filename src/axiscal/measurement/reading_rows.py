@@ -79,6 +79,18 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
     )
 
 
+def shown_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:
+    """Return what readings show by the exact chain without noise, (m,).  point : (k,) errors, then unknowns"""
+    places = places_of(observation.setups, readings)
+    each = numbers_of_setups(observation.setups)[places.setups]
+    first, result = np.cumsum(each) - each, np.zeros(int(each.sum()))
+    for setup, mine in places.by_setup():
+        shown = observation.shown(setup, places.poses[mine], places.approaches[mine], point)
+        for number in range(shown.shape[1]):
+            result[first[mine] + number] = shown[:, number]
+    return result
+
+
 def visited_by(observation: Observation, readings: Sequence[Reading]) -> Observation:
     """Return the map with columns for what comes with readings: cells, and how far zeros have wandered."""
     return visited(observation, places_of(observation.setups, readings), times_of(readings))

@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along
+from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along, straight
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -57,6 +57,10 @@ class Displacement:
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the growth that is known, (m,)."""
         return _grown(setup.growth, direction, nominal)
+
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return nothing: it is linear in its unknowns, (m, k, k)."""
+        return straight(setup, nominal)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""

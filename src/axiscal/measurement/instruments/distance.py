@@ -77,9 +77,29 @@ class Distance:
         part: Array = now - first + self.direction_of(setup, shift, nominal) @ shift
         return part
 
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return Eᵀ(1 − uuᵀ)E/ρ, E what each unknown does to the line from the station to the tool, (m, k, k)."""
+        line = nominal.tcp - _found(setup)
+        away = np.maximum(np.linalg.norm(line, axis=1), _LEAST)
+        unit = line / away[:, None]
+        moved = np.stack([_moved(setup, u.name, nominal) for u in setup.unknowns], axis=2)
+        across = moved - unit[:, :, None] * np.einsum("mc,mck->mk", unit, moved)[:, None, :]
+        curved: Array = np.einsum("mcj,mck->mjk", across, across) / away[:, None, None]
+        return curved
+
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, f"the {setup.instrument}'s other end")
+
+
+def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
+    """Return what a unit of an unknown does to the line from the station to the tool, (m, 3)."""
+    if unknown in TOOL:
+        moved: Array = nominal.tool[:, :, TOOL.index(unknown)]
+        return moved
+    if unknown in SHIFTS:
+        return np.broadcast_to(-np.eye(3)[SHIFTS.index(unknown)], (nominal.count, 3))
+    return np.zeros((nominal.count, 3)) if unknown == "zero" else ball_effect(setup, unknown, nominal)
 
 
 def _stated(setup: Setup) -> Array:

@@ -98,6 +98,9 @@ class Model(Protocol):
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return what a reading shows beside its rows times the unknowns, where it is not linear in them, (m,)."""
 
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return the second derivatives of what it shows by the set-up's unknowns, (m, k, k)."""
+
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
 
@@ -121,6 +124,15 @@ class Angle:
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
+
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return nothing: it is linear, (m, k, k)."""
+        return straight(setup, nominal)
+
+
+def straight(setup: Setup, nominal: Nominal) -> Array:
+    """Return the second derivatives of what is linear in the set-up's unknowns, (m, k, k): nothing."""
+    return np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
 
 
 def along(direction: Array, count: int) -> Array:

@@ -23,6 +23,7 @@ from axiscal.measurement.instruments.kind import (
     ball_effect,
     ball_moved,
     displaced,
+    straight,
     tool_part,
 )
 from axiscal.measurement.setup import Setup
@@ -63,6 +64,10 @@ class Nest:
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
+
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return nothing: it is linear in its unknowns, (m, k, k)."""
+        return straight(setup, nominal)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense: it reads all directions."""

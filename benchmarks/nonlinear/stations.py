@@ -1,0 +1,123 @@
+"""Stations that nobody knows: four tracers on a three-axis machine, stated as far off as the row says."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.error_model.actual import deviation_of
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.progressive.polish import polished
+from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive.starts import closed_form
+from axiscal.machine import load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator, VirtualMachine
+
+STATIONS = (("-900", "-700", "-500"), ("900", "-600", "-100"), ("-200", "900", "-600"), ("100", "100", "700"))
+_POINTS, _POSES = 45, 150
+
+
+def tracers(std: str, dead_path: str) -> Case:
+    """Return the three-axis mill with few knots, and four tracers.  std : of each coordinate of a station"""
+    text = re.sub(r", rest = [^}]*", " ", re.sub(r"knots = \d+", "knots = 4", load_machine("three-axis-mill").text))
+    setups = [
+        f"""[[setups]]
+name = "tracer {number}"
+instrument = "tracer"
+station = [{", ".join(f'"{each} mm"' for each in station)}]
+approach = "both"
+[setups.unknowns]
+zero = "{dead_path}"
+station_x = "{std}"
+station_y = "{std}"
+station_z = "{std}"
+"""
+        for number, station in enumerate(STATIONS, 1)
+    ]
+    head = 'machine = "m"\n[target]\nreadings = 1\n'
+    return Case(campaign_from_texts(head + "".join(setups), "c.toml", text, "m"))
+
+
+def read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
+    """Return a machine with stations drawn from the prior, and readings at random poses."""
+    rng = np.random.default_rng(seed)
+    machine = Simulator(case.description.machine, case.description.setups).drawn(seed)
+    low, high = np.array([axis.travel for axis in case.description.machine.axes]).T
+    readings = []
+    for setup in case.description.setups:
+        for _ in range(_POINTS):
+            pose, side = tuple(rng.uniform(low, high).tolist()), tuple(int(s) for s in rng.choice([-1, 1], len(low)))
+            readings.append(Reading(setup.name, pose, side, machine.read(setup, pose, side, rng), time=0.0))
+    return machine, readings
+
+
+class Found(NamedTuple):
+    """missed : RMS at the tool of truth less estimate, mean shift taken off, m; held : share within 95 % along an axis
+
+    station : largest error of a station or dead path, m; nees : of all stations and dead paths together, per number
+    """
+
+    missed: float
+    held: float
+    station: float
+    nees: float
+
+
+def judged(case: Case, machine: VirtualMachine, known: Absorbed) -> Found:
+    """Return how right an estimate is."""
+    axes, errors, belief = case.description.machine.axes, case.errors, known.knowledge.belief
+    low, high = np.array([axis.travel for axis in axes]).T
+    poses = np.random.default_rng(7).uniform(low, high, (_POSES, len(low)))
+    sides = np.ones_like(poses)
+    rows = errors.rows(poses, sides)
+    left = machine.deviation(poses, sides) - deviation_of(errors, belief.mean[: errors.size], poses, sides).displacement
+    std = np.sqrt(np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2))
+    about = left - left.mean(axis=0)
+    truth = np.concatenate([list(machine.offsets[setup.name].values()) for setup in case.description.setups])
+    off, root = truth - belief.mean[errors.size :], belief.factor[errors.size :]
+    nees = float(off @ np.linalg.solve(root @ root.T, off)) / len(off)
+    held = float(np.mean(np.abs(left) < 1.96 * std))
+    return Found(float(np.sqrt(np.mean(np.sum(about**2, axis=1)))), held, float(np.abs(off).max()), nees)
+
+
+class Row(NamedTuple):
+    """What became of one machine; cost : of the optimum from shares, over that from closed form; taken : shares."""
+
+    linear: Found
+    by_shares: Found
+    cost: float
+    taken: int
+
+
+def compared(case: Case, seed: int) -> Row:
+    """Return a machine estimated once about the stated stations, and by shares."""
+    machine, readings = read(case, seed)
+    problem = BentReadings(case, readings)
+    way = shares(problem)
+    best, other = (polished(problem, start) for start in (way[-1].point, closed_form(case, readings, case.prior.mean)))
+    linear, found = (
+        judged(case, machine, absorbed(Absorbed.nothing(each), readings, {}))
+        for each in (case, case.linear_about(best.point))
+    )
+    return Row(linear, found, best.cost / other.cost, len(way) - 1)
+
+
+def path(std: str, dead_path: str, seed: int) -> list[tuple[float, float, float]]:
+    """Return γ, the error of the first station, and its standard deviation after each share, m."""
+    case = tracers(std, dead_path)
+    machine, readings = read(case, seed)
+    columns, own = list(case.station_columns(0) or ()), list(machine.offsets[case.description.setups[0].name].values())
+    names = [unknown.name for unknown in case.description.setups[0].unknowns]
+    truth = np.array([own[names.index(f"station_{axis}")] for axis in "xyz"])
+    problem, found = BentReadings(case, readings), []
+    for share in shares(problem):
+        spread = problem.root[columns] @ np.linalg.inv(share.triangle)
+        off = np.linalg.norm(share.point[columns] - truth)
+        found.append((share.gamma, float(off), float(np.sqrt(np.sum(spread**2)))))
+    return found

@@ -1,0 +1,73 @@
+"""Whether another place of a station fits as well: then nothing is promised until a reading has decided."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.progressive.polish import Optimum, polished
+from axiscal.estimation.progressive.starts import mirrored
+from axiscal.exceptions import AmbiguityError
+from axiscal.inference.fit import drawn
+from axiscal.measurement.place_texts import place_text
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+_MOST = 200
+"""Readings by which places are compared: of time."""
+_NEAR, _APART = 6.0, 5.0
+"""Optima within so much of the best one's log posterior, and so many standard deviations apart, are two."""
+
+
+def refuse_mirrors(known: Absorbed, readings: Sequence[Reading], implausible: Sequence[int]) -> None:
+    """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
+    case = known.case
+    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
+    size = case.errors.size + len(case.observation.unknowns)
+    for index, setup in enumerate(case.description.setups):
+        columns = case.station_columns(index)
+        image = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
+        if columns is None or image is None:
+            continue
+        here = known.knowledge.belief.mean[list(columns)]
+        spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
+        if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
+            continue
+        problem = BentReadings(case, drawn(kept, _MOST))
+        best, other = (polished(problem, start) for start in (known.knowledge.belief.mean[:size], image))
+        apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
+        if other.cost - best.cost < _NEAR and np.any(apart):
+            raise _ambiguity(case, index, setup.name, best, other)
+
+
+def _ambiguity(case: Case, index: int, name: str, best: Optimum, other: Optimum) -> AmbiguityError:
+    stated = np.array(case.description.setups[index].station or (0.0, 0.0, 0.0))
+    columns = list(case.station_columns(index) or ())
+    first, second = (_text(stated + each.point[columns]) for each in (best, other))
+    pose, differ = _decisive(case, index, best.point, other.point)
+    axes = case.description.machine.axes
+    what = (
+        f'the station of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
+    )
+    remedy = (
+        f'Read "{name}" at {place_text(axes, pose)} as well: there the two differ by {to_unit(differ, "mm"):.3g} mm. '
+        "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
+    )
+    return AmbiguityError(what, remedy)
+
+
+def _decisive(case: Case, index: int, first: Array, second: Array) -> tuple[list[float], float]:
+    """Return the place where the predictions of two optima differ the most, and by how much, m."""
+    poses, sides = case.lattice.of(index)
+    one, two = (case.observation.shown(index, poses, sides, point)[:, 0] for point in (first, second))
+    best = int(np.argmax(np.abs(one - two)))
+    return poses[best].tolist(), float(abs(one - two)[best])
+
+
+def _text(place: Array) -> str:
+    return "(" + ", ".join(f"{to_unit(float(each), 'mm'):.1f}" for each in place) + ") mm"

@@ -1,0 +1,101 @@
+"""Stations that nobody knows: found by shares as by closed form, numbers done elsewhere, and mirror images refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.progressive.polish import polished
+from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive.starts import closed_form
+from axiscal.exceptions import AmbiguityError
+from axiscal.machine import load_machine
+from axiscal.measurement.instruments.distance import Distance
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.tracker import Tracker
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+from benchmarks.nonlinear.stations import read, tracers
+
+
+class _At(Nominal):
+    """Tool points anywhere, whatever machine would bring a tool there."""
+
+    def __init__(self, places: Array) -> None:
+        super().__init__(load_machine("three-axis-mill"), np.zeros((len(places), 3)), ())
+        self.__dict__["tcp"] = places
+
+
+_CORNERS = np.array([[x, y, z] for x in (0.0, 0.5) for y in (0.0, 0.5) for z in (0.0, 0.5)])
+
+
+@pytest.mark.parametrize(("std", "expected"), [(0.1, 1.08e5), (5e-3, 270.0), (1e-4, 0.108)])
+def test_the_index_of_a_distance_is_that_of_the_design(std: float, expected: float) -> None:
+    """Eight corners of a cube of half a metre, σ = 0.3 um; the largest of √(μ² + τ²)/σ."""
+    names = ("station_x", "station_y", "station_z")
+    setup = Setup(
+        "s", "tracer", (0.0, 0.0, 1.0), (0,), (0.0,) * 3, 3e-7, tuple(Unknown(name, std) for name in names),
+        0.0, 0.0, 1.0, (0.0,) * 3, "+", station=(0.8, -0.3, 0.1),
+    )  # fmt: skip
+    curved = Distance().curvature(setup, np.zeros(3), _At(_CORNERS)) * std**2
+    index = np.sqrt((np.trace(curved, axis1=1, axis2=2) / 2) ** 2 + np.einsum("mij,mji->m", curved, curved) / 2) / 3e-7
+    assert index.max() == pytest.approx(expected, rel=0.01)
+
+
+def test_the_curvature_of_a_tracker_is_the_difference_of_what_it_shows() -> None:
+    names = ("turn_x", "turn_y", "turn_z")
+    setup = Setup(
+        "t", "tracker", (0.0, 0.0, 1.0), (0,), (0.0,) * 3, 1e-5, tuple(Unknown(name, 0.1) for name in names),
+        0.0, 0.0, 1.0, (0.0,) * 3, "+", station=(1.0, -0.3, 0.1),
+    )  # fmt: skip
+    at, direction, step = _At(_CORNERS), np.array([0.6, 0.0, 0.8]), 1e-3
+    from axiscal.measurement.instruments.kind import Actual
+
+    still = Actual(np.zeros((8, 3)), np.zeros((8, 3)))
+
+    def shown(turn: Array) -> Array:
+        return Tracker().shown(setup, direction, at, still, dict(zip(names, turn.tolist(), strict=True)))
+
+    found = Tracker().curvature(setup, direction, at)
+    for j in range(3):
+        for k in range(3):
+            one, two = step * np.eye(3)[j], step * np.eye(3)[k]
+            second = (shown(one + two) - shown(one - two) - shown(two - one) + shown(-one - two)) / (4 * step**2)
+            assert found[:, j, k] == pytest.approx(second, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_stations_anywhere_within_300_mm_are_found_by_shares_as_from_closed_form(seed: int) -> None:
+    case = tracers("300 mm", "100 mm")
+    machine, readings = read(case, seed)
+    problem = BentReadings(case, readings)
+    way = shares(problem)
+    assert way[0].worst > 1e4
+    assert way[-1].gamma == 1.0
+    assert 5 <= len(way) - 1 <= 14
+    by_shares, by_form = (
+        polished(problem, start) for start in (way[-1].point, closed_form(case, readings, case.prior.mean))
+    )
+    assert by_shares.cost == pytest.approx(by_form.cost, rel=1e-6)
+    truth = np.concatenate([list(machine.offsets[setup.name].values()) for setup in case.description.setups])
+    assert np.abs(by_shares.point[case.errors.size :] - truth).max() < 5e-4
+    assert 0.5 < by_shares.cost / (len(problem.values) / 2) < 1.5
+
+
+def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decides() -> None:
+    case = tracers("300 mm", "100 mm")
+    machine, _ = read(case, 0)
+    setup, rng = case.description.setups[1], np.random.default_rng(5)
+    poses = [(float(rng.uniform(0, 0.5)), float(rng.uniform(0, 0.4)), 0.2) for _ in range(30)]
+    flat = [Reading(setup.name, p, (1, 1, 1), machine.read(setup, p, (1, 1, 1), rng), time=0.0) for p in poses]
+    with pytest.raises(AmbiguityError, match=r'the station of "tracer 2" fits .* Read "tracer 2" at X = .*, Z = '):
+        concluded(case, flat)
+    above = [(*pose[:2], 0.45) for pose in poses[:6]]
+    more = [Reading(setup.name, p, (1, 1, 1), machine.read(setup, p, (1, 1, 1), rng), time=0.0) for p in above]
+    known = concluded(case, [*flat, *more])
+    columns = list(known.case.station_columns(1) or ())
+    truth = [machine.offsets[setup.name][name] for name in ("station_x", "station_y", "station_z")]
+    assert known.knowledge.belief.mean[columns] == pytest.approx(truth, abs=2e-3)
