@@ -25,7 +25,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import axiscal
 from axiscal.campaign.versions import versions
 from axiscal.estimation.estimation import Estimation
 from axiscal.record.durable import draft_of
@@ -132,7 +131,7 @@ def _key(created: Event) -> str:
 @cache
 def _sources() -> str:
     """Return a name of the program's files as they are, so that another state of the program recalls nothing."""
-    folder = Path(axiscal.__path__[0])
+    folder = Path(__file__).resolve().parents[1]
     files = sorted((str(path.relative_to(folder)), path.stat()) for path in folder.rglob("*.py"))
     return hashlib.sha256(repr([(name, at.st_size, at.st_mtime_ns) for name, at in files]).encode()).hexdigest()
 
