@@ -45,13 +45,14 @@ _OTHERS = {
     "axial_asynchronous": "ISO 230-7, asynchronous error motion, axial",
     "fundamental": "ISO 230-7, once per turn: runout, or along the axis an error motion",
 }
+_TOGETHER = "ISO 10791-6, range of the deviation over the path"
 
 
 def iso230(
     readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
     json: Json = False,
 ) -> None:
-    """Print the figures of ISO 230: of one axis, of a circle, of diagonals, of a spindle.
+    """Print the figures of ISO 230: of an axis, a circle, diagonals, a spindle; of axes together, ISO 10791-6.
 
     Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
     rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
@@ -59,6 +60,7 @@ def iso230(
     Diagonals, ISO 230-6: the same with a column diagonal.
     Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
     Spindle, ISO 230-7: angle_deg, turn, deviation_um.
+    Kinematic, ISO 10791-6 (K, AK, BK, CK): test, angle_deg, direction, and deviation_um of a bar or x_um, y_um, z_um.
 
     \b
     Example:
@@ -74,7 +76,7 @@ def iso230(
         _say_positioning(found)
     else:
         for name, value in found.figures.items():
-            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_OTHERS[name]}")
+            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_OTHERS.get(name, _TOGETHER)}")
     for warning in found.warnings:
         say(warning)
 

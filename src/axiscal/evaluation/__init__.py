@@ -2,6 +2,7 @@
 
 from axiscal.evaluation.circles import Circular, circular
 from axiscal.evaluation.diagonals import Diagonals, diagonals
+from axiscal.evaluation.kinematic import Kinematic, kinematic
 from axiscal.evaluation.one_axis import (
     FIGURES,
     Positioning,
@@ -19,6 +20,7 @@ __all__ = [
     "Diagonals",
     "ErrorMotion",
     "Figures",
+    "Kinematic",
     "Positioning",
     "PositioningTest",
     "TargetFigures",
@@ -27,5 +29,6 @@ __all__ = [
     "error_motion",
     "evaluate",
     "figures_of",
+    "kinematic",
     "read_iso230",
 ]

@@ -7,15 +7,17 @@ from pathlib import Path
 
 from axiscal.evaluation.circles import Circular, circular
 from axiscal.evaluation.diagonals import Diagonals, diagonals
+from axiscal.evaluation.kinematic import Kinematic, kinematic
 from axiscal.evaluation.one_axis import Positioning, arranged, evaluate, read_iso230
 from axiscal.evaluation.spindles import ErrorMotion, error_motion
 from axiscal.measurement.readers.around import CIRCLE, TURNS, circle_of, turns_of
 from axiscal.measurement.readers.csv_table import CsvTable, read_table
+from axiscal.measurement.readers.held_path import HELD, held_paths
 from axiscal.measurement.readers.positioning import positioning_rows
 from axiscal.measurement.readers.renishaw import is_rtl
 from axiscal.measurement.readers.text import read_text
 
-Figures = Positioning | Circular | Diagonals | ErrorMotion
+Figures = Positioning | Circular | Diagonals | ErrorMotion | Kinematic
 
 
 def figures_of(path: str | Path) -> Figures:
@@ -24,6 +26,8 @@ def figures_of(path: str | Path) -> Figures:
         return evaluate(read_iso230(path))
     table = read_table(path)
     stems = {column.stem for column in table.columns}
+    if stems >= HELD:
+        return kinematic(held_paths(table))
     if stems >= TURNS:
         return error_motion(turns_of(table))
     if stems >= CIRCLE:
