@@ -10,14 +10,14 @@ import pytest
 from axiscal.campaign.configuring import export_into
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.exceptions import ControlError, InputError
-from axiscal.lab.linuxcnc import Joint, Settings, available, can_compile
+from axiscal.lab.linuxcnc import Joint, Settings, available, can_load
 from axiscal.lab.linuxcnc.configuration import files as lab_files
 from tests.linuxcnc.test_closed_loop import known
 
 NEEDS = [
     pytest.mark.linuxcnc,
     pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
-    pytest.mark.skipif(not can_compile(), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
+    pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
 ]
 HAL = """\
 loadrt [KINS]KINEMATICS
@@ -69,7 +69,8 @@ class TestStarted:
 
     def test_the_patched_files_were_started_themselves(self, exported: tuple[Path, Path, str]) -> None:
         assert "Started here without motors: the patched files themselves" in exported[2]
-        assert "1 lines of COMP_FILE and BACKLASH are taken out" in exported[2]
+        assert "1 line of COMP_FILE and BACKLASH taken out" in exported[2]
+        assert "- Put axiscal.vcomp and axiscal-volumetric.hal beside" not in exported[2]
 
     def test_a_configuration_that_would_not_run_is_not_offered(self, tmp_path: Path) -> None:
         with pytest.raises(ControlError):

@@ -18,14 +18,14 @@ from axiscal.compensation.offer import Export
 from axiscal.compensation.registry import export
 from axiscal.demo.linuxcnc import EXAMPLES
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_compile
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_load
 from axiscal.numerics import Array
 from tests.linuxcnc.test_closed_loop import known, rms, spread
 
 pytestmark = [
     pytest.mark.linuxcnc,
     pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
-    pytest.mark.skipif(not can_compile(), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
+    pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
 ]
 JOINTS = "XYZAC"
 SPEED, ACCELERATION = 500.0, 2500.0

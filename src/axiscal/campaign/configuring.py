@@ -26,14 +26,16 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     beside = [name for name in offered.files if name.endswith(".vcomp")]
     files = {name: text for name, text in offered.files.items() if name != _WHOLE}
     files |= changed.files | patching.scripts(found.files, changed, beside)
-    taken = f" {changed.tables} lines of COMP_FILE and BACKLASH are taken out." if changed.tables else ""
+    lines = "line" if changed.tables == 1 else "lines"
+    taken = f" {changed.tables} {lines} of COMP_FILE and BACKLASH taken out." if changed.tables else ""
     notes = (
         f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {patching.APPLY} FOLDER (of {found.name}); back again: "
         f"sh {patching.UNDO} FOLDER. Both refuse where a file is not the one that was read. The files as they were are "
         f"kept in its folder before-axiscal.{taken} {seen}",
         *minded,
     )
-    text = offered.readme.replace(
+    kept = [line for line in offered.readme.split("\n") if not line.startswith(f"- Put {beside[0]} and ")]
+    text = "\n".join(kept).replace(
         "\nThese files hold ", "".join(f"\n{note}" for note in notes) + "\nThese files hold ", 1
     )
     return replace(offered, files=files, readme=text)

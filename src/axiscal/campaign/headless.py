@@ -16,7 +16,7 @@ from axiscal.compensation.controllers.linuxcnc_volumetric.configured import Conf
 from axiscal.compensation.controllers.linuxcnc_volumetric.patching import Configuration
 from axiscal.compensation.offer import Export
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_compile
+from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_load
 from axiscal.machine.description import Machine
 
 _SOFT = re.compile(
@@ -40,7 +40,7 @@ def started(found: Configured, changed: Configuration, offered: Export, machine:
     """Start it, switch the component on, and return what was seen in a sentence; raises ControlError."""
     if not available():
         return "It was not started here: Debian's linuxcnc-uspace is not installed."
-    if not can_compile():
+    if not can_load("axiscal_vcomp"):
         return "It was not started here: Debian's linuxcnc-uspace-dev and gcc are not installed."
     own = software_only(changed)
     with Session(_joints(found), _settings(found, changed, offered, own)) as session:

@@ -34,7 +34,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError
-from axiscal.lab.linuxcnc import can_compile
+from axiscal.lab.linuxcnc import can_load
 from axiscal.lab.linuxcnc.probing import Probe
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -129,7 +129,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
             source.close()
         estimation, readings = ruled(campaign.concluded()), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
-    if can_compile():
+    if can_load("axiscal_vcomp"):
         offers.append(export(estimation.estimate(), "linuxcnc-volumetric", replace(options, pivots=False)))
     for offered in offers:
         write_files(offered, out / offered.controller / name)

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc.components import add_modules, mounted
+from axiscal.lab.linuxcnc.components import MODULES, add_modules, can_compile, mounted
 from axiscal.lab.linuxcnc.configuration import Joint, Settings, files, motors
 
 _DRIVER = Path(__file__).with_name("driver.py")
@@ -41,6 +41,11 @@ _INSTALL = "Install the Debian package linuxcnc-uspace, or take another source"
 def available() -> bool:
     """Return whether LinuxCNC is installed here."""
     return shutil.which("linuxcnc") is not None
+
+
+def can_load(component: str) -> bool:
+    """Return whether a realtime component can be tried here: compiled, and seen by a run of its own or installed."""
+    return can_compile() and (_spaces_allowed() or (MODULES / f"{component}.so").exists())
 
 
 @dataclass(frozen=True, slots=True)
