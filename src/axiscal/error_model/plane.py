@@ -1,7 +1,7 @@
 """What two axes do together: I(x, y) = m_x(x)ᵀ A m_y(y), bicubic, beside the curves that each axis has alone.
 
-With s the std, R Matérn-5/2 at the knots and P = 1 − 11ᵀ/n taking the mean off along each side, so that no row or
-column mean of A is free (it is in the curves; Gu and Wahba 1993),
+With s the std, R Matérn-5/2 (or 3/2) at the knots and P = 1 − 11ᵀ/n taking the mean off along each side, so that no row
+or column mean of A is free (it is in the curves; Gu and Wahba 1993),
 
     cov vec A = s² (P R_x P) ⊗ (P R_y P) = s² (F_x F_xᵀ) ⊗ (F_y F_yᵀ),    A = F_x Z F_yᵀ,    Z ~ N(0, s²)
 
@@ -237,7 +237,7 @@ def _by_length(side: Side, entry: ErrorEntry, stretch: float) -> Array:
     distances = prior.distances(side.spline)
     if entry.length is None:
         return np.zeros_like(distances)
-    return centred(prior.matern52_by_length(distances / (entry.length * stretch)))
+    return centred(prior.matern_by_length(distances / (entry.length * stretch), entry.smoothness))
 
 
 def _shares(side: Side, entry: ErrorEntry) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.entry import SMOOTH, ErrorEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
 
@@ -24,12 +24,12 @@ def basis(entry: ErrorEntry, axis: Axis) -> Spline:
 def covariance(entry: ErrorEntry, spline: Spline) -> Array:
     """Return the prior covariance of the control values, (size, size).
 
-    Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 at the knots; on a cyclic
-    spline the distance is the chord of the circle, which keeps the kernel positive definite.
+    Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 or -3/2 at the knots; on a
+    cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite.
     """
     if entry.length is None or spline.size == 1:
         return entry.std**2 * np.eye(spline.size)
-    return entry.std**2 * matern52(distances(spline) / entry.length)
+    return entry.std**2 * matern(distances(spline) / entry.length, entry.smoothness)
 
 
 def distances(spline: Spline) -> Array:
@@ -40,6 +40,30 @@ def distances(spline: Spline) -> Array:
         period = spline.knots[-1] - spline.knots[0]
         distance = period / np.pi * np.sin(np.pi * distance / period)
     return distance
+
+
+def matern(distance: Array, smoothness: float) -> Array:
+    """Return the Matérn correlation of ν = 2.5 or 1.5 at distances in correlation lengths."""
+    return matern52(distance) if smoothness == SMOOTH else matern32(distance)
+
+
+def matern_by_length(distance: Array, smoothness: float) -> Array:
+    """Return its derivative by the logarithm of the correlation length, at the same distances."""
+    return matern52_by_length(distance) if smoothness == SMOOTH else matern32_by_length(distance)
+
+
+def matern32(distance: Array) -> Array:
+    """Return the Matérn-3/2 correlation (1 + √3 r) exp(−√3 r) at distances in correlation lengths."""
+    scaled = np.sqrt(3.0) * distance
+    result: Array = (1 + scaled) * np.exp(-scaled)
+    return result
+
+
+def matern32_by_length(distance: Array) -> Array:
+    """Return the derivative of `matern32` by the logarithm of the correlation length, at the same distances."""
+    scaled = np.sqrt(3.0) * distance
+    result: Array = scaled**2 * np.exp(-scaled)
+    return result
 
 
 def matern52(distance: Array) -> Array:

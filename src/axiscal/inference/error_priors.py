@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.error_model.model import Term
 from axiscal.error_model.plane import PlaneError
-from axiscal.error_model.prior import distances, matern52, matern52_by_length
+from axiscal.error_model.prior import distances, matern, matern_by_length
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.plane_entry import PlaneEntry
 from axiscal.numerics import Array
@@ -21,7 +21,7 @@ def prior_of(term: Term, entry: Entry, std: float, factor: float) -> Array:
     length = _length(entry, factor)
     if length is None or term.basis.size == 1:
         return std**2 * np.eye(term.basis.size)
-    return std**2 * matern52(distances(term.basis) / length)
+    return std**2 * matern(distances(term.basis) / length, _smoothness(entry))
 
 
 def by_length(term: Term, entry: Entry, std: float, factor: float) -> Array:
@@ -31,9 +31,13 @@ def by_length(term: Term, entry: Entry, std: float, factor: float) -> Array:
     length = _length(entry, factor)
     if length is None or term.basis.size == 1:
         return np.zeros((term.basis.size, term.basis.size))
-    return std**2 * matern52_by_length(distances(term.basis) / length)
+    return std**2 * matern_by_length(distances(term.basis) / length, _smoothness(entry))
 
 
 def _length(entry: Entry, factor: float) -> float | None:
     stated = entry.length if isinstance(entry, ErrorEntry) else None
     return None if stated is None else stated * factor
+
+
+def _smoothness(entry: Entry) -> float:
+    return entry.smoothness if isinstance(entry, ErrorEntry) else entry.sides[0].smoothness

@@ -13,6 +13,10 @@ DEFAULT_KNOTS = 7
 FEWEST_INTERVALS = 4
 FEWEST_CYCLIC_KNOTS = 4
 MOST_KNOTS = 400
+SMOOTH, ROUGH = 2.5, 1.5
+"""ν of the Matérn correlation: a curve with two derivatives, or with one (kinks are likelier)."""
+_PARTS = {SMOOTH: 2, ROUGH: 4}
+"""Knot intervals in a correlation length: a rough curve needs finer ones."""
 GUESSED_REST = 0.05
 """A rest that is to be learnt begins as this share of the std of its error."""
 
@@ -27,6 +31,7 @@ class ErrorEntry:
     rest : standard deviation of what the spline cannot follow, m or rad
     rest_estimated : the rest is to be learnt from the readings
     period : of an error that repeats along the axis (screw pitch, encoder line), m or rad; None if there is none
+    smoothness : ν of the Matérn correlation, 2.5 or 1.5
     """
 
     name: str
@@ -38,6 +43,7 @@ class ErrorEntry:
     rest_estimated: bool = False
     line: int | None = None
     period: float | None = None
+    smoothness: float = SMOOTH
 
     @property
     def parts(self) -> ErrorName:
@@ -73,7 +79,8 @@ class ErrorEntry:
         """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.
 
         `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: intervals not longer than half
-        the correlation length, at least four; without a correlation length 7 knots, as in the paper (B&H section V).
+        the correlation length (a quarter where smoothness is 1.5), at least four; without a correlation length 7 knots,
+        as in the paper (B&H section V).
         Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
         """
         if self.constant:
@@ -100,7 +107,7 @@ class ErrorEntry:
         if self.spacing is not None:
             return 1 + max(1, _intervals(axis.length, self.spacing))
         if self.length is not None:
-            return 1 + max(FEWEST_INTERVALS, _intervals(axis.length, self.length / 2))
+            return 1 + max(FEWEST_INTERVALS, _intervals(axis.length, self.length / _PARTS[self.smoothness]))
         return DEFAULT_KNOTS
 
 

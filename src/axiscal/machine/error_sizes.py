@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.document import Document
-from axiscal.exceptions import InputError
+from axiscal.document import Document, shown
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.machine.entry import ROUGH, SMOOTH
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.units import Dimension
@@ -26,3 +27,16 @@ def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimens
 def error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
     """Return how large an error may be, m or rad; raises UnitError, or DescriptionError when it is not possible."""
     return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)
+
+
+def smoothness_of(table: ErrorTable) -> float:
+    """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not."""
+    if table.smoothness is None:
+        return SMOOTH
+    if table.smoothness not in (SMOOTH, ROUGH):
+        what = f"smoothness = {shown(table.smoothness)} is not possible"
+        raise DescriptionError(what, f"Write {SMOOTH} for a smooth curve, {ROUGH} for one that may have kinks")
+    if table.length is None:
+        what = f"smoothness = {shown(table.smoothness)} is said of an error without a correlation length"
+        raise DescriptionError(what, 'Add over which distance it changes, such as length = "150 mm"')
+    return table.smoothness

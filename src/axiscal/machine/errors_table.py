@@ -8,7 +8,7 @@ from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
-from axiscal.machine.error_sizes import error_size, rest_of
+from axiscal.machine.error_sizes import error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
@@ -88,7 +88,8 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     std, rest = _std(document, keys, table, value), rest_of(document, keys, table, value)
     estimated = rest is None and table.rest is not None
     line = document.line(*keys)
-    return ErrorEntry(name.canonical, std, _one(table.knots), spacing, length, rest, estimated, line, period)
+    knots, smoothness = _one(table.knots), smoothness_of(table)
+    return ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness)
 
 
 def _one(value: Value | tuple[Value, Value] | None) -> Value | None:

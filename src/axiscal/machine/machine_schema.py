@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, StrictStr
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, StrictFloat, StrictStr
 from pydantic_core import PydanticKnownError
 
 from axiscal.document import QuantityText
@@ -82,6 +82,7 @@ class ErrorTable(_Table):
     length: QuantityTexts | None = Field(None, examples=['"150 mm"'])
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
     period: QuantityText | None = Field(None, examples=['"5 mm"'])
+    smoothness: StrictFloat | None = Field(None, examples=["1.5"])
 
 
 class MachineFile(_Table):

@@ -8,7 +8,7 @@ from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
-from axiscal.machine.error_sizes import error_size, rest_of
+from axiscal.machine.error_sizes import error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import PlaneName, parse_plane_name
@@ -105,7 +105,7 @@ def _side(
         _along(document, (*keys, key), text, index, axis)
         for key, text in (("spacing", table.spacing), ("length", table.length))
     )
-    entry = replace(entry, spacing=spacing, length=length)
+    entry = replace(entry, spacing=spacing, length=length, smoothness=smoothness_of(table))
     entry.knot_count(axis)
     return entry
 
