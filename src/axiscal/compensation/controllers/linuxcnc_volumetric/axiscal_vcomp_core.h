@@ -111,7 +111,7 @@ static int vc_number(vc_text *t, double *value) { /* digits, a point, an exponen
     }
     if (*p) return vc_refuse(t, "a word is not a finite number");
     shift += negative ? -exponent : exponent;
-    /* one multiplication or division by an exact power of ten rounds once, as strtod does for so few digits */
+    /* within a few units of the last place of a double: the file has twelve digits */
     if (shift < -280 || shift > 280) return vc_refuse(t, "a number is too large or too small");
     {
         double power = 1, base = 10;
