@@ -9,7 +9,7 @@ from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.running_gains import Scores
 from axiscal.measurement.place import Places
-from tests.generators.designs import levered, random_poses, read
+from tests.generators.designs import levered, random_poses, read, splines
 
 
 def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -73,3 +73,23 @@ def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
         state = state.after(row, variance, state.change(row, variance, leaving=True))
     assert state.factor.shape[1] <= state.factor.shape[0] + 48
     assert state.value == pytest.approx(value, rel=1e-8)
+
+
+def test_columns_made_anew_are_those_of_the_tables() -> None:
+    asked = splines(1, 5, 0.1, 200)
+    anew, kept = (Scores(Pool(asked.observation, asked.lattice), asked.state) for _ in range(2))
+    kept.follow()
+    for scores in (anew, kept):
+        for index in range(0, 120, 11):
+            scores.enter(index)
+        scores.leave(3)
+        scores.enter(55, 3)
+        scores.leave(6)
+        scores.close(6)
+    assert len(anew.members) > asked.observation.size
+    for slot in range(len(anew.members)):
+        (gains, own), (expected, of_tables) = anew.without(slot), kept.without(slot)
+        np.testing.assert_allclose(gains, expected, rtol=1e-8, atol=1e-12 * expected.max())
+        assert own == pytest.approx(of_tables, rel=1e-8)
+    assert anew._cross is None
+    assert kept._cross is not None
