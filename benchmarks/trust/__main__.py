@@ -102,7 +102,9 @@ a plan asks for readings; *even* and *random* places as well. *Learnt*: `scales 
 of true to promised RMS (geometric mean), the share of the volume that is no farther off than the U that is promised,
 the share of machines under the verdict `holds`, and the share of **silent** ones with its 95 % limits (Clopper and
 Pearson): truth above 1.5 times the promise under the verdict `holds`. "Refused": the file is, every time. What turns
-the sign of all readings no reading can show; `axiscal verify` must. The tool is stated to 5 µm, axis lines to 15 µm.
+the sign of all readings no reading can show; `axiscal verify` must. The tool is stated to 5 µm, axis lines to 15 µm:
+where the rotary axes carry the workpiece a longer tool looks like an axis line that lies elsewhere, and no reading of
+the spheres can tell the two apart.
 (`make trust PART=attacks MACHINES=100`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |
