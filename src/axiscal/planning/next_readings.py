@@ -153,7 +153,16 @@ def _guarding(case: Case) -> bool:
     Not for an accuracy: what promises it is read first, then more of it until that is vouched for; not by the paper's
     criterion, nor for one place that moves with every reading.
     """
-    return case.description.target.criterion == "volume" and not case.description.target.accurate
+    target = case.description.target
+    return target.criterion == "volume" and not target.accurate and not learns_together(case)
+
+
+def learns_together(case: Case) -> bool:
+    """Return whether it is to be learnt how much two axes do together: readings chosen to show steps and details of
+    single curves, by scales that nobody knows, teach that badly.
+    """
+    planes = {plane.name for plane in case.errors.planes}
+    return any(scale.kind == "std" and scale.owner in planes for scale in case.variable)
 
 
 def _beyond_promise(limits: Limits, case: Case, knowledge: Knowledge) -> Limits:

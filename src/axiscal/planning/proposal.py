@@ -15,7 +15,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import OPEN
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import posed
+from axiscal.planning.next_readings import learns_together, posed
 from axiscal.planning.vouched import lacking, vouched_by_plan
 
 Progress = Callable[[str], None]
@@ -54,7 +54,7 @@ def proposed(
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, guard=guard, progress=progress))
+    return Proposal(make_plan(task, limits, guard=guard and not learns_together(case), progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:
