@@ -1,0 +1,142 @@
+"""A three-axis mill with lasers, squares, levels and a ball bar: every place read once, beside what was asked for.
+
+    python benchmarks/bench_reach_mill.py
+
+First a bar of 150 mm in xy, 12 places, both ways, nothing aligned; then the mill aligned, over all travel: lasers at 31
+places of each axis, legs of squares at 16 over 300 mm, levels at 13, the bar in three planes every 3 deg, each place
+from both sides. Last the proof on a chart of two coordinates against random poses.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.design.bound.chart_boxes import largest_on_chart
+from axiscal.design.gains.covariance import Covariance
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.chart_places import arrivals_of, chart_candidates
+from axiscal.measurement.charts.arrivals import has_room
+from axiscal.measurement.place import Places
+from axiscal.numerics.threads import one_thread
+
+_MIDDLE, _LENGTH = {"X": 300, "Y": 200, "Z": 200}, {"X": 600, "Y": 400, "Z": 400}
+_LEGS = (("X", "y", "xy"), ("Y", "x", "xy"), ("Y", "z", "yz"), ("Z", "y", "yz"), ("Z", "x", "zx"), ("X", "z", "zx"))
+_TURNS = (("X", "x"), ("X", "y"), ("Y", "x"), ("Y", "y"), ("Z", "x"), ("Z", "y"))
+_ASKED = {
+    "lasers": (10.3, 10.2),
+    "lasers, squares": (4.69, 3.44),
+    "bar, lasers": (6.48, 5.84),
+    "bar, lasers, squares": (4.14, 2.60),
+    "bar, lasers, squares, levels": (3.30, 1.83),
+}
+RANDOM = 1_000_000
+"""Poses at which a proof is tried, in parts."""
+
+
+def _setup(name: str, instrument: str, keys: str) -> str:
+    return f'[[setups]]\nname = "{name}"\ninstrument = "{instrument}"\napproach = "both"\n{keys}\n'
+
+
+def bar(plane: str, step: int, height: int) -> str:
+    """Return a ball bar in a plane about (300, 200, height) mm, its zero open by 1 um, its centre by 100 um."""
+    own = 'unknowns = { zero = "1 um", station_x = "100 um", station_y = "100 um", station_z = "100 um" }\n'
+    at = f'length = "150 mm"\nstation = ["300 mm", "200 mm", "{height} mm"]\nplane = "{plane}"\n'
+    return _setup(f"bar {plane}", "ballbar", f'{at}raster = {{ arc = "{step} deg" }}\n{own}')
+
+
+def _lasers() -> str:
+    return "".join(_setup(f"laser {a}", "interferometer", f'direction = "{a.lower()}"\nmoves = ["{a}"]') for a in "XYZ")
+
+
+def _squares() -> str:
+    artefacts = "".join(f'[[artefacts]]\nname = "square {name}"\n' for name in ("xy", "yz", "zx"))
+    return artefacts + "".join(
+        _setup(
+            f"leg {a} {d}", "straightedge", f'artefact = "square {name}"\ndirection = "{d}"\nmoves = ["{a}"]\n{_leg(a)}'
+        )
+        for a, d, name in _LEGS
+    )
+
+
+def _leg(axis: str) -> str:
+    return f'reach = {{ {axis} = ["{_MIDDLE[axis] - 150} mm", "{_MIDDLE[axis] + 150} mm"] }}'
+
+
+def _levels() -> str:
+    return "".join(_setup(f"level {a} {d}", "level", f'direction = "{d}"\nmoves = ["{a}"]') for a, d in _TURNS)
+
+
+def _case(setups: str, target: str, machine: str = "three-axis-mill") -> Case:
+    text = f'machine = "{machine}"\n[target]\nreadings = 1\n{target}\n{setups}'
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine))
+
+
+def everything(case: Case) -> Places:
+    """Return every place of every set-up, each from both sides."""
+    machine, parts = case.description.machine, list[Places]()
+    for index, setup in enumerate(case.description.setups):
+        if setup.chart is not None:
+            parts.append(Places.of_setup(index, *chart_candidates(machine, setup, setup.chart, 10_000)))
+            continue
+        (axis,) = setup.moves
+        count = {"interferometer": 31, "straightedge": 16, "level": 13}[setup.instrument]
+        poses = np.tile(np.array(setup.park), (2 * count, 1))
+        poses[:, axis] = np.tile(np.linspace(*setup.span(machine.axes[axis], axis), count), 2)
+        approaches = np.zeros_like(poses)
+        approaches[:, axis] = np.repeat([1.0, -1.0], count)
+        parts.append(Places.of_setup(index, poses, approaches))
+    return Places.joined(parts)
+
+
+def figures(case: Case) -> tuple[int, float, float]:
+    """Return the number of readings, the RMS after them and after endless ones, um."""
+    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    places = everything(case)
+    left = case.yardstick.rms_of(state.after_readings(places).value)
+    return len(places), 1e6 * left, 1e6 * case.yardstick.unseen_rms
+
+
+def _proof() -> None:
+    """Compare a proof at a ball with what random poses see."""
+    ball = '[[artefacts]]\nname = "ball"\nballs = { low = ["200 mm", "0 mm", "-80 mm"] }\n'
+    case = _case(ball + _setup("nest", "rtest", 'artefact = "ball"'), "", "dmu60")
+    observation, (setup,) = case.observation, case.description.setups
+    chart, rng = setup.chart, np.random.default_rng(0)
+    assert chart is not None
+    std = np.sqrt(observation.prior_variances())
+    reach = std[:, None] * rng.standard_normal((observation.size, 4))
+    low, high = np.array([chart.bounds(number)[:2] for number in range(2)]).T
+    best, tried = 0.0, 0
+    for _ in range(RANDOM // 20_000):
+        places, sides = low + (high - low) * rng.uniform(size=(20_000, 2)), rng.choice([-1.0, 1.0], size=(20_000, 2))
+        taken = has_room(chart, places, sides)
+        poses, come = (
+            chart.poses(places[taken]),
+            arrivals_of(observation.machine, setup, chart, places[taken], sides[taken]),
+        )
+        seen = observation.rows_each(0, poses, come)
+        best = max(best, float(np.max(sum(np.sum((each.rows @ reach) ** 2, axis=1) for each in seen))))
+        tried += len(poses)
+    found = largest_on_chart(observation, 0, reach, best, 0.01, 1_000_000)
+    print(f"proof at a ball, gap 1 %: {found.upper / best:.5f} times the largest of {tried:,} random poses")
+
+
+@one_thread()
+def main() -> None:
+    """Print the figures."""
+    print(f"{'':32} readings    left  endless   asked for, um")
+    count, left, endless = figures(_case(bar("xy", 30, -70), ""))
+    print(f"{'bar in xy, not aligned':32} {count:8} {left:7.3f} {endless:8.3f}   14.564 14.483")
+    bars = "".join(bar(plane, 3, 80) for plane in ("xy", "yz", "zx"))
+    parts = {"bar": bars, "lasers": _lasers(), "squares": _squares(), "levels": _levels()}
+    for name, asked in _ASKED.items():
+        setups = "".join(parts[part] for part in name.split(", "))
+        count, left, endless = figures(_case(setups, "aligned = true"))
+        print(f"{name:32} {count:8} {left:7.3f} {endless:8.3f}   {asked[0]:6.2f} {asked[1]:6.2f}")
+    _proof()
+
+
+if __name__ == "__main__":
+    main()
