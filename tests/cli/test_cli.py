@@ -293,7 +293,7 @@ def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside
     assert result["rms_um"] <= result["u_um"] * (1 + 1e-9)
     tables = [line.split(" U =")[0] for line in others if line.startswith("With the files for ")]
     assert tables == ["With the files for linuxcnc", "With the files for csv"]
-    assert others[0] == result["verdict_words"]
+    assert result["verdict_words"] in others
     assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from axiscal.inference.contradiction import FITS, MODEL, PRIOR, SIZES, SURE, compared
+from axiscal.inference.contradiction import FITS, MODEL, PRIOR, SIZES, SURE, compared, watched
 from axiscal.inference.evidence import Evidence
 from axiscal.measurement.departures import departures
 from axiscal.measurement.reading import Reading
@@ -40,6 +40,17 @@ def test_readings_of_the_model_itself_hardly_ever_contradict_it() -> None:
     assert sum(each.highest >= SURE for each in found) <= 4  # one in twenty is promised, at whatever reading one looks
     assert sum(each.contrast.fires for each in found) <= 8  # one in twenty; more than 8 of 80 come once in 50
     assert sum(each.fits < FITS for each in found) == 0
+
+
+def test_what_is_watched_while_measuring_is_what_the_verdict_takes_into_account() -> None:
+    observation = axis()
+    readings = attacked(observation, 3, 20, "drift")
+    whole = compared(observation, readings)
+    along = [watched(observation, readings[:count]) for count in range(21)]
+    assert (along[-1].evalue, along[-1].highest) == (whole.evalue, whole.highest)
+    assert along[-1].explanations == whole.explanations
+    assert along[2] == watched(observation, ())
+    assert along[2].evalue == 1.0
 
 
 @pytest.mark.parametrize(

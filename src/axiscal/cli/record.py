@@ -13,6 +13,7 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import next_text, question_document
+from axiscal.estimation.watching import watched_so_far
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
@@ -80,7 +81,8 @@ def record(
             said += standing_words(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
-            document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
+            evalue = watched_so_far(campaign.known()).evalue
+            document = _kept_document(campaign, kept) | {"evalue": evalue} | {"surprise": surprise, "mind": minded}
         question = campaign.next() if then_next else None
         if question is not None:
             document |= {"next": question_document(campaign, question)}

@@ -6,8 +6,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.watching import watched_so_far
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
+from axiscal.inference.contradiction import SURE
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -35,6 +37,7 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
+        f"odds against the model {watched_so_far(campaign.known()).evalue:.2g} to 1 (contradicted from {SURE:.0f})",
     ]
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
@@ -65,6 +68,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "reached": status.reached,
         "finished": state.finished,
         "mind": standing_words(campaign),
+        "evalue": watched_so_far(campaign.known()).evalue,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [

@@ -1,20 +1,56 @@
-"""What stands between a campaign and its end, said after every reading: what is promised and not vouched for."""
+"""What stands between a campaign and its end, said after every reading: what is not vouched for, or contradicted."""
 
 from __future__ import annotations
 
+import math
+
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import standing
+from axiscal.estimation.watching import watched_so_far
 from axiscal.guide.language import said
+from axiscal.inference.contradiction import SURE, Explanation
 from axiscal.units import to_unit
+
+_MOST = 15
+"""Powers of ten of the odds: more are said as so many."""
 
 
 def standing_words(campaign: Campaign) -> list[str]:
     """Return sentences about where the campaign stands; none where nothing is to be minded."""
+    return [*_contradicted(campaign), *_not_vouched(campaign)]
+
+
+def _not_vouched(campaign: Campaign) -> list[str]:
     found = standing(campaign.description.target, campaign.known())
     if found.promised is None:
         return []
-    what = (
+    short = (
         "The {name} target is promised, and does not count as reached: what the readings can vouch for is a standard "
         "uncertainty of {size} um."
     )
-    return [said(what, name=found.promised, size=f"{to_unit(found.vouched, 'um'):.3g}")]
+    return [said(short, name=found.promised, size=f"{to_unit(found.vouched, 'um'):.3g}")]
+
+
+def _contradicted(campaign: Campaign) -> list[str]:
+    """Return by which odds readings contradict the model at whatever time one looks, and what explains them best."""
+    found = watched_so_far(campaign.known())
+    if found.highest < SURE:
+        return []
+    power = min(math.floor(math.log10(found.highest)), _MOST)
+    what = "The readings contradict the model, by odds of 10^{power} to 1 at least. Likeliest: {cause}."
+    return [said(what, power=power, cause=_cause(found.explanations[0]))]
+
+
+def _cause(found: Explanation) -> str:
+    """Return in words what explains readings best."""
+    words = {
+        "drift": said('the zero of "{owner}" drifts', owner=found.owner),
+        "levelling": said('the zero of "{owner}" drifts and levels off', owner=found.owner),
+        "step": said("{owner} steps", owner=found.owner),
+        "pitch": said("{owner} repeats along its axis", owner=found.owner),
+        "bump": said("{owner} has a detail that its knots do not follow", owner=found.owner),
+        "reversal": said("{owner} is not the same everywhere", owner=found.owner),
+        "scale": said("{owner} is linear, as by temperature or a wrong scale", owner=found.owner),
+        "bad": said('one reading of "{owner}" is wrong', owner=found.owner),
+    }
+    return words[found.family]

@@ -77,6 +77,22 @@ class Explanation(NamedTuple):
     std: float
 
 
+class Watched(NamedTuple):
+    """explanations : the likeliest first; evalue : E after all readings; highest : the largest E after any of them."""
+
+    explanations: tuple[Explanation, ...] = ()
+    evalue: float = 1.0
+    highest: float = 1.0
+
+
+class _Weighed(NamedTuple):
+    """What a test for the end needs beside what was watched: departures and readings, whitened."""
+
+    watched: Watched
+    parts: Array
+    y: Array
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Comparison:
     """explanations : the likeliest first; evalue : E after all readings; highest : the largest E after any of them
@@ -113,6 +129,22 @@ def compared(
     chosen = drawn(readings, MOST)
     if len(chosen) < FEWEST:
         return Comparison((), 1.0, 1.0)
+    (found, evalue, highest), parts, y = _weighed(observation, chosen, prior)
+    few = drawn(chosen, _FEW)
+    others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
+    fits = _fit_of(parts, y)
+    if fits < FITS:
+        fits = max(fits, _fit_with_other_scales(others, list(departures(observation, few))))
+    return Comparison(found, evalue, highest, _odds_of(others), contrast(parts, y), fits)
+
+
+def watched(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None) -> Watched:
+    """Return the e-value of the readings so far, and what explains them best.  Arguments as of `compared`"""
+    chosen = drawn(readings, MOST)
+    return Watched() if len(chosen) < FEWEST else _weighed(observation, chosen, prior).watched
+
+
+def _weighed(observation: Observation, chosen: Sequence[Reading], prior: tuple[Array, Array] | None) -> _Weighed:
     fitted = Fitted.of(observation, chosen, prior)
     lower = lower_root(fitted.covariance())
     possible = list(departures(observation, chosen))
@@ -124,12 +156,7 @@ def compared(
     along = np.exp(np.minimum(highest + np.log(np.sum(np.exp(logs - highest[:, None]), axis=1)), _MOST_LOG))
     odds = np.exp(logs[-1] - max(float(highest[-1]) - _MOST_LOG, 0.0))  # beside each other right, however sure
     found = _explained(possible, parts, y, unit, odds)
-    few = drawn(chosen, _FEW)
-    others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
-    fits = _fit_of(parts, y)
-    if fits < FITS:
-        fits = max(fits, _fit_with_other_scales(others, list(departures(observation, few))))
-    return Comparison(found, float(along[-1]), float(along.max()), _odds_of(others), contrast(parts, y), fits)
+    return _Weighed(Watched(found, float(along[-1]), float(along.max())), parts, y)
 
 
 def _odds_of(others: Evidence) -> float:
