@@ -138,6 +138,7 @@ def goal_lines(kept: Kept, machines: int) -> Iterator[str]:
     reached = sum(silent <= _GOAL * machines for _, _, silent in cells)
     yield ""
     yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of silent machines."
+    yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
     yield from _missed(cells, machines)
 
 
