@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs languages trust certify reliability fuzz requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -17,6 +17,7 @@ help:
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make languages  bring the translations of prompt and page up to the messages there are (src/axiscal/guide/languages)"
+	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
@@ -62,6 +63,11 @@ docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.stories
 	$(BIN)/python -m tests.docs.api
 	$(BIN)/python -m tests.docs.result
+	$(BIN)/python -m tests.docs.howtos
+
+docs-site: .venv-docs/stamp
+	.venv-docs/bin/mkdocs build --quiet
+	@echo "axiscal: open build/site/index.html"
 
 languages: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.languages
@@ -89,13 +95,14 @@ audit: .venv/dev.stamp
 lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/run.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
 
 clean:
 	rm -rf build out demo-out demo-linuxcnc-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-peers src/*.egg-info
+	rm -rf .venv .venv-docs .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -115,6 +122,12 @@ distclean: clean
 	@$(BIN)/python -m venv .venv-peers/$*
 	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
 	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
+
+.venv-docs/stamp: requirements/docs.txt | .venv/bin/pip
+	@echo "axiscal: installing the tools of the documentation into .venv-docs"
+	@$(BIN)/python -m venv .venv-docs
+	@.venv-docs/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/docs.txt
+	@touch $@
 
 .venv/bin/pip-compile: | .venv/bin/pip
 	@$(PIP) install --require-hashes -r requirements/dev.txt

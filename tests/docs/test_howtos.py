@@ -1,0 +1,52 @@
+"""Every how-to is followed word for word in a folder of its own, and every link of the docs leads somewhere."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.docs.howtos import DOCS, PAGES, draw, files, follow
+
+_LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+_CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_how_to_can_be_followed_word_for_word(page: Path, tmp_path: Path) -> None:
+    done = follow(page, tmp_path)
+    assert done
+    assert [(words, status) for words, status in done if status != 0] == []
+    assert any((tmp_path / name).exists() for name in ("rehearsal/report.pdf", "where.html"))
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "tour"], ids=lambda page: page.stem)
+def test_its_picture_is_that_of_its_set_ups(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = (DOCS / "pictures" / f"{page.stem}.svg").read_text(encoding="utf-8")
+    (tmp_path / "docs" / "pictures").mkdir(parents=True)
+    monkeypatch.setattr("tests.docs.howtos.DOCS", tmp_path / "docs")
+    draw(page, tmp_path)
+    assert (tmp_path / "docs" / "pictures" / f"{page.stem}.svg").read_text(encoding="utf-8") == kept
+    assert "campaign.toml" in files(page)
+
+
+def _anchor(heading: str) -> str:
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda page: page.stem)
+def test_every_link_leads_to_a_file_and_a_heading(page: Path) -> None:
+    lost = []
+    for target in _LINK.findall(_CODE.sub("", page.read_text(encoding="utf-8"))):
+        if re.match(r"https?:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        if not file.exists():
+            lost.append(target)
+        elif anchor and file.suffix == ".md":
+            headings = re.findall(r"^#+ (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            if anchor not in {_anchor(heading) for heading in headings}:
+                lost.append(target)
+    assert lost == []
