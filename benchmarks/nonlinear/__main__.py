@@ -13,6 +13,7 @@ from benchmarks.nonlinear.path_picture import path_picture
 from benchmarks.nonlinear.remainders import KINDS, remainders
 from benchmarks.nonlinear.rounds import case_of, rounds
 from benchmarks.nonlinear.stations import compared, path, tracers
+from benchmarks.nonlinear.two_step import compared_evaluations
 
 PAGE = Path(__file__).parents[2] / "docs" / "nonlinear.md"
 PICTURE = PAGE.parent / "progressive-path.svg"
@@ -59,10 +60,22 @@ def station_by_station() -> Iterator[str]:
         )
 
 
+def evaluation_by_evaluation() -> Iterator[str]:
+    """Yield the table of both evaluations of the same distances."""
+    yield "| points, each from all four stations | readings | all together, um | in two steps, um |"
+    yield "|---|---|---|---|"
+    case = tracers("5 mm", "10 mm")
+    for points in (8, 12, 15, 25, 40):
+        rows = np.array([compared_evaluations(case, points, seed) for seed in range(_MACHINES)])
+        together, stepwise = np.median(rows, axis=0) * _MICRO
+        yield f"| {points} | {4 * points} | {together:.2f} | {stepwise:.2f} |"
+
+
 TABLES: dict[str, Callable[[], Iterator[str]]] = {
     "left out": left_out,
     "rounds": round_by_round,
     "stations": station_by_station,
+    "evaluations": evaluation_by_evaluation,
 }
 
 

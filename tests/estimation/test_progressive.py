@@ -11,6 +11,7 @@ from axiscal.estimation.progressive.polish import polished
 from axiscal.estimation.progressive.shares import shares
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.exceptions import AmbiguityError
+from axiscal.inference.misfit import misfits
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import Distance
 from axiscal.measurement.instruments.kind import Nominal
@@ -99,3 +100,12 @@ def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decide
     columns = list(known.case.station_columns(1) or ())
     truth = [machine.offsets[setup.name][name] for name in ("station_x", "station_y", "station_z")]
     assert known.knowledge.belief.mean[columns] == pytest.approx(truth, abs=2e-3)
+
+
+def test_what_is_said_of_the_prior_is_said_about_stations_as_found() -> None:
+    """About stations that are 300 mm off no prior fits; about those that were found this one does."""
+    case = tracers("300 mm", "100 mm")
+    _, readings = read(case, 1)
+    known = concluded(case, readings)
+    assert misfits(case.observation, readings)
+    assert not misfits(case.linear_as(known.case).observation, readings)

@@ -107,6 +107,12 @@ class Case:
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
         return Case(replace(self.description, setups=setups), self.inherited, about=self.about)
 
+    def linear_as(self, other: Case) -> Case:
+        """Return the case with readings linearised where another case of the same set-ups has them."""
+        pairs = zip(self.description.setups, other.description.setups, strict=True)
+        setups = tuple(replace(mine, found=theirs.found) for mine, theirs in pairs)
+        return replace(self, description=replace(self.description, setups=setups), about=other.about)
+
     def linear_about(self, mean: Array, bent: bool = False) -> Case:
         """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last
 

@@ -122,7 +122,8 @@ def _scales(estimation: Estimation) -> Iterator[Finding]:
         yield from _noises(estimation)
         return
     learnt = {(scale.kind, scale.owner) for scale in estimation.fit.scales.of} if estimation.fit else set()
-    for misfit in misfits(estimation.stated.observation, trusted(estimation)):
+    stated = estimation.stated.linear_as(estimation.case)
+    for misfit in misfits(stated.observation, trusted(estimation)):
         if misfit.kind == "rough":
             yield _rough(misfit, estimation, ("rest", misfit.owner) in learnt)
         else:
