@@ -295,3 +295,8 @@ def test_a_drift_that_is_no_rate_is_refused(wrong: str) -> None:
     with pytest.raises((DescriptionError, UnitError)) as refused:
         _description(f"drift = {wrong}")
     assert refused.value.remedy == 'Give one such as "2 um/h"'
+
+
+@pytest.mark.parametrize("said", ['"0"', '"0 um/h"'])
+def test_no_drift_at_all_needs_no_unit(said: str) -> None:
+    assert _description(f"drift = {said}").setups[0].drift == 0.0

@@ -293,7 +293,7 @@ class _Reader:
 
     def _drift(self, usual: Instrument) -> float:
         text = self._table.drift
-        if text is None:
+        if text is None or text.strip() == "0":
             return 0.0
         with self._at("drift"):
             angular = usual.reads == "angle"
