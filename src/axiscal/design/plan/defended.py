@@ -227,7 +227,9 @@ class DefendedScores(Scores):
         scale = max(float(np.min(at.promise)), _SMALLEST)
         summed = self._raised(np.maximum(at.promise, _SMALLEST) / scale)
         for damages, which in ((one, singles), (two, pairs)):
-            summed = summed + self._raised(damages / scale) @ self.watched.weights[which]
+            with np.errstate(over="ignore"):  # against a promise of nothing: hopeless
+                shares = damages / scale
+            summed = summed + self._raised(shares) @ self.watched.weights[which]
         total: Array = scale * summed ** (0.5**self._squarings)
         return total
 
