@@ -21,8 +21,7 @@ SOURCES = Path(__file__).resolve().parents[2] / "src"
 LOCALES = ("de_DE", "tr_TR")
 ZONES = ("Asia/Kathmandu", "America/St_Johns", "Pacific/Kiritimati")
 _SPENT = re.compile(r"\b\d+(\.\d+)? s\b")
-_NAMED = re.compile(r'"python": "[\d.]+"|\b[0-9a-f]{64}\b')
-"""A document names its interpreter, so the hash of what names it differs with it."""
+_HASH = re.compile(r"\b[0-9a-f]{64}\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +42,11 @@ def compared(long: bool, pythons: Sequence[str] = ()) -> Trial:
         usual = _texts(Surroundings("as usual"))
         places = list(_variables(21 if long else 3, Path(folder)))
         other = [place.name for place in places if _texts(place) != usual]
-        other += [
-            python for python in pythons if _unnamed(_texts(Surroundings(python, python=python))) != _unnamed(usual)
+        unnamed = _unnamed(usual, _version(sys.executable))
+        other += [p for p in pythons if _unnamed(_texts(Surroundings(p, python=p)), _version(p)) != unnamed]
+        named = [place.name for place in places if place.name.startswith("locale")] + [
+            f"Python {_version(p)}" for p in pythons
         ]
-        named = [place.name for place in places if place.name.startswith("locale")] + [_version(p) for p in pythons]
     what = "surroundings in which three campaigns give the same bytes"
     detail = f"other bytes: {', '.join(other)}" if other else f"hash seeds, zones, threads, {', '.join(named)}"
     return Trial(what, len(places) + len(pythons), len(other), detail)
@@ -54,12 +54,18 @@ def compared(long: bool, pythons: Sequence[str] = ()) -> Trial:
 
 def _version(python: str) -> str:
     run = subprocess.run([python, "--version"], capture_output=True, text=True, check=True)
-    return run.stdout.strip()
+    return run.stdout.split()[-1]
 
 
-def _unnamed(texts: list[Mapping[str, str]]) -> list[Mapping[str, str]]:
-    """Return the texts without the interpreter's version, and without the hashes of what holds it."""
-    return [{name: _NAMED.sub("<named>", text) for name, text in one.items()} for one in texts]
+def _unnamed(texts: list[Mapping[str, str]], version: str) -> list[Mapping[str, str]]:
+    """Return the texts without the interpreter's version, which documents name, and the hashes of what names it.
+
+    A PDF holds both where they cannot be taken out: it is left away.
+    """
+    kept = ({name: text for name, text in one.items() if not name.endswith(".pdf")} for one in texts)
+    return [
+        {name: _HASH.sub("<hash>", text).replace(version, "<version>") for name, text in one.items()} for one in kept
+    ]
 
 
 def _variables(seeds: int, folder: Path) -> Iterator[Surroundings]:
