@@ -122,6 +122,10 @@ class EvaluationError(InputError):
     """Readings from which a standard's figures cannot be computed."""
 
 
+class PrintingError(InputError):
+    """A report that cannot be set on paper."""
+
+
 class TargetError(InputError):
     """A target that cannot be reached, or targets that contradict each other."""
 

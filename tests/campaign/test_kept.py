@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import pickle
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,9 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation import estimate
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
+from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
+from axiscal.record import durable
 from axiscal.simulation import Simulator
 
 TEXT = """
@@ -158,9 +161,36 @@ def test_a_folder_that_takes_no_file_keeps_nothing(record: Path, monkeypatch: py
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr(durable, "written", full)
     _same(_known(record), expected)
     assert not kept.kept_beside(record).exists()
+
+
+def test_what_is_signed_is_found_from_the_record_alone(record: Path, tmp_path: Path) -> None:
+    """Somebody who may write into the folder keeps what another description made of the same readings."""
+    (tmp_path / "other").mkdir()
+    other = _described(tmp_path / "other", 'scales = "estimate"\n')
+    with Campaign.open(record, write=False) as campaign:
+        readings, expected = campaign.state.readings, campaign.concluded()
+        key = kept._key(campaign._record.events()[0].event)
+    louder = replace(other, setups=tuple(replace(setup, noise=1e-3) for setup in other.setups))
+    kept._write(kept.kept_beside(record), key, estimate.estimated(estimate.Case(louder), readings))
+    with Campaign.open(record, write=False) as campaign:
+        assert campaign.known().stated.description.setups[0].noise == 1e-3  # only while others are to follow
+        _same(campaign.concluded(), expected)
+
+
+def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
+    record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ambiguous(_case: object, _readings: Sequence[Reading]) -> Estimation:
+        raise AmbiguityError("the station fits in two places", "read where they differ")
+
+    monkeypatch.setattr("axiscal.campaign.campaign.concluded", ambiguous)
+    with Campaign.open(record, write=False) as campaign:
+        assert campaign.believed() is campaign.known() or campaign.believed().readings == campaign.state.readings
+        with pytest.raises(AmbiguityError):
+            campaign.concluded()
 
 
 def test_few_readings_leave_no_file(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
-from axiscal.exceptions import ReadingError, RecordError, SourceError
+from axiscal.exceptions import AmbiguityError, ReadingError, RecordError, SourceError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
@@ -112,7 +112,7 @@ class Campaign:
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
         if self._case is None:
-            self._known = self._kept.recalled(len(self.state.readings))
+            self._known = self._kept.recalled(self.state.readings)
             self._case = case_of(self.description) if self._known is None else self._known.stated
         return self._case
 
@@ -124,14 +124,23 @@ class Campaign:
         return self._known
 
     def believed(self) -> Estimation:
-        """Return by what a new reading is judged: all readings at once or, where they are many, as they came."""
-        return self.concluded() if len(self.state.readings) <= _JUDGED_AT_ONCE else self.known()
+        """Return by what a new reading is judged: all readings at once or, where they are many, as they came.
+
+        Where a station may stand in two places nothing can be concluded, and the reading that decides is still taken.
+        """
+        if len(self.state.readings) > _JUDGED_AT_ONCE:
+            return self.known()
+        try:
+            return self.concluded()
+        except AmbiguityError:
+            return self.known()
 
     def concluded(self) -> Estimation:
-        """Return what the readings make known if they are all."""
+        """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
         known = self._concluded
         if known is None or known.stages.timed.given != self.state.readings:
-            known = self._concluded = concluded(self.case(), self.state.readings)
+            stated = case_of(self.description) if known is None else known.stated
+            known = self._concluded = concluded(stated, self.state.readings)
         return known
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:

@@ -1,12 +1,13 @@
 """What readings make known, kept beside the record, so that the next command looks at the new ones only.
 
     kept = Kept(path, first_event)
-    known = kept.recalled(count)
+    known = kept.recalled(readings)
     kept.keep(known)
 
 It is never needed: what cannot be read, does not belong to this campaign, or was made by other programs is not there,
-and what is recalled counts only as far as its readings are the first of those in the record (`estimated`). Only classes
-of the rooms up to the estimate are made from it, and arrays: nothing in it can be called.
+and what is recalled is only what the first readings of the record made known, while others are to follow: what is
+concluded, and signed, is found from the record alone. Only classes of the rooms up to the estimate are made from it,
+and arrays: nothing in it can be called.
 
     file = a title, "key SHA-256-of-the-rest", the rest; key: the campaign's description, the programs, their files
 """
@@ -17,8 +18,8 @@ import contextlib
 import hashlib
 import io
 import json
-import os
 import pickle
+from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -27,7 +28,8 @@ from typing import Any
 
 from axiscal.campaign.versions import versions
 from axiscal.estimation.estimation import Estimation
-from axiscal.record.durable import draft_of
+from axiscal.measurement.reading import Reading
+from axiscal.record.durable import write_whole
 from axiscal.record.events import Event, Stored
 from axiscal.record.payload import encode
 
@@ -62,7 +64,16 @@ _PLAIN = {("builtins", name) for name in ("frozenset", "set", "slice", "range", 
     ("collections", "OrderedDict"),
     ("pathlib", "PosixPath"),
     ("pathlib", "WindowsPath"),
+    ("pathlib._local", "PosixPath"),
+    ("pathlib._local", "WindowsPath"),
 }
+
+
+_DAMAGE = (
+    *(pickle.UnpicklingError, ValueError, TypeError, AttributeError, KeyError, IndexError, EOFError, ImportError),
+    *(OverflowError, MemoryError, RecursionError),
+)
+"""What reading a file raises that is not one of ours."""
 
 
 class Kept:
@@ -71,12 +82,12 @@ class Kept:
     def __init__(self, record: Path, first: Stored) -> None:
         self._record, self._first, self._count = record, first, 0
 
-    def recalled(self, readings: int) -> Estimation | None:
-        """Return what was known of the campaign, of no more than so many readings; None where nothing was kept."""
-        if readings < FEWEST:
+    def recalled(self, readings: Sequence[Reading]) -> Estimation | None:
+        """Return what the first of the readings made known; None where nothing was kept, or of other readings."""
+        if len(readings) < FEWEST:
             return None
         found = _read(kept_beside(self._record), _key(self._first.event))
-        if found is None or len(found.readings) > readings:
+        if found is None or not found.stages.timed.begins(readings):
             return None
         self._count = len(found.readings)
         return found
@@ -87,7 +98,7 @@ class Kept:
         if count < FEWEST or 0 <= count - self._count < _EVERY:
             return
         self._count = count
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
             _write(kept_beside(self._record), _key(self._first.event), known)
 
 
@@ -100,12 +111,8 @@ def _write(path: Path, key: str, known: Estimation) -> None:
     """Write a file in the place of an earlier one; raises OSError."""
     buffer = io.BytesIO()
     _KnownWriter(buffer, protocol=5).dump(known)
-    content, draft = buffer.getvalue(), draft_of(path)
-    try:
-        draft.write_bytes(_TITLE + f"{key} {hashlib.sha256(content).hexdigest()}\n".encode() + content)
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
+    content = buffer.getvalue()
+    write_whole(path, _TITLE + f"{key} {hashlib.sha256(content).hexdigest()}\n".encode() + content)
 
 
 def _read(path: Path, key: str) -> Estimation | None:
@@ -118,7 +125,7 @@ def _read(path: Path, key: str) -> Estimation | None:
         return None
     try:
         found = _KnownReader(io.BytesIO(body)).load()
-    except (pickle.UnpicklingError, ValueError, TypeError, AttributeError, KeyError, IndexError, EOFError, ImportError):
+    except _DAMAGE:
         return None
     return found if isinstance(found, Estimation) else None
 
@@ -132,7 +139,8 @@ def _key(created: Event) -> str:
 def _sources() -> str:
     """Return a name of the program's files as they are, so that another state of the program recalls nothing."""
     folder = Path(__file__).resolve().parents[1]
-    files = sorted((str(path.relative_to(folder)), path.stat()) for path in folder.rglob("*.py"))
+    found = [path for path in folder.rglob("*.py") if path.is_file()]
+    files = sorted((str(path.relative_to(folder)), path.stat()) for path in found)
     return hashlib.sha256(repr([(name, at.st_size, at.st_mtime_ns) for name, at in files]).encode()).hexdigest()
 
 

@@ -26,7 +26,9 @@ def first_best(values: Array, share: float) -> int:
 def first_best_each(values: Array, share: float) -> NDArray[np.intp]:
     """Return for every row the index of the first of its largest values, (m,).  values : (m, n)"""
     best = values.max(axis=1, keepdims=True)
-    found: NDArray[np.intp] = (values >= best - share * np.abs(best)).argmax(axis=1)
+    with np.errstate(invalid="ignore"):
+        least = np.where(np.isfinite(best), best - share * np.abs(best), best)
+    found: NDArray[np.intp] = (values >= least).argmax(axis=1)
     return found
 
 

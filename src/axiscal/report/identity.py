@@ -26,13 +26,7 @@ def pairs(summary: Summary) -> list[tuple[str, str]]:
         ("Measured", f"{summary.date}{ended}"),
         ("Remarks", said.remarks),
     ]
-    artefacts = [
-        (
-            name,
-            ", ".join(part for part in (each.serial, each.certificate and f"certificate {each.certificate}") if part),
-        )
-        for name, each in said.artefacts.items()
-    ]
+    artefacts = [(name, _equipment(each)) for name, each in said.artefacts.items()]
     return [(name, text) for name, text in (*rows, *artefacts) if text]
 
 

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.exceptions import PrintingError
 from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, side_by_side
 from axiscal.report.drawing.paper import alone, paper_svg
 from axiscal.report.drawing.svg_picture import Figure
@@ -57,7 +58,11 @@ def _set(template: Path, moment: int) -> bytes:
     for system in (False, True):
         with contextlib.suppress(typst.TypstError):
             return _compiled(template, moment, system, "a-2b")
-    return _compiled(template, moment, True, None)
+    try:
+        return _compiled(template, moment, True, None)
+    except typst.TypstError as failure:
+        what = f"report.pdf could not be set: {str(failure).splitlines()[0][:200]}"
+        raise PrintingError(what, "report.html beside it says the same; please report this defect of axiscal") from None
 
 
 def _compiled(template: Path, moment: int, system: bool, standard: Literal["a-2b"] | None) -> bytes:

@@ -156,7 +156,8 @@ class Desk:
 
     def note(self, text: str) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
-        self._moved_on()
+        if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
+            self._show({})
         seen = self.campaign.state.last
         self.campaign.note(text)
         self._alike.add(seen)
@@ -200,10 +201,13 @@ class Desk:
 
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
+        known = ruled(self.campaign.concluded())
         self.campaign.finish()
-        summary = deliver(self.campaign, ruled(self.campaign.concluded()), self.results, Extras(compared=True))
-        self._verdict = first_lines(summary).splitlines()
-        self._show({})
+        try:
+            summary = deliver(self.campaign, known, self.results, Extras(compared=True))
+            self._verdict = first_lines(summary).splitlines()
+        finally:
+            self._show({})
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
     def _refuse_overtaken(self, after: int) -> None:
@@ -264,6 +268,7 @@ class Desk:
             return self.campaign.next()
         except OvertakenError:
             self.campaign.looked_at_again()
+            self._alike.clear()
             return self.campaign.next()
 
 

@@ -40,7 +40,7 @@ def polished(problem: BentReadings, start: Array) -> Optimum:
             if there <= cost or damping > _HARDEST:
                 break
             damping *= _HARDER
-        if there > cost:
+        if not there <= cost:  # nor where it is not a number
             break
         z, point, left, cost, damping = z + step, tried, left_there, there, damping * _SOFTER
         if float(np.sqrt(np.mean(step**2))) < _SETTLED:

@@ -17,7 +17,8 @@ ColourScale = Sequence[tuple[float, str]]
 
 _FINER = 4
 """Pixels of a map for each of its values along each side: the browser smooths the rest."""
-_VARIABLE = re.compile(r"var\((--[a-z-]+)\)")
+_VARIABLE = re.compile(r'(?<==")var\((--[a-z-]+)\)(?=")')
+"""As the value of an attribute; quotes in words are escaped, so that none of them is one."""
 
 ON_PAPER: Mapping[str, str] = {
     "--paper": "#ffffff",
