@@ -98,6 +98,25 @@ def test_pivots_are_those_that_our_own_export_would_set(tmp_path: Path, swivel: 
     assert nominal.offset / scale == pytest.approx(4.0)
 
 
+@pytest.mark.parametrize(
+    ("hal", "pivot", "clear"),
+    [
+        ("setp 5axiskins.pivot-length 250", 250.0, True),
+        ("setp 5axiskins.pivot-length 2.5e2", 250.0, True),
+        ("setp 5axiskins.pivot-length [KINS]JOINTS", 5.0, True),
+        ("net :pivot sum2.0.out 5axiskins.pivot-length", 0.0, False),
+        ("setp 5axiskins.pivot-length [NO]WHERE", 0.0, False),
+        ("", 0.0, False),
+    ],
+)
+def test_a_pivot_that_is_not_understood_is_not_said_to_be_known(
+    tmp_path: Path, hal: str, pivot: float, clear: bool
+) -> None:
+    joints = [Joint(letter, -90, 90) for letter in "XYZBC"]
+    build = of_lab(tmp_path, joints, Settings(hal, "5axiskins", "mm")).build
+    assert (build.sure, build.origins["B"], build.reversed) == (clear, (0.0, 0.0, pivot), ("B",))
+
+
 def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path: Path) -> None:
     machine = built(of_lab(tmp_path, [Joint("X"), Joint("Z"), Joint("C", -36000, 7200)]))
     np.testing.assert_allclose(machine.axis("C").travel, [0, 2 * np.pi])

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.configuring import export_into
+from axiscal.campaign.headless import software_only
+from axiscal.compensation.controllers.linuxcnc_volumetric.patching import Configuration
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.exceptions import ControlError, InputError
 from axiscal.lab.linuxcnc import Joint, Settings, available, can_load
@@ -42,6 +44,8 @@ def owned(folder: Path, hal: str = HAL, more: str = "") -> Path:
     """A mill's folder, as its owner may have it: two HAL files, and a backlash."""
     made = lab_files([Joint(axis, -400, 700) for axis in "XYZ"], Settings())
     ini = made["machine.ini"].replace("HALFILE = machine.hal", "HALFILE = mill.hal\nHALFILE = z.hal  # of Z")
+    ini = ini.replace("COORDINATES = XYZ\n", "COORDINATES = X Y Z\n")  # as most people write it
+    assert "X Y Z" in ini
     ini = ini.replace("[JOINT_0]\n", "[JOINT_0]\nBACKLASH = 0.01\n").replace("./driver.py", "axis") + more
     (folder / "mill.ini").write_text(ini)
     (folder / "mill.hal").write_text(hal)
@@ -81,6 +85,14 @@ class TestStarted:
     def test_with_hardware_its_axes_are_started_with_simulated_drives(self, tmp_path: Path) -> None:
         made = export_into(owned(tmp_path, "loadrt hostmot2\n" + HAL), known("three-axis")[0], ExportOptions())
         assert "a configuration of these axes with simulated drives, not your HAL" in made.readme
+
+
+@pytest.mark.parametrize("line", ["HALCMD = loadrt hm2_eth board_ip=10.10.10.10", "HALFILE = machine.tcl"])
+def test_what_the_ini_file_itself_loads_may_be_hardware(line: str) -> None:
+    plain = "[HAL]\nHALFILE = mill.hal  # mine\nHALCMD = setp lag.gain 1\n"
+    files = {"mill.ini": plain, "mill.hal": HAL}
+    assert software_only(Configuration("mill.ini", dict(files)))
+    assert not software_only(Configuration("mill.ini", {**files, "mill.ini": f"{plain}{line}\n"}))
 
 
 class TestPutIn:

@@ -25,6 +25,9 @@ _SOFT = re.compile(
 )
 """LinuxCNC's components that need no hardware."""
 _LOADED = re.compile(r"^\s*load(rt|usr)\s+(?:-\S+\s+)*(\S+)", re.MULTILINE)
+_COMMAND = re.compile(r"^\s*HALCMD\s*=\s*(load|source)", re.M | re.I)
+_PROGRAM = re.compile(r"^[ \t]*HALFILE[ \t]*=(?![ \t]*\S+\.hal(?:\s|$))", re.M | re.I)
+"""What would load more than is looked at here."""
 _SPOKEN = {"[KINS]KINEMATICS", "[EMCMOT]EMCMOT", "[TRAJ]TPMOD", "[EMCMOT]HOMEMOD"}
 _SCREEN = re.compile(
     r"^\s*(DISPLAY|HALUI|APP|POSTGUI_HALFILE|POSTGUI_HALCMD|TWOPASS|OPEN_FILE|INTRO_GRAPHIC)\s*=.*$", re.M
@@ -61,7 +64,9 @@ def started(found: Configured, changed: Configuration, offered: Export, machine:
 
 
 def software_only(changed: Configuration) -> bool:
-    """Return whether the HAL files load nothing that needs hardware or a screen."""
+    """Return whether the HAL files, and the commands of the INI file, load nothing that needs hardware or a screen."""
+    if _COMMAND.search(changed.files[changed.ini]) or _PROGRAM.search(changed.files[changed.ini]):
+        return False
     for name in changed.texts():
         for kind, module in _LOADED.findall(changed.files[name]):
             if kind == "usr" or not (module in _SPOKEN or module == "axiscal_vcomp" or _SOFT.fullmatch(module)):

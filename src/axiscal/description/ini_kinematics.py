@@ -5,17 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
+from typing import NamedTuple
 
-from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.description.ini_file import IniFile
 from axiscal.exceptions import AxiscalError, DescriptionError
 from axiscal.measurement.readers.text import read_text
 
 Point = tuple[float, float, float]
 _TRT = re.compile(r"xyz([ab])c-trt-kins")
-_SETP = re.compile(r"(?:setp\s+)?([\w.:-]+?)\.([\w-]+)\s+=?\s*(-?[\d.]+)")
+_SETP = re.compile(r"(?:setp\s+)?([\w.:-]+?)\.([\w-]+)\s+=?\s*(\S+)")
 _NET = re.compile(r"(?:net|newsig|linksp)\s+(\S+)\s+(.*)")
-_SETS = re.compile(r"sets\s+(\S+)\s+(-?[\d.]+)")
+_SETS = re.compile(r"sets\s+(\S+)\s+(\S+)")
+_ELSEWHERE = re.compile(r"\[(\w+)\](\w+)")
 _OTHERS = "trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
 
 
@@ -49,11 +52,16 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
     if found := _TRT.fullmatch(name):
         return _swivelling(ini, name, found[1].upper(), letters, unit)
     if name == "maxkins" and set("BC") <= set(letters):
-        pivot = _pins(ini, name, stated).get("pivot-length", 0.0)
-        return IniBuild("w-C'-X'-Y'-b-Z-B-t", True, name, unit, (), {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, 0.0)})
+        pins = _pins(ini, name)
+        pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
+        against = () if pins.values.get("conventional-directions", 0.0) else ("B",)
+        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, 0.0)}
+        return IniBuild("w-C'-X'-Y'-b-Z-B-t", known and pins.clear, name, unit, against, places)
     if name == "5axiskins" and set("BC") <= set(letters):
-        pivot = _pins(ini, name, stated).get("pivot-length", 0.0)
-        return IniBuild("w-b-X-Y-Z-C-B-t", True, name, unit, (), {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, pivot)})
+        pins = _pins(ini, name)
+        pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
+        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, pivot)}
+        return IniBuild("w-b-X-Y-Z-C-B-t", known and pins.clear, name, unit, ("B",), places)
     what, remedy = f"{name} is no chain of axes that can be read here", f"Write machine.toml by hand; {_OTHERS}"
     raise stated.fail(what, remedy) if stated is not None else DescriptionError(what, remedy, ini.path)
 
@@ -75,26 +83,40 @@ def _swivelling(ini: IniFile, name: str, swivel: str, letters: Sequence[str], un
     stated = ini.needed("KINS", "KINEMATICS", name)
     if not {"X", "Y", "Z", "C", swivel} <= set(letters):
         raise stated.fail(f"{name} has axes X, Y, Z, {swivel} and C", "Name them in [TRAJ] COORDINATES")
-    pins = _pins(ini, name, stated)
+    read = _pins(ini, name)
+    pins = read.values
     x, y, z = (pins.get(f"{way}-rot-point", 0.0) for way in "xyz")
     z += pins.get("z-offset", 0.0)
     line = (x, y + pins.get("y-offset", 0.0), z) if swivel == "A" else (x + pins.get("x-offset", 0.0), y, z)
     against = () if pins.get("conventional-directions", 0.0) else (swivel, "C")
-    return IniBuild(f"w-C'-{swivel}'-X'-Y'-b-Z-t", True, name, unit, against, {swivel: line, "C": (x, y, z)})
+    return IniBuild(f"w-C'-{swivel}'-X'-Y'-b-Z-t", read.clear, name, unit, against, {swivel: line, "C": (x, y, z)})
 
 
-def _pins(ini: IniFile, module: str, stated: IniValue | None) -> dict[str, float]:
+class _Pins(NamedTuple):
+    """values : by pin; clear : whether every pin that says where axes turn, or which way, was understood"""
+
+    values: Mapping[str, float]
+    clear: bool
+
+
+def _pins(ini: IniFile, module: str) -> _Pins:
     """Return the numbers that HAL sets at pins of a module, straight or by a signal: HALCMD lines and files at hand."""
-    signals, joined, found = dict[str, float](), dict[str, str](), dict[str, float]()
+    signals, joined, found = dict[str, float | None](), dict[str, str](), dict[str, float | None]()
     for line in _hal(ini):
-        if (given := _SETS.match(line)) is not None:
-            signals[given[1]] = _value(given[2])
+        if (given := _SETS.fullmatch(line)) is not None:
+            signals[given[1]] = _value(ini, given[2])
         elif (net := _NET.match(line)) is not None:
             ends = [word.removeprefix(f"{module}.") for word in net[2].split() if word.startswith(f"{module}.")]
             joined |= dict.fromkeys(ends, net[1])
-        elif (pin := _SETP.match(line)) is not None and pin[1] == module:
-            found[pin[2]] = _value(pin[3])
-    return {pin: signals[signal] for pin, signal in joined.items() if signal in signals} | found
+        elif (pin := _SETP.fullmatch(line)) is not None and pin[1] == module:
+            found[pin[2]] = _value(ini, pin[3])
+    said = {pin: signals.get(signal) for pin, signal in joined.items()} | found
+    values = {pin: value for pin, value in said.items() if value is not None}
+    return _Pins(values, not any(_PLACES.fullmatch(pin) for pin in said.keys() - values.keys()))
+
+
+_PLACES = re.compile(r"[xyz]-rot-point|[xyz]-offset|pivot-length|conventional-directions")
+"""Pins that say where axes turn, or which way."""
 
 
 def _hal(ini: IniFile) -> list[str]:
@@ -109,8 +131,15 @@ def _hal(ini: IniFile) -> list[str]:
     return lines
 
 
-def _value(text: str) -> float:
+def _value(ini: IniFile, text: str) -> float | None:
+    """Return what HAL makes of a word: a number, TRUE or FALSE, or what stands in the INI file; None for another."""
+    if (named := _ELSEWHERE.fullmatch(text)) is not None:
+        stands = ini.get(named[1], named[2])
+        text = stands.text if stands is not None else ""
+    if text.upper() in ("TRUE", "FALSE"):
+        return float(text.upper() == "TRUE")
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        return 0.0
+        return None
+    return value if isfinite(value) else None

@@ -48,10 +48,11 @@ class PrinterSource:
     def read(self, request: Request) -> Answer | Skip:
         """Go over the point, from the side that is asked for, and probe; raises SourceError."""
         self._refuse_others(request)
+        self._printer.refuse_unready()  # somebody may have started a print since
         at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
         side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
         beside = {name: at[name] - _ASIDE * side[name] for name in "XY"}
-        codes = ["G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
+        codes = ["G21", "G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
         if any(side[name] for name in "XY"):
             codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
         codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]

@@ -40,6 +40,8 @@ author "the axiscal authors";
 ;;
 
 #define MOST_BYTES 2000000
+#define LONGEST 10.0    /* s of a ramp, whatever ramp-time says */
+#define FAULT_TIME 1.0  /* s in which the correction goes at a fault, at the most */
 #define LOST_TIME 0.1   /* s in which the correction goes when a joint is not homed any more */
 #define TOOL_SPEED 100.0 /* mm/s at which the tool vector follows a new length */
 
@@ -192,10 +194,14 @@ FUNCTION(cmd) {
     if (lost || held || fault || !enable) to = 0;
     length = ramp_time;
     if (!(length >= LOST_TIME)) length = LOST_TIME;
+    if (length > LONGEST) length = LONGEST;
+    if ((fault || held) && length > FAULT_TIME) length = FAULT_TIME;
     if (lost) length = LOST_TIME;
     if (to != ramp.target || (lost && now != 0 && ramp.length - ramp.clock > LOST_TIME)) vc_quintic_to(&ramp, to, length);
     ramp.clock += dt;
     now = vc_quintic_at(&ramp, &rate, &bend);
+    if (now > 1) now = 1; /* a ramp that was turned round while it was fast swings over */
+    if (now < 0) now = 0;
     gain = now;
     active = now == 1 && ramp.target == 1;
     for (j = 0; j < VC_JOINTS; j++) applied[j] = 0;

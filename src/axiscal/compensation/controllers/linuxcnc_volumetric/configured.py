@@ -69,6 +69,10 @@ def _text(path: Path) -> str:
 
 def options_of(found: Configured, machine: Machine, options: ExportOptions) -> ExportOptions:
     """Return options with the unit and the joints of the INI file; raises TableError where these were given as well."""
+    if any(axis.unit == "rad" for axis in found.machine.axes):
+        raise TableError(
+            "ANGULAR_UNITS are radians, and the component counts degrees", "set them to degree", found.ini.path
+        )
     if options.numbers:
         raise TableError("--ini says which joints are whose", "leave --number and --coordinates out")
     return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})

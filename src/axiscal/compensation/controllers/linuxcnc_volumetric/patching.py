@@ -70,7 +70,7 @@ def patched(ini: str, files: Mapping[str, str], joints: Sequence[int]) -> Config
 
 _LOAD = (
     f"# Made by axiscal: the component, before anything is joined to it.\nloadrt axiscal_vcomp file={FILE} "
-    "units=[TRAJ]LINEAR_UNITS coordinates=[TRAJ]COORDINATES joints=[KINS]JOINTS\n"
+    'units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS\n'
 )
 
 
@@ -172,17 +172,25 @@ def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[st
     added = [name for name in [*found.files, *beside] if name not in before]
     kept = [f"{_digest(before[name])}  {name}" for name in changed]
     now = [f"{_digest(found.files[name])}  {name}" for name in changed]
+    free = [f'[ ! -e "$to"/{q} ] || {_TAKEN}' for q in _quoted(added)]
     copies = [f'mkdir "$to/{_BACKUP}"', *(f'cp -p "$to"/{q} "$to/{_BACKUP}"/{q}' for q in _quoted(changed))]
     news = [f'cp "$from"/{q} "$to"/{q}' for q in _quoted([*changed, *added])]
     backs = [f'cp -p "$to/{_BACKUP}"/{q} "$to"/{q}' for q in _quoted(changed)]
     gone = [f'rm -f "$to"/{q}' for q in _quoted(added)]
     return {
-        APPLY: _script("puts the component into", kept, [f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', *copies, *news]),
+        APPLY: _script(
+            "puts the component into", kept, [f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', *free, *copies, *news]
+        ),
         UNDO: _script("takes the component out of", now, [*backs, *gone, f'rm -r "$to/{_BACKUP}"']),
     }
 
 
 _THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
+
+
+_TAKEN = (
+    '{ echo "A file of axiscal is there already, which another configuration may need: move it first." >&2; exit 1; }'
+)
 
 
 _OTHER = '{ echo "A file is not the one that was read." >&2; exit 1; }'

@@ -33,7 +33,8 @@ setp axiscal-vcomp.enable 0
 def text(joints: Sequence[int]) -> str:
     """Return the HAL text for joints by their numbers."""
     lines = [
-        _HEAD + f"loadrt axiscal_vcomp file={FILE} units=[TRAJ]LINEAR_UNITS coordinates=[TRAJ]COORDINATES "
+        _HEAD + f"loadrt axiscal_vcomp file={FILE} units=[TRAJ]LINEAR_UNITS "
+        '"coordinates=[TRAJ]COORDINATES" '  # quoted: people write blanks between the letters
         "joints=[KINS]JOINTS",
         "addf axiscal-vcomp.fb servo-thread 1",
         "addf axiscal-vcomp.cmd servo-thread",
