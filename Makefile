@@ -10,7 +10,7 @@ PEERS := trieste torch others
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
-	@echo "make demo-linuxcnc  calibrate five machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
+	@echo "make demo-linuxcnc  calibrate six machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make bench      measure the figures that the README states"

@@ -105,7 +105,7 @@ Pearson): truth above 1.5 times the promise under the verdict `holds`. "Refused"
 the sign of all readings no reading can show; `axiscal verify` must. The tool is stated to 5 µm, axis lines to 15 µm:
 where the rotary axes carry the workpiece a longer tool looks like an axis line that lies elsewhere, and no reading of
 the spheres can tell the two apart.
-(`make trust PART=attacks MACHINES=100`; it goes on where it was stopped, and `MINUTES=30` stops it.)
+(`make trust PART=attacks MACHINES={machines}`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |
 |---|---|---|---|---|---|---|

@@ -16,6 +16,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation import estimate
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
 from axiscal.exceptions import AmbiguityError
@@ -174,7 +175,7 @@ def test_what_is_signed_is_found_from_the_record_alone(record: Path, tmp_path: P
         readings, expected = campaign.state.readings, campaign.concluded()
         key = kept._key(campaign._record.events()[0].event)
     louder = replace(other, setups=tuple(replace(setup, noise=1e-3) for setup in other.setups))
-    kept._write(kept.kept_beside(record), key, estimate.estimated(estimate.Case(louder), readings))
+    kept._write(kept.kept_beside(record), key, estimate.estimated(Case(louder), readings))
     with Campaign.open(record, write=False) as campaign:
         assert campaign.known().stated.description.setups[0].noise == 1e-3  # only while others are to follow
         _same(campaign.concluded(), expected)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -124,16 +125,11 @@ class Campaign:
         return self._known
 
     def believed(self) -> Estimation:
-        """Return by what a new reading is judged: all readings at once or, where they are many, as they came.
-
-        Where a station may stand in two places nothing can be concluded, and the reading that decides is still taken.
-        """
-        if len(self.state.readings) > _JUDGED_AT_ONCE:
-            return self.known()
-        try:
-            return self.concluded()
-        except AmbiguityError:
-            return self.known()
+        """Return by what a new reading is judged; a station that fits two places does not stop what would decide."""
+        if len(self.state.readings) <= _JUDGED_AT_ONCE:
+            with suppress(AmbiguityError):
+                return self.concluded()
+        return self.known()
 
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
