@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -77,8 +78,8 @@ class Campaign:
         self._case: Case | None = None
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
-        self._begun: str | None = None
-        self._kept = Kept(record.path, record.events()[0])
+        self._first = record.events()[0]
+        self._kept = Kept(record.path, self._first)
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -106,21 +107,23 @@ class Campaign:
     @property
     def begun(self) -> str:
         """When the record was begun: ISO 8601, UTC."""
-        if self._begun is None:
-            self._begun = self._record.events()[0].at
-        return self._begun
+        return self._first.at
+
+    @cached_property
+    def _stated(self) -> Case:
+        """What the record's description makes of the mathematics."""
+        return case_of(self.description)
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
         if self._case is None:
             self._known = self._kept.recalled(self.state.readings)
-            self._case = case_of(self.description) if self._known is None else self._known.stated
+            self._case = self._stated if self._known is None else self._known.stated
         return self._case
 
     def known(self) -> Estimation:
         """Return what the readings make known while others are to follow."""
-        case = self.case()
-        self._known = estimated(case, self.state.readings, self._known)
+        self._known = estimated(self.case(), self.state.readings, self._known)  # case() first: it recalls
         self._kept.keep(self._known)
         return self._known
 
@@ -133,11 +136,9 @@ class Campaign:
 
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
-        known = self._concluded
-        if known is None or known.stages.timed.given != self.state.readings:
-            stated = case_of(self.description) if known is None else known.stated
-            known = self._concluded = concluded(stated, self.state.readings)
-        return known
+        if self._concluded is None or self._concluded.stages.timed.given != self.state.readings:
+            self._concluded = concluded(self._stated, self.state.readings)
+        return self._concluded
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
