@@ -129,7 +129,7 @@ def main() -> None:
     print(f"{'':32} readings    left  endless   asked for, um")
     count, left, endless = figures(_case(bar("xy", 30, -70), ""))
     print(f"{'bar in xy, not aligned':32} {count:8} {left:7.3f} {endless:8.3f}   14.564 14.483")
-    bars = "".join(bar(plane, 3, 80) for plane in ("xy", "yz", "zx"))
+    bars = "".join(bar(plane, 3, -70) for plane in ("xy", "yz", "zx"))
     parts = {"bar": bars, "lasers": _lasers(), "squares": _squares(), "levels": _levels()}
     for name, asked in _ASKED.items():
         setups = "".join(parts[part] for part in name.split(", "))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.machine import load_machine
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.arrivals import arrivals, has_room
 from axiscal.measurement.charts.balls import Balls
 from axiscal.measurement.charts.bar import Bar
@@ -241,7 +241,7 @@ def test_a_place_at_the_end_of_a_travel_has_no_room_to_be_come_to_from_there() -
 
 def test_what_is_to_be_kept_out_is_kept_out_with_the_width_of_the_tool() -> None:
     low_table = np.array([[[-0.25, 0.25], [-0.25, 0.25], [-0.3, -0.15]]])
-    room = Room(DMU, low_table, 0.04)
+    room = Room(DMU, low_table)
     rng = np.random.default_rng(5)
     poses = held().poses(rng.uniform([0, -0.5], [math.tau, 2.0], (400, 2)))
     poses = poses[Room.empty(DMU).in_travel(poses)]
@@ -264,3 +264,13 @@ def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
         beam = station - tip(MILL, pose)
         far = np.linalg.norm(beam)
         assert said == (0.9 <= far <= 1.4 and math.degrees(math.acos(-beam[1] / far)) <= 20 + 1e-6)
+
+
+@pytest.mark.parametrize(("radius", "free"), [("49 mm", True), ("51 mm", False), (None, True)])
+def test_a_thicker_tool_enters_what_a_thinner_one_passes(radius: str | None, free: bool) -> None:
+    stated = "" if radius is None else f'radius = "{radius}"\n'
+    machine = machine_from_text(load_machine("dmu60").text.replace("[tool]\n", f"[tool]\n{stated}"))
+    beside = np.array([[[0.05, 0.1], [-0.1, 0.1], [-0.3, 0.3]]])  # a wall 50 mm from the middle of the tool at home
+    home = np.array([[0.0, 0.0, 0.0, 0.0, 0.12]])
+    assert np.linalg.norm(tip(machine, home[0])) < 1e-12
+    assert Room(machine, beside).holds(home).tolist() == [free]

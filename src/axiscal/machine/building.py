@@ -34,6 +34,7 @@ class Parts:
     name: str
     axes: tuple[Axis, ...]
     tool: float
+    tool_radius: float
     errors: tuple[ErrorEntry, ...]
     planes: tuple[PlaneEntry, ...]
     chain: str
@@ -42,17 +43,19 @@ class Parts:
 def assemble(document: Document) -> Parts:
     """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError."""
     tables, faults = read_model(document, MachineFile), Faults()
-    name, tool = document.path.stem, 0.0
+    name, tool, radius = document.path.stem, 0.0, 0.0
     with faults.noted():
         name = _name(document, tables)
     axes = _axes(document, tables, faults)
     with faults.noted():
         tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
+    with faults.noted():
+        radius = within(document, ("tool", "radius"), tables.tool.radius, "length", 0.0, 1.0)
     known = {axis.name: axis for axis in axes}
     entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
     planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    return Parts(name, axes, tool, entries, planes, tables.chain)
+    return Parts(name, axes, tool, radius, entries, planes, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:

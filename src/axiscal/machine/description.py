@@ -15,6 +15,8 @@ from axiscal.machine.plane_entry import PlaneEntry
 __all__ = ["ErrorEntry", "Machine", "builtin_names", "load_machine", "machine_from_text"]
 
 _LIBRARY = Path(__file__).parent / "library"
+TOOL_RADIUS = 0.04
+"""m, of the tool and what holds it where nobody says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +24,7 @@ class Machine:
     """A machine as described by its owner.
 
     axes : in the order of the chain, from the workpiece to the tool; tool : length of the tool, m
+    tool_radius : m, of the cylinder from the tip of the tool to the spindle, which enters nothing that is kept out
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
     planes : one entry per error of two axes together
     """
@@ -33,6 +36,7 @@ class Machine:
     chain: str
     text: str
     planes: tuple[PlaneEntry, ...] = ()
+    tool_radius: float = TOOL_RADIUS
 
     def index(self, axis_name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
@@ -88,4 +92,6 @@ def _built(document: Document) -> Machine:
     from axiscal.machine.building import assemble
 
     parts = assemble(document)
-    return Machine(parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text, parts.planes)
+    return Machine(
+        parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text, parts.planes, parts.tool_radius
+    )

@@ -6,8 +6,11 @@ t = J(ρ)⁻¹ (p* − p₀(ρ)): one small system per pose, exact to rounding.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
+from axiscal.machine.axis import LINEAR_LETTERS, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
@@ -23,14 +26,18 @@ def linear_axes(machine: Machine) -> tuple[int, ...]:
 
     Of a second set U, V, W only the axes that are needed as well move; the others stay where they are.
     """
+    return _carrying("".join(axis.letter for axis in machine.axes))
+
+
+@lru_cache
+def _carrying(letters: str) -> tuple[int, ...]:
     chosen: list[int] = []
-    directions = np.zeros((0, 3))
-    for letter in "XYZUVWPQR":
-        for k, axis in enumerate(machine.axes):
-            wider = np.vstack([directions, axis.direction])
-            if axis.letter == letter and np.linalg.matrix_rank(wider) == len(wider):
-                chosen.append(k)
-                directions = wider
+    ways: set[int] = set()
+    for letter in LINEAR_LETTERS:
+        way = letter_direction(letter)
+        if letter in letters and way not in ways:
+            chosen.append(letters.index(letter))
+            ways.add(way)
     return tuple(sorted(chosen))
 
 

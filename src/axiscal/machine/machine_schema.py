@@ -56,6 +56,7 @@ class ToolTable(_Table):
     """[tool]"""
 
     length: QuantityText = Field("0 mm", examples=['"120 mm"'])
+    radius: QuantityText = Field("40 mm", examples=['"31.5 mm"'])
 
 
 class AxisTable(_Table):

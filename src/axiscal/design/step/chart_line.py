@@ -14,8 +14,8 @@ from axiscal.numerics import Array
 
 _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
-_HALVINGS = 50
-"""To the last bits of a float64."""
+_PARTS, _ROUNDS = 32, 10
+"""An edge is looked for in so many parts at once, so often: to the last bits of a float64."""
 _SHORTEST = 1e-9
 """Share of a coordinate: a piece that is shorter holds nothing that its neighbours do not."""
 
@@ -58,10 +58,12 @@ def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Ar
     change = np.flatnonzero(taken[1:] != taken[:-1])
     inside = np.where(taken[change], grid[change], grid[change + 1])
     outside = np.where(taken[change], grid[change + 1], grid[change])
-    for _ in range(_HALVINGS if len(change) else 0):
-        middle = (inside + outside) / 2
-        good = _taken(chart, number, place, sides, middle)
-        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
+    every = np.arange(len(change))
+    for _ in range(_ROUNDS if len(change) else 0):
+        parts = inside[:, None] + (outside - inside)[:, None] * np.linspace(0.0, 1.0, _PARTS + 1)
+        good = _taken(chart, number, place, sides, parts[:, 1:-1].ravel()).reshape(len(change), -1)
+        last = np.where(good.all(axis=1), _PARTS - 1, good.argmin(axis=1))
+        inside, outside = parts[every, last], parts[every, last + 1]
     return inside
 
 

@@ -11,8 +11,6 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 
-TOOL_RADIUS = 0.04
-"""m, of the cylinder from the tip of the tool to the spindle where the machine does not say."""
 _SLACK = 1e-10
 """Share of a travel by which rounding may leave it."""
 _ANGLE = 1e-9
@@ -24,12 +22,10 @@ class Room:
     """Where the machine may stand.
 
     keep_out : (n, 3, 2) boxes in the workpiece frame, m, that neither the tool point nor the tool enters
-    radius : of the tool, m
     """
 
     machine: Machine
     keep_out: Array
-    radius: float = TOOL_RADIUS
 
     @classmethod
     def empty(cls, machine: Machine) -> Room:
@@ -70,7 +66,7 @@ class Room:
         hit = np.zeros(len(tips), dtype=bool)
         for box in self.keep_out:
             hit |= np.all((tips >= box[:, 0]) & (tips <= box[:, 1]), axis=1)
-            hit |= _enters(tips, stems * self.machine.tool, box + self.radius * np.array([-1.0, 1.0]))
+            hit |= _enters(tips, stems * self.machine.tool, box + self.machine.tool_radius * np.array([-1.0, 1.0]))
         return hit
 
 
