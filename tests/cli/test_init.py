@@ -132,6 +132,28 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(
     assert not (tmp_path / "other").exists()
 
 
+def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "machine.ini").write_text(INI.replace("[AXIS_Z]\nMIN_LIMIT = 0\n", "[AXIS_Z]\n"))
+    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
+    asked = io.StringIO("-300 12.5\n\n")
+    monkeypatch.setattr(asked, "isatty", lambda: True)
+    monkeypatch.setattr("sys.stdin", asked)
+    assert app.run(["init", str(tmp_path / "asked"), *words]) == 0
+    assert "From where to where does Z move, in mm" in capsys.readouterr().out
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert app.run(["init", str(tmp_path / "given"), *words, "--limits", "z -300 12.5"]) == 0
+    for name in ("asked", "given"):
+        assert read_campaign(tmp_path / name / "campaign.toml").machine.axis("Z").travel == (-0.3, 0.0125)
+    assert app.run(["init", str(tmp_path / "none"), *words]) == 1
+    for wrong, said in (("Z", "two limits"), ("Z 1 nan", "two limits"), ("Z 3 1", "comes first"), ("X 0 1", "leave")):
+        assert app.run(["init", str(tmp_path / "none"), *words, "--limits", wrong]) == 1
+        assert said in " ".join(capsys.readouterr().err.split())
+    assert app.run(["init", str(tmp_path / "none"), "--machine", "one-axis", "--limits", "X 0 1"]) == 2
+    assert not (tmp_path / "none").exists()
+
+
 @pytest.mark.parametrize("name", ["machine", "campaign"])
 def test_the_schemas_are_printed_for_editors(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["schema", name]) == 0

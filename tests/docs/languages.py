@@ -87,7 +87,8 @@ class _Page(HTMLParser):
     def texts(cls) -> list[str]:
         """Return all of them but the page's name, the dashes before there are figures, and the unit of nothing."""
         page = cls()
-        page.feed((SOURCES / "web" / "static" / "page.html").read_text(encoding="utf-8"))
+        for file in sorted((SOURCES / "web" / "static").glob("*.html")):
+            page.feed(file.read_text(encoding="utf-8"))
         return [text for text in page.found if text not in ("axiscal", "–")]
 
 

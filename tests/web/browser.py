@@ -20,7 +20,14 @@ PATIENCE = 60.0
 """s: for a page on a busy computer."""
 _OPTIONS = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 _OPTIONS += ["--disable-component-update", "--disable-sync", "--remote-debugging-pipe", "--hide-scrollbars"]
-_KEYS = {"Enter": ("\r", 13), "Tab": ("", 9), "Escape": ("", 27), "Backspace": ("", 8), "ArrowRight": ("", 39)}
+_KEYS = {
+    "Enter": ("\r", 13),
+    "Tab": ("", 9),
+    "Escape": ("", 27),
+    "Backspace": ("", 8),
+    "ArrowRight": ("", 39),
+    " ": (" ", 32),
+}
 
 
 class Browser:
@@ -147,7 +154,7 @@ class Page:
     def press(self, key: str) -> None:
         """Press and release a key."""
         text, code = _KEYS[key]
-        pressed = {"key": key, "code": key, "windowsVirtualKeyCode": code}
+        pressed = {"key": key, "code": key.replace(" ", "Space"), "windowsVirtualKeyCode": code}
         self.call("Input.dispatchKeyEvent", type="keyDown", **pressed, **({"text": text} if text else {}))
         self.call("Input.dispatchKeyEvent", type="keyUp", **pressed)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -32,6 +33,13 @@ class IniValue:
         """Return the error that places a fault here."""
         return DescriptionError(what, remedy, self.file, self.line)
 
+    def number(self, key: str) -> float:
+        """Return it as a finite number; raises DescriptionError.  key : that it stands behind"""
+        value = number_or_none(self.text)
+        if value is None:
+            raise self.fail(f"{key} = {self.text} is not a number", "Write digits with a decimal point")
+        return value
+
 
 @dataclass(frozen=True, slots=True)
 class IniFile:
@@ -48,6 +56,10 @@ class IniFile:
         """Return the value that counts, None where there is none."""
         return next(iter(self.all(section, key)), None)
 
+    def first(self, sections: Sequence[str], key: str) -> IniValue | None:
+        """Return the value that counts in the first of these sections that has the key."""
+        return next((found for section in sections if (found := self.get(section, key)) is not None), None)
+
     def place(self, *sections: str) -> tuple[Path, int | None]:
         """Return where the first of these sections that is there begins to say something; else the file."""
         first = (values[0] for (section, _), values in self.values.items() if section in sections)
@@ -60,6 +72,15 @@ class IniFile:
             what = f"[{section}] says no {key}"
             raise DescriptionError(what, f"Write it into the file, as in {key} = {example}", *self.place(section))
         return found
+
+
+def number_or_none(text: str) -> float | None:
+    """Return a text as a finite number, None where it is none."""
+    try:
+        value = float(text) if "_" not in text else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def read_ini(path: Path) -> IniFile:

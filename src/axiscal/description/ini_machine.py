@@ -7,18 +7,15 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.description.ini_file import IniFile, IniValue, number_or_none
 from axiscal.description.ini_kinematics import IniBuild, build_of
+from axiscal.description.ini_limits import TURN, axis_sections, limits, says_limits
 from axiscal.exceptions import DescriptionError
 
 _LINEAR = {"mm": "mm", "metric": "mm", "inch": "in", "in": "in", "imperial": "in"}
 _ANGULAR = {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "radian": "rad"}
 _INCH = 1 / 25.4
 """Of LinuxCNC: a number as unit says how many of it a millimetre has."""
-_TURN = {"deg": 360.0, "rad": math.tau}
-"""Geometry."""
-_ENDLESS = 1e9
-"""LinuxCNC's limits where nobody set any are larger; no machine's are."""
 _MOST = 6
 """Axes that a chain here may have."""
 
@@ -48,7 +45,7 @@ class IniAxis:
     @property
     def endless(self) -> bool:
         """Whether its limits leave it a whole turn or more."""
-        return self.rotary and self.high - self.low >= _TURN[self.unit]
+        return self.rotary and self.high - self.low >= TURN[self.unit]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,22 +62,45 @@ class IniMachine:
     servo_period: float | None
 
 
-def machine_of(ini: IniFile) -> IniMachine:
-    """Return what an INI file says of a machine; raises DescriptionError with the line of what cannot be."""
-    letters = _letters(ini)
+def lacking_limits(ini: IniFile) -> dict[str, str]:
+    """Return the unit of each linear axis of which an INI file leaves open from where to where it moves."""
+    unit, letters = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _letters(ini)
+    linear = [letter for letter in dict.fromkeys(letters) if letter not in "ABC"]
+    return {letter: unit for letter in linear if not says_limits(ini, letter, letters.index(letter))}
+
+
+def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = None) -> IniMachine:
+    """Return what an INI file says of a machine.
+
+    given : the limits of the axes that it leaves open, in its unit
+    Raises DescriptionError with the line of what cannot be.
+    """
+    letters, given = _letters(ini), given or {}
+    if given:
+        _refuse_unasked(ini, given)
     linear, angular = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _unit(ini, "ANGULAR_UNITS", _ANGULAR, "degree")
     joints = {letter: tuple(n for n, each in enumerate(letters) if each == letter) for letter in dict.fromkeys(letters)}
     build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
     built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
-    axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear) for name in built)
+    axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built)
     named, period = ini.get("EMC", "MACHINE"), ini.get("EMCMOT", "SERVO_PERIOD")
     return IniMachine(
         name=(named.text if named and named.text else ini.path.stem)[:80],
         axes=axes,
         build=build,
         compensated=tuple(n for n in range(len(letters)) if _compensated(ini, n)),
-        servo_period=None if period is None else _number(period, "SERVO_PERIOD") * 1e-9,
+        servo_period=None if period is None else period.number("SERVO_PERIOD") * 1e-9,
     )
+
+
+def _refuse_unasked(ini: IniFile, given: Mapping[str, tuple[float, float]]) -> None:
+    lacking = lacking_limits(ini)
+    for letter, (low, high) in given.items():
+        if letter not in lacking:
+            open_ = f"those of {', '.join(lacking)} are open" if lacking else "it says those of every axis"
+            raise DescriptionError(f"The INI file does not leave the limits of {letter} open", open_, ini.path)
+        if not low < high:
+            raise DescriptionError(f"{letter} cannot move from {low:g} to {high:g}", "The lower limit comes first")
 
 
 def _letters(ini: IniFile) -> str:
@@ -102,7 +122,7 @@ def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
     text = (found.text if found else usual).lower()
     if text in known:
         return known[text]
-    value = None if found is None else _number_or_none(text)
+    value = number_or_none(text)
     if key == "ANGULAR_UNITS" and value == 1.0:
         return "deg"
     if key == "LINEAR_UNITS" and value is not None and math.isclose(value, _INCH, rel_tol=1e-3):
@@ -113,23 +133,15 @@ def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
     raise found.fail(f"{key} = {found.text} is no unit known here", f"Known are {', '.join(known)}")
 
 
-def _axis(ini: IniFile, letter: str, joints: tuple[int, ...], unit: str) -> IniAxis:
-    places = (f"AXIS_{letter}", f"JOINT_{joints[0]}", f"AXIS_{joints[0]}")  # the last as LinuxCNC 2.7 and before
-    low, high = (_first(ini, places, key) for key in ("MIN_LIMIT", "MAX_LIMIT"))
-    for key, found in (("MIN_LIMIT", low), ("MAX_LIMIT", high)):
-        if found is None or abs(_number(found, key)) > _ENDLESS:
-            if letter in "ABC":
-                continue
-            what = f"The INI file says no {key} of {letter}"
-            remedy = f"Write it under [AXIS_{letter}], as in {key} = {'0' if key == 'MIN_LIMIT' else '500'}"
-            raise found.fail(what, remedy) if found else DescriptionError(what, remedy, *ini.place(*places))
-    least, most = _bound(low, "MIN_LIMIT", -_TURN.get(unit, 0.0)), _bound(high, "MAX_LIMIT", _TURN.get(unit, 0.0))
-    if high is not None and least >= most:
-        raise high.fail(f"MAX_LIMIT of {letter} is {most:g}, and MIN_LIMIT is {least:g}", "The larger one is MAX_LIMIT")
+def _axis(
+    ini: IniFile, letter: str, joints: tuple[int, ...], unit: str, given: Mapping[str, tuple[float, float]]
+) -> IniAxis:
+    places = axis_sections(letter, joints[0])
+    least, most = given[letter] if letter in given else limits(ini, letter, joints[0], unit)
     kind = "ANGULAR" if letter in "ABC" else "LINEAR"
     fallback = {key: ini.get("TRAJ", f"MAX_{kind}_{key}") for key in ("VELOCITY", "ACCELERATION")}
-    speed, hardest = (_first(ini, places, f"MAX_{key}") or fallback[key] for key in ("VELOCITY", "ACCELERATION"))
-    home = _first(ini, (f"JOINT_{joints[0]}", f"AXIS_{joints[0]}"), "HOME")
+    speed, hardest = (ini.first(places, f"MAX_{key}") or fallback[key] for key in ("VELOCITY", "ACCELERATION"))
+    home = ini.first(places[1:], "HOME")
     return IniAxis(
         letter=letter,
         unit=unit,
@@ -138,23 +150,14 @@ def _axis(ini: IniFile, letter: str, joints: tuple[int, ...], unit: str) -> IniA
         high=most,
         speed=_positive(speed, "MAX_VELOCITY"),
         acceleration=_positive(hardest, "MAX_ACCELERATION"),
-        home=None if home is None else _number(home, "HOME"),
+        home=None if home is None else home.number("HOME"),
     )
-
-
-def _first(ini: IniFile, sections: tuple[str, ...], key: str) -> IniValue | None:
-    return next((found for section in sections if (found := ini.get(section, key)) is not None), None)
-
-
-def _bound(found: IniValue | None, key: str, endless: float) -> float:
-    value = endless if found is None else _number(found, key)
-    return value if abs(value) <= _ENDLESS else endless
 
 
 def _positive(found: IniValue | None, key: str) -> float | None:
     if found is None:
         return None
-    value = _number(found, key)
+    value = found.number(key)
     if value <= 0:
         raise found.fail(f"{key} = {found.text} is not above zero", "Write the fastest that the axis goes")
     return value
@@ -163,21 +166,6 @@ def _positive(found: IniValue | None, key: str) -> float | None:
 def _compensated(ini: IniFile, joint: int) -> bool:
     for section in (f"JOINT_{joint}", f"AXIS_{joint}"):
         table, backlash = ini.get(section, "COMP_FILE"), ini.get(section, "BACKLASH")
-        if (table and table.text) or (backlash and _number(backlash, "BACKLASH") != 0):
+        if (table and table.text) or (backlash and backlash.number("BACKLASH") != 0):
             return True
     return False
-
-
-def _number(found: IniValue, key: str) -> float:
-    value = _number_or_none(found.text)
-    if value is None:
-        raise found.fail(f"{key} = {found.text} is not a number", "Write digits with a decimal point")
-    return value
-
-
-def _number_or_none(text: str) -> float | None:
-    try:
-        value = float(text) if "_" not in text else math.nan
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None

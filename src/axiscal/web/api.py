@@ -1,4 +1,4 @@
-"""The routes: the page, its two files, and the JSON API, version 1."""
+"""The routes of a campaign: the page, its files, and the JSON API, version 1."""
 
 from __future__ import annotations
 
@@ -6,20 +6,17 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
-from importlib import resources
 from typing import TypeVar
 
-from pydantic import ValidationError
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.guide.language import LANGUAGES, messages
+from axiscal.web.answering import answered, defect, language_of, not_here, static_routes, words
 from axiscal.web.counter import Counter
-from axiscal.web.desk import Desk, SurprisingError
+from axiscal.web.desk import Desk
 from axiscal.web.guard import Admission, Guard
 from axiscal.web.openapi import ROOT, description
 from axiscal.web.problems import document, problem
@@ -36,15 +33,7 @@ from axiscal.web.shapes import (
     WaitQuery,
 )
 
-_FILES = {
-    "page.css": "text/css",
-    "page.js": "text/javascript",
-    "pictures.js": "text/javascript",
-    "setups.js": "text/javascript",
-    "volume.js": "text/javascript",
-    "words.js": "text/javascript",
-    "icon.svg": "image/svg+xml",
-}
+_FILES = ("page.css", "elements.js", "page.js", "pictures.js", "setups.js", "volume.js", "words.js", "icon.svg")
 _Answer = Callable[[Request], Awaitable[Response]]
 _Body = TypeVar("_Body", bound=Shape)
 
@@ -55,8 +44,7 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     steps = {"readings": api.keep, "skips": api.skip, "notes": api.note, "undo": api.undo, "next": api.go_on}
     steps["finish"] = api.finish
     routes = [
-        Route("/", partial(_file, "page.html", "text/html"), methods=["GET"]),
-        *(Route(f"/{name}", partial(_file, name, kind), methods=["GET"]) for name, kind in _FILES.items()),
+        *static_routes("page.html", _FILES),
         Route("/words.json", api.words, methods=["GET"]),
         Route("/report.html", api.report, methods=["GET"]),
         Route(f"{ROOT}/openapi.json", _described, methods=["GET"]),
@@ -67,7 +55,7 @@ def application(counter: Counter, admitted: Admission) -> Guard:
         *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
     ]
     app = Starlette(
-        routes=routes, exception_handlers={HTTPException: _not_here, Exception: _defect}, lifespan=_watching(counter)
+        routes=routes, exception_handlers={HTTPException: not_here, Exception: defect}, lifespan=_watching(counter)
     )
     app.router.redirect_slashes = False
     return Guard(app, admitted)
@@ -80,27 +68,25 @@ class _Api:
         self._counter = counter
 
     async def state(self, request: Request) -> Response:
-        async def answered(query: WaitQuery) -> Response:
-            return document(await self._counter.newer(query.seen, query.wait, _language(request)))
+        async def found(query: WaitQuery) -> Response:
+            return document(await self._counter.newer(query.seen, query.wait, language_of(request)))
 
-        return await _asked(WaitQuery, dict(request.query_params), answered)
+        return await answered(WaitQuery, dict(request.query_params), found)
 
     async def typed(self, request: Request) -> Response:
-        async def answered(query: TypedQuery) -> Response:
-            return document(self._counter.read(query.text, _language(request)))
+        async def found(query: TypedQuery) -> Response:
+            return document(self._counter.read(query.text, language_of(request)))
 
-        return await _asked(TypedQuery, dict(request.query_params), answered)
+        return await answered(TypedQuery, dict(request.query_params), found)
 
     async def words(self, request: Request) -> Response:
-        """The language of the page, and its messages by the English ones."""
-        language = self._counter.language
-        return JSONResponse({"language": language, "messages": messages(language)})
+        return words(self._counter.language)
 
     async def outlook(self, request: Request) -> Response:
-        return await _asked(NoQuery, dict(request.query_params), lambda _: self._looked(Desk.outlook))
+        return await answered(NoQuery, dict(request.query_params), lambda _: self._looked(Desk.outlook))
 
     async def table(self, request: Request) -> Response:
-        return await _asked(TableQuery, dict(request.query_params), self._table)
+        return await answered(TableQuery, dict(request.query_params), self._table)
 
     async def _table(self, query: TableQuery) -> Response:
         return await self._looked(lambda desk: desk.table(query.control))
@@ -137,60 +123,19 @@ class _Api:
         self, kind: type[_Body], request: Request, step: Callable[[_Body], Callable[[Desk], str]]
     ) -> Response:
         async def done(body: _Body) -> Response:
-            language = _language(request)
+            language = language_of(request)
             said = await self._counter.do(step(body), language)
             return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0, language)))
 
-        return await _asked(kind, await request.body(), done)
-
-
-def _language(request: Request) -> str:
-    """Return the language of the answer: the one that a page names, English for every program that names none."""
-    named = request.headers.get("accept-language", "")
-    return named if named in LANGUAGES else "en"
+        return await answered(kind, await request.body(), done)
 
 
 def _keep(request: KeepRequest, desk: Desk) -> str:
     return desk.keep(request.after, request.text, keep=request.keep, vouch=request.vouch)
 
 
-async def _asked(
-    kind: type[_Body], given: bytes | dict[str, str], answer: Callable[[_Body], Awaitable[Response]]
-) -> Response:
-    """Answer what was asked if it has the right form; turn every refusal into a document."""
-    try:
-        body = kind.model_validate_json(given) if isinstance(given, bytes) else kind.model_validate(given)
-        return await answer(body)
-    except ValidationError as failure:
-        first = failure.errors(include_url=False, include_input=False, include_context=False)[0]
-        where = ".".join(str(part) for part in first["loc"])
-        return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
-    except SurprisingError as failure:
-        return problem(409, "surprising", str(failure), failure.surprise)
-    except OvertakenError as failure:
-        return problem(409, "overtaken", str(failure))
-    except AxiscalError as failure:
-        return problem(422, "refused", str(failure))
-
-
-async def _file(name: str, kind: str, request: Request) -> Response:
-    return Response(resources.files("axiscal.web").joinpath("static", name).read_bytes(), media_type=kind)
-
-
 async def _described(request: Request) -> Response:
     return JSONResponse(description())
-
-
-async def _not_here(request: Request, failure: Exception) -> Response:
-    status = failure.status_code if isinstance(failure, HTTPException) else 500
-    code, said = ("method", "This cannot be done here") if status == 405 else ("missing", "There is nothing here")
-    return problem(status, code, said)
-
-
-async def _defect(request: Request, failure: Exception) -> Response:
-    kind = type(failure).__name__
-    said = f"A defect in axiscal: {kind}: {failure}. What is on the disk is kept; look at the last readings"
-    return problem(500, "defect", said)
 
 
 def _watching(counter: Counter) -> Callable[[Starlette], AbstractAsyncContextManager[None]]:

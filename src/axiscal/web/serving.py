@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
@@ -12,7 +13,9 @@ import uvicorn
 from axiscal.exceptions import InputError
 from axiscal.web.api import application
 from axiscal.web.counter import Counter
-from axiscal.web.guard import Admission
+from axiscal.web.first_api import first_application
+from axiscal.web.first_desk import FirstDesk
+from axiscal.web.guard import Admission, Guard
 
 _LOOPBACK = "127.0.0.1"
 
@@ -28,11 +31,30 @@ def serve_record(record: Path, port: int, language: str, ready: Callable[[str], 
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))
             ready(admitted.address)
-            _server(counter, admitted).run(sockets=[listener])
+            _server(application(counter, admitted), counter.end).run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
         counter.close()
+
+
+def serve_first(desk: FirstDesk, port: int, language: str, ready: Callable[[str], None]) -> bool:
+    """Serve the form of a first description until its files are written, or Ctrl-C; return whether they are.
+
+    Arguments and errors as of `serve_record`.
+    """
+    servers: list[_Server] = []
+
+    def done() -> None:
+        for server in servers:
+            server.should_exit = True
+
+    with _listening(port) as listener, suppress(KeyboardInterrupt):
+        admitted = Admission(int(listener.getsockname()[1]))
+        servers.append(_server(first_application(desk, admitted, language, done), lambda: None))
+        ready(admitted.address)
+        servers[0].run(sockets=[listener])
+    return desk.written
 
 
 def _listening(port: int) -> socket.socket:
@@ -47,9 +69,9 @@ def _listening(port: int) -> socket.socket:
     return listener
 
 
-def _server(counter: Counter, admitted: Admission) -> uvicorn.Server:
+def _server(app: Guard, ending: Callable[[], None]) -> _Server:
     config = uvicorn.Config(
-        application(counter, admitted),
+        app,
         http="h11",
         ws="none",
         log_level="warning",
@@ -58,17 +80,17 @@ def _server(counter: Counter, admitted: Admission) -> uvicorn.Server:
         proxy_headers=False,
         timeout_graceful_shutdown=1,
     )
-    return _Server(config, counter)
+    return _Server(config, ending)
 
 
 class _Server(uvicorn.Server):
     """The server, which tells those who wait for news that it is about to end."""
 
-    def __init__(self, config: uvicorn.Config, counter: Counter) -> None:
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], None]) -> None:
         super().__init__(config)
-        self._counter = counter
+        self._ending = ending
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take a signal to end."""
-        self._counter.end()
+        self._ending()
         super().handle_exit(sig, frame)

@@ -1,11 +1,11 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
+import { element, find, hear } from "/elements.js";
 import { drawCourse, drawDirection, drawPicture, shown, strip, unitText } from "/pictures.js";
 import { drawSetup } from "/setups.js";
 import { drawVolume } from "/volume.js";
 import { LANGUAGE, said, translate } from "/words.js";
 
 const ROOT = "/api/1";
-const find = (id) => document.getElementById(id);
 let state = null;
 let mounted = sessionStorage.getItem("mounted") ?? "";
 let asked = "";
@@ -24,18 +24,6 @@ function text(id, words) {
 
 function show(id, visible) {
   find(id).hidden = !visible;
-}
-
-function element(name, words, kind) {
-  const made = document.createElement(name);
-  made.textContent = words;
-  if (kind) made.className = kind;
-  return made;
-}
-
-function hear(words, alarm = false) {
-  text("heard", words);
-  find("heard").className = alarm ? "alarm" : "";
 }
 
 async function call(path, body) {
