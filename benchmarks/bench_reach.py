@@ -19,7 +19,8 @@ from axiscal.machine.motion import travel_seconds
 from axiscal.measurement.travel import held_seconds
 from axiscal.numerics.threads import one_thread
 
-_HEAD = 'machine = "dmu60"\ntool_length = "{tool}"\n[target]\nreadings = 1\n{target}\n[[artefacts]]\nname = "balls"\n'
+_TOOL = 'tool_length = "{tool}"\ntool_eccentricity = "0 um"\n'
+_HEAD = f'machine = "dmu60"\n{_TOOL}[target]\nreadings = 1\n{{target}}\n[[artefacts]]\nname = "balls"\n'
 _BALLS = (
     'balls.low = ["200 mm", "0 mm", "-80 mm"]\n'
     'balls.high = ["-100 mm", "170 mm", "120 mm"]\n'

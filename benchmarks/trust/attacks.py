@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -32,6 +33,12 @@ Shown = Callable[[Array, Array, np.random.Generator], Array]
 """Values (m, k) um, shares of the time (m, 1), the machine's own chance -> what is read, (m, k) um."""
 Moved = Callable[[Machine], Machine]
 """A machine as stated -> one whose chain is another."""
+Offsets = Mapping[str, Mapping[str, float]]
+"""By set-up and name."""
+
+
+def _as_stated(machine: Machine) -> Machine:
+    return machine
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +46,7 @@ class Attack:
     """words : what is wrong; truth : what is not as stated; field : besides, along the first direction that is read
 
     shown : what becomes of the readings; count : of readings, that of the bench unless said
-    tool : another tool than stated, no error of the machine; chain : other axis lines, which are
+    tool : another tool than stated, just so much, which is no error of the machine; chain : other axis lines, which are
     """
 
     words: str
@@ -48,8 +55,8 @@ class Attack:
     shown: Shown = lambda values, along, rng: values
     bench: Name = "axis"
     count: int | None = None
-    tool: Moved = lambda machine: machine
-    chain: Moved = lambda machine: machine
+    tool: Moved = _as_stated
+    chain: Moved = _as_stated
 
 
 def _bad(count: int) -> Shown:
@@ -165,6 +172,7 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     stated = case_of(attack.bench, scales)
     actual = case_of(attack.bench, scales, attack.truth).description
     machine, rng = Simulator(actual.machine, actual.setups).drawn(seed), np.random.default_rng((seed, 4))
+    machine = replace(machine, offsets=_with_tool(attack, machine.offsets))
     own, column = float(rng.uniform(0.2, 0.8)), 2 if attack.bench == "plate" else 0
     count = attack.count or BENCHES[attack.bench].readings
     taken = visits(attack.bench, scales, places, count, seed)
@@ -194,6 +202,13 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     size = np.linalg.norm(left, axis=1)
     inside = float(np.mean(size <= ruling.expanded.space))
     return Outcome(float(np.sqrt(np.mean(size**2))) / promised, inside, ruling.verdict)
+
+
+def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:
+    """Return what a machine's set-ups do not know; a tool that is put in is not another one by chance besides."""
+    if attack.tool is _as_stated:
+        return offsets
+    return {name: {own: 0.0 if own in TOOL else value for own, value in each.items()} for name, each in offsets.items()}
 
 
 def _aside(machine: Machine, moves: tuple[Moved, ...], poses: Array) -> Array:

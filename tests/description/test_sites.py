@@ -118,7 +118,7 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
             "too short, or does not increase",
         ),
         (LASER + 'direction = "x"\nmoves = ["X"]\nplane = "xy"\n', "plane belongs to a bar"),
-        ('tool_length = "1 m"\n' + LASER + 'direction = "x"\n', "no std of a tool's length"),
+        ('tool_length = "1 m"\n' + LASER + 'direction = "x"\n', "no std of where a tool's point sits"),
     ],
 )
 def test_what_cannot_be_read_is_refused_in_words(text: str, said: str) -> None:

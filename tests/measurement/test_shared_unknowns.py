@@ -11,7 +11,7 @@ from axiscal.estimation.case import Case
 from axiscal.inference.evidence import Evidence
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -46,20 +46,20 @@ def names(observation: Observation, setup: int) -> dict[str, int]:
     return {unknown.name: int(column) for unknown, column in zip(own, columns, strict=True)}
 
 
-def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_its_length() -> None:
+def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_that_tool() -> None:
     observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
     touched, nest = names(observation, 0), names(observation, 1)
-    assert set(nest) == {"low_x", "low_y", "low_z", "tool_z"}
+    assert set(nest) == {"low_x", "low_y", "low_z", *TOOL}
     assert all(touched[name] == column for name, column in nest.items())
-    assert observation.size == observation.errors.size + 10
+    assert observation.size == observation.errors.size + 12
     spread = np.sqrt(np.diagonal(observation.prior_covariance())[observation.errors.size :])
-    assert spread == pytest.approx([*[1e-3] * 9, 5e-6])
+    assert spread == pytest.approx([*[1e-3] * 9, 5e-6, 5e-6, 1e-4])
 
 
 def test_planes_of_a_bar_about_one_centre_share_it_and_the_bar_s_length() -> None:
     observation = Observation(ErrorModel(DMU), described(BAR.format("xy") + BAR.format("zx")).setups)
     assert names(observation, 0) == names(observation, 1)
-    assert set(names(observation, 0)) == {"zero", "station_x", "station_y", "station_z", "tool_z"}
+    assert set(names(observation, 0)) == {"zero", "station_x", "station_y", "station_z", *TOOL}
 
 
 def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mounted_again() -> None:

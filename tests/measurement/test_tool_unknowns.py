@@ -11,10 +11,12 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import SmallMotions, tool_motion
+from axiscal.machine.kinematics import SmallMotions, frames, tool_motion
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.reading import Reading
@@ -89,3 +91,116 @@ def test_where_nothing_turns_the_tool_is_one_with_the_zero_and_no_unknown() -> N
     assert not any("tool" in u.name for u in _described("three-axis-mill", 'instrument = "rtest"').setups[0].unknowns)
     turning = _described("dmu60", 'instrument = "rtest"').setups[0].unknowns
     assert {"tool_x", "tool_y", "tool_z"} < {unknown.name for unknown in turning}
+
+
+_HEAD = """
+chain = "w-b-X-Y-Z-C-B-t"
+[tool]
+length = "120 mm"
+[axes.X]
+travel = ["-300 mm", "300 mm"]
+[axes.Y]
+travel = ["-300 mm", "300 mm"]
+[axes.Z]
+travel = ["-100 mm", "500 mm"]
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[axes.B]
+travel = ["-60 deg", "60 deg"]
+origin = ["0 mm", "0 mm", "150 mm"]
+[errors]
+EXX = { std = "5 um", knots = 5 }
+EZZ = { std = "5 um", knots = 5 }
+X0C = { std = "15 um" }
+Y0C = { std = "15 um" }
+X0B = { std = "15 um" }
+A0B = { std = "30 urad" }
+"""
+_TABLE = """
+chain = "w-C'-B'-b-Y-X-Z-t"
+[tool]
+length = "120 mm"
+[axes.X]
+travel = ["-300 mm", "300 mm"]
+[axes.Y]
+travel = ["-250 mm", "250 mm"]
+[axes.Z]
+travel = ["0 mm", "500 mm"]
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[axes.B]
+travel = ["-30 deg", "120 deg"]
+origin = ["0 mm", "0 mm", "-200 mm"]
+[errors]
+EXX = { std = "5 um", knots = 5 }
+EZZ = { std = "5 um", knots = 5 }
+X0B = { std = "15 um" }
+Z0B = { std = "15 um" }
+X0C = { std = "15 um" }
+Y0C = { std = "15 um" }
+"""
+_SPHERES = """
+[target]
+readings = 1
+[[artefacts]]
+name = "spheres"
+balls = { low = ["120 mm", "0 mm", "-60 mm"], high = ["-60 mm", "100 mm", "80 mm"] }
+[[setups]]
+name = "it"
+instrument = "rtest"
+artefact = "spheres"
+raster = { B = "30 deg", C = "60 deg" }
+"""
+
+
+def _at_spheres(machine: str, tool: str) -> CampaignDescription:
+    return campaign_from_texts(f'machine = "m"\n{tool}{_SPHERES}', "campaign.toml", machine, "m")
+
+
+@pytest.mark.parametrize(("text", "told"), [(_HEAD, True), (_TABLE, False)], ids=["head", "table"])
+def test_a_longer_tool_at_spheres_is_found_or_within_what_is_promised(text: str, told: bool) -> None:
+    """The machine that is read has the longer tool in its chain, and the estimate is not told."""
+    described = _at_spheres(text, "")
+    case, machine = Case(described), described.machine
+    wrong, own = [], []
+    for seed in range(3):
+        places = spread(machine, described.setups, 30)
+        moved = (
+            frames(replace(machine, tool=machine.tool + _LONGER), places.poses).tcp - frames(machine, places.poses).tcp
+        )
+        actual, rng = Simulator(machine, described.setups).drawn(seed), np.random.default_rng(seed)
+        actual = replace(actual, offsets={"it": {n: v for n, v in actual.offsets["it"].items() if "tool" not in n}})
+        readings = []
+        for pose, sides, shift in zip(places.poses, places.approaches, moved, strict=True):
+            side = tuple(int(each) for each in sides)
+            value, *others = (actual.read_all(described.setups[0], tuple(pose), side, rng) + shift).tolist()
+            readings.append(Reading("it", tuple(map(float, pose)), side, value, others=tuple(others)))
+        known, at = estimated(case, readings), _poses(machine, 200, 3)
+        left = actual.deviation(at, np.ones_like(at)) - tcp_prediction(known, at, np.ones_like(at))[0]
+        wrong.append(np.sqrt(np.mean(np.sum((left - left.mean(axis=0)) ** 2, axis=1))) / known.accuracy.rms)
+        own.append(_length_found(known))
+    assert np.sqrt(np.mean(np.square(wrong))) < 1.5
+    assert all(abs(mean + _LONGER) < 3 * std for mean, std in own)
+    assert (max(std for _, std in own) < 10e-6) is told
+    assert any("Measure the tool" in each.text for each in case.hidden) is not told
+
+
+def _length_found(known: Estimation) -> tuple[float, float]:
+    """Return mean and std of tool_z, m."""
+    names = [unknown.name for unknown in known.case.observation.unknowns]
+    column, belief = known.case.errors.size + names.index("tool_z"), known.knowledge.belief
+    return float(belief.mean[column]), float(np.linalg.norm(belief.factor[column]))
+
+
+@pytest.mark.parametrize(
+    ("tool", "stds"),
+    [
+        ("", {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}),
+        ('tool_length = "2 um"\n', {"tool_x": 2e-6, "tool_y": 2e-6, "tool_z": 2e-6}),
+        ('tool_length = "0 um"\n', {}),
+        ('tool_length = "0 um"\ntool_eccentricity = "9 um"\n', {"tool_x": 9e-6, "tool_y": 9e-6}),
+    ],
+)
+def test_how_well_the_tool_is_known_is_stated_once_for_all_that_touch(tool: str, stds: Mapping[str, float]) -> None:
+    (setup,) = _at_spheres(_TABLE, tool).setups
+    assert {u.name: u.std for u in setup.unknowns if "tool" in u.name} == pytest.approx(stds)

@@ -50,7 +50,7 @@ def test_another_tool_is_no_error_of_five_axes_and_another_pivot_is() -> None:
     none, tool, pivot = (BY_WORDS[f"five axes: {words}"] for words in ("nothing", "tool 50 µm too long", PIVOT))
     right, longer, aside = (outcome(each, "even", "stated", 3) for each in (none, tool, pivot))
     assert right.ratio < 1.5
-    assert longer.ratio > 2 * right.ratio  # stated to 5 um, it is ten times as far off
+    assert longer.ratio < 1.5  # nobody measured it, and it is within what is promised
     assert aside.ratio < 1.5  # what the prior of the axis line holds, the estimate finds
 
 

@@ -5,18 +5,24 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
 from axiscal.description.target import Target
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Setup, Vector
 from axiscal.units import format_quantity
+
+if TYPE_CHECKING:
+    from axiscal.description.campaign_schema import CampaignTable
 
 _ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
 _LONGEST_DOUBT = 0.1
 """m."""
+_TRUED = 5e-6
+"""m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +132,7 @@ def _described(
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
-    tool = _tool_length(table.tool_length, document)
+    tool = _tool(table, document)
     setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking))
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)
@@ -153,11 +159,16 @@ def _active(given: bool | str | list[str] | None, document: Document) -> bool | 
     return names
 
 
-def _tool_length(value: float, document: Document) -> float:
-    if not 0 <= value <= _LONGEST_DOUBT:
-        remedy = 'Give how well it is known, such as tool_length = "5 um"; "0 um" where the zero was set with it'
-        raise document.fault(DescriptionError("this is no std of a tool's length", remedy), "tool_length")
-    return value
+def _tool(table: CampaignTable, document: Document) -> Vector:
+    """Return how well it is known where the tool's point sits, std along its x, y, z, m."""
+    length, aside = table.tool_length, table.tool_eccentricity
+    remedy = 'Give how well it is known, such as {} = "5 um"; "0 um" where the zeros were set with it'
+    for key, value in (("tool_length", length), ("tool_eccentricity", aside or 0.0)):
+        if not 0 <= value <= _LONGEST_DOUBT:
+            what = "this is no std of where a tool's point sits"
+            raise document.fault(DescriptionError(what, remedy.format(key)), key)
+    aside = min(length, _TRUED) if aside is None else aside
+    return aside, aside, length
 
 
 def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document) -> None:

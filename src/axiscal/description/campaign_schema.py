@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.artefact_schema import ArtefactTable
 from axiscal.document import Angle, Length, QuantityText, Time
+from axiscal.measurement.instruments.kind import CARRIED
 
 
 class Table(BaseModel):
@@ -110,7 +111,8 @@ class CampaignTable(Table):
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
-    tool_length: Length = Field(5e-6, examples=['"5 um"'])
+    tool_length: Length = Field(CARRIED, examples=['"5 um"'])
+    tool_eccentricity: Length | None = Field(None, examples=['"5 um"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))

@@ -43,14 +43,14 @@ _DIAGONAL = 1 / math.sqrt(3)
 class Surroundings:
     """What set-ups are described in.
 
-    artefacts : by name; tool_length : std of how much longer the tool is than stated, m
+    artefacts : by name; tool : std of how far the tool's point is from where it is stated, along its x, y, z, m
     asking : readings are to be asked for, so that every set-up must say where it can be read
     """
 
     machine: Machine
     document: Document
     artefacts: Mapping[str, Artefact]
-    tool_length: float
+    tool: Vector
     asking: bool
 
 
@@ -92,7 +92,7 @@ class _Reader:
             name = _name(table.name)
         with self._at("instrument"):
             usual = _instrument(table.instrument)
-        site = SiteReader(table, around.machine, around.artefacts, around.tool_length, self._at).site()
+        site = SiteReader(table, around.machine, around.artefacts, around.tool, self._at).site()
         with self._at("direction"):
             direction = self._direction(usual, site)
         with self._at("station"):

@@ -25,6 +25,7 @@ from axiscal.measurement.charts.circle import Circle
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.owners import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.numerics import Array
@@ -65,7 +66,7 @@ class Site:
 class SiteReader:
     """Reads the keys of one table that say where.
 
-    tool_length : std of how much longer the tool is than stated, m; 0 leaves it out
+    tool : std of how far the tool's point is from where it is stated, along its x, y, z, m; 0 leaves one out
     """
 
     def __init__(
@@ -73,15 +74,13 @@ class SiteReader:
         table: SetupTable,
         machine: Machine,
         artefacts: Mapping[str, Artefact],
-        tool_length: float,
+        tool: Vector,
         at: At,
     ) -> None:
         self._table, self._machine, self._artefacts, self._at = table, machine, artefacts, at
-        self._tool = (
-            (Unknown("tool_z", tool_length, "tool"),)
-            if tool_length > 0 and any(axis.rotary for axis in machine.axes)
-            else ()
-        )
+        turns = any(axis.rotary for axis in machine.axes)
+        parts = zip(TOOL, tool, strict=True)
+        self._tool = tuple(Unknown(name, std, "tool") for name, std in parts if turns and std > 0)
 
     def site(self) -> Site | None:
         """Return where the set-up is read; None where any pose of the axes that move will do.

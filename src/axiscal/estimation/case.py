@@ -20,6 +20,7 @@ from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
 from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
@@ -213,7 +214,9 @@ class Case:
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
         """What no allowed reading can see, in words."""
-        return (*seen_as_one(self.yardstick), *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
+        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, self._allowed_rows())
+        whole = seen_as_one(self.yardstick)
+        return (*tool, *whole, *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, Distance
-from axiscal.measurement.instruments.kind import TOOL, Model, Reads
+from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.instruments.stepped import Stepped
@@ -56,8 +56,7 @@ def _station(std: float) -> tuple[Unknown, ...]:
     return tuple(Unknown(name, std) for name in SHIFTS)
 
 
-def _tool(std: float) -> tuple[Unknown, ...]:
-    return tuple(Unknown(name, std) for name in TOOL)
+_CARRIED = tuple(Unknown(name, CARRIED) for name in TOOL)
 
 
 _ZERO = Unknown("zero", 1e-3)
@@ -73,11 +72,11 @@ INSTRUMENTS: Mapping[str, Instrument] = MappingProxyType(
             Instrument("straightedge", Displacement(), 1.0e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0),
             Instrument("level", Rotation(), 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0),
             Instrument("autocollimator", Rotation(), 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0),
-            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4), *_tool(1e-4)), 900.0, 0.5, 1.0),
-            Instrument("rtest", Nest(), 0.7e-6, (*_zeros(1e-3), *_tool(1e-4)), 900.0, 1.0, 3.0),
+            Instrument("ballbar", Distance(), 0.5e-6, (_ZERO, *_station(1e-4), *_CARRIED), 900.0, 0.5, 1.0),
+            Instrument("rtest", Nest(), 0.7e-6, (*_zeros(1e-3), *_CARRIED), 900.0, 1.0, 3.0),
             Instrument("sphere", Nest(), 1.5e-6, (), 300.0, 1.0, 15.0),
-            Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3), *_tool(1e-4)), 3600.0, 2.0, 5.0),
-            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3), *_tool(1e-4)), 1800.0, 1.0, 3.0),
+            Instrument("tracker", Tracker(), 10e-6, (*_zeros(1e-3), *_turns(1e-3), *_CARRIED), 3600.0, 2.0, 5.0),
+            Instrument("tracer", Distance(), 0.3e-6, (_ZERO, *_station(5e-3), *_CARRIED), 1800.0, 1.0, 3.0),
         )
     }
 )

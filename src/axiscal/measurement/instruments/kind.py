@@ -20,6 +20,8 @@ Reads = Literal["length", "angle"]
 
 TOOL = ("tool_x", "tool_y", "tool_z")
 """By how much the tool in the spindle is another than the machine states: eccentricity, and less length along z."""
+CARRIED = 1e-4
+"""m, std along each of them where nothing is said (an assumption)."""
 TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
 
 
