@@ -24,11 +24,12 @@ from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
 from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_load
-from axiscal.lab.linuxcnc.probing import Probe, Touch, ball, centred, cycle, placed, touched
+from axiscal.lab.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
 from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.chart_places import chart_candidates
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import centred
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 
@@ -205,6 +206,6 @@ def test_the_centre_of_touches_is_that_of_the_sphere_they_lie_on() -> None:
     touches = cycle(np.array([10.0, -20.0, 30.0]), turned[2], turned[:2], Probe())
     centre = np.array([10.4, -20.3, 29.1])
     hits = np.array([centre + t.side * 15.5 for t in touches])
-    found = centred(hits, touches, 15.5)
+    found = centred(hits, np.array([t.side for t in touches]), 15.5)
     assert found.centre == pytest.approx(centre, abs=1e-9)
     assert (found.radius, found.apart) == pytest.approx((15.5, 0.0), abs=1e-9)

@@ -54,6 +54,12 @@ Language = Annotated[
     ),
 ]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
+Log = Annotated[
+    Path | None, typer.Option("--log", metavar="FILE", help="The log that programs of plan --gcode --log have written.")
+]
+Programs = Annotated[
+    Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs and their lists.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Out = Annotated[
     Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")

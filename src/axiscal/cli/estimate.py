@@ -10,9 +10,10 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Json, Out
+from axiscal.cli.arguments import CampaignFile, Json, Log, Out, Programs
 from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import write_outputs
+from axiscal.cli.placed_log import placed_log
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
@@ -20,6 +21,7 @@ from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
 from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.reading import Reading
 from axiscal.report.findings import untimed
 from axiscal.report.result_set import RECORD, mend
 from axiscal.report.standard import iso230_block
@@ -28,10 +30,12 @@ from axiscal.report.summarising import Extras
 
 def estimate(
     campaign: CampaignFile,
-    readings: Annotated[
-        Path, typer.Argument(metavar="READINGS.csv", help="Readings that exist: .csv, .rtl, a bed map.")
-    ],
     out: Out,
+    readings: Annotated[
+        Path | None, typer.Argument(metavar="READINGS.csv", help="Readings that exist: .csv, .rtl, a bed map.")
+    ] = None,
+    log: Log = None,
+    programs: Programs = Path("programs"),
     compensation_active: Active = None,
     json: Json = False,
 ) -> None:
@@ -42,20 +46,30 @@ def estimate(
     with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg), and files
     that begin with "# axiscal-csv 1", find their set-up by the direction that it reads.
 
+    --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
+    beside those of READINGS.csv, if it is given.
+
     Where nobody has said whether a compensation was active on the control, a person at a terminal is asked.
 
     \b
     Examples:
       axiscal estimate campaign.toml readings.csv --out results
       axiscal estimate campaign.toml readings.csv --compensation-active false --out results
+      axiscal estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
     description = read_campaign(campaign, target_needed=False, asking=False)
     description = answered(description, compensation_active, asking=not json)
-    raw = read_any(readings)
-    placed = placed_readings(raw, description, readings)
-    refuse_implausible(placed, description, readings)
-    extras = _standard_test(readings, description) if any("" in reading.position for reading in raw) else Extras()
+    if readings is None and log is None:
+        raise typer.BadParameter("give READINGS.csv or --log FILE")
+    placed, extras = tuple[Reading, ...](), Extras()
+    if readings is not None:
+        raw = read_any(readings)
+        placed = placed_readings(raw, description, readings)
+        refuse_implausible(placed, description, readings)
+        extras = _standard_test(readings, description) if any("" in each.position for each in raw) else extras
+    if log is not None:
+        placed = (*placed, *placed_log(log, programs, description))
     mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)

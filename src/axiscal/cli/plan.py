@@ -50,6 +50,9 @@ def plan(
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
+    log: Annotated[
+        bool, typer.Option("--log", help="Programs touch spheres by themselves and log it for estimate and record.")
+    ] = False,
     dwell: Annotated[
         bool | None,
         typer.Option("--dwell/--stop", help="Programs wait the reading time at a reading, or stop (unless said)."),
@@ -111,11 +114,14 @@ def plan(
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
       axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
+      axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
       axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 40 --picture where.html
       axiscal plan campaign.toml --readings 12 --prove
     """
 
+    if log and gcode is None:
+        raise PlanError("--log is of programs, and none are asked for", "Add --gcode CONTROLLER, or leave --log out")
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if gcode is not None:
@@ -137,7 +143,7 @@ def plan(
     if picture is not None:
         title = f"Where {case.description.machine.name} is read"
         write_whole(picture, room_page.render(title, case.description, placed(case, proposal.plan)).encode())
-    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out)
+    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out, log)
     enough = would_do(case, proposal, how)
     if json:
         say_document(plan_document(case, proposal, enough))
@@ -201,11 +207,11 @@ def _without_tcp(description: CampaignDescription) -> CampaignDescription:
     return replace(description, setups=tuple(setups))
 
 
-def _programs(case: Case, made: Plan, controller: str, out: Path) -> list[Path]:
+def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> list[Path]:
 
     out.mkdir(parents=True, exist_ok=True)
     machine, setups = case.description.machine, case.description.setups
-    return write_programs(machine, setups, placed(case, made), controller, out)
+    return write_programs(machine, setups, placed(case, made), controller, out, log)
 
 
 def _table(case: Case, limits: Limits, proposal: Proposal, enough: Enough | None) -> str:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.leaving import Stand
 from axiscal.cli.opened import opened_to_write
+from axiscal.cli.placed_log import placed_log
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import next_text, question_document
+from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.estimation.watching import watched_so_far
+from axiscal.exceptions import RecordError
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
@@ -37,6 +40,8 @@ def record(
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
     accept: Annotated[bool, typer.Option("--accept", help="Believe it, however much it surprises.")] = False,
+    log: Log = None,
+    programs: Programs = Path("programs"),
     then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
     json: Json = False,
 ) -> None:
@@ -46,20 +51,28 @@ def record(
     contradict is kept but not used, and the answer says so: take it back with undo and read again, or record it with
     --accept if it is right.
 
+    --log keeps all readings of a log that measuring programs have written (axiscal plan --gcode CONTROLLER --log).
+
     \b
     Examples:
       axiscal record mill.axiscal "-1.7 um"
       axiscal record mill.axiscal 2.1um --std 0.2um
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
       axiscal record mill.axiscal "0.4 um" --next
+      axiscal record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
       axiscal record mill.axiscal --skip "the beam is blocked here"
       axiscal record mill.axiscal --leave "the laser has to go back"
     """
 
     text = " ".join(value or [])
     reason = skip if leave is None else leave
+    if log is not None:
+        if text or reason is not None or at or setup or approach or std or accept or then_next:
+            raise typer.BadParameter("--log brings readings of its own; it takes only --programs and --json")
+        _record_log(record, log, programs, json)
+        return
     if (reason is None) == (not text) or (skip is not None and leave is not None):
-        raise typer.BadParameter("give either VALUE or --skip REASON or --leave REASON")
+        raise typer.BadParameter("give either VALUE or --skip REASON or --leave REASON or --log FILE")
     if reason is not None and (std or at or setup or approach or accept):
         raise typer.BadParameter("--skip and --leave are of what was asked for; they take only --next and --json")
     if at is None and (setup or approach):
@@ -91,6 +104,25 @@ def record(
             say_document({"schema": "axiscal-record/1", **document})
         else:
             say(f"{message}\n{coming}")
+
+
+def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
+    """Keep the readings of a log; raises RecordError where they are in the record already."""
+    with opened_to_write(record) as campaign:
+        placed = placed_log(log, programs, campaign.description)
+        kept = {(each.place, each.values) for each in campaign.state.readings}
+        for each in placed:
+            if (each.place, each.values) in kept:
+                what = f"the reading of line {each.line} is in the record already"
+                raise RecordError(what, "This log was recorded before", log)
+        first = campaign.state.free
+        campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
+        if as_json:
+            count = len(campaign.state.readings)
+            say_document({"schema": "axiscal-record/1", "logged": len(placed), "readings": count})
+            return
+        say(f"Kept {count_text(len(placed), 'reading')} of {log} ({len(campaign.state.readings)} so far).")
+        say(f"Ask for the next one: axiscal next {record}")
 
 
 _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."

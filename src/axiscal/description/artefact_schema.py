@@ -28,6 +28,7 @@ class ArtefactTable(_Keys):
     name: str = Field(examples=['"three spheres"'])
     balls: dict[str, list[QuantityText]] = Field(default={}, examples=['{ low = ["200 mm", "0 mm", "-80 mm"] }'])
     grid: GridTable | None = Field(None, examples=["{ origin = […], count = [5, 5], pitch = […] }"])
+    diameter: Length | None = Field(None, examples=['"25 mm"'])
     calibrated: Length | None = Field(None, examples=['"0.7 um"'])
     scale: Angle | None = Field(None, examples=['"0.5 um/m"'])
     placed: Length | None = Field(None, examples=['"1 mm"'])

@@ -72,6 +72,7 @@ class _ArtefactReader:
             turned=self._size("turned", TURNED, 1.0, "a small angle above zero"),
             calibrated=None if table.calibrated is None else self._size("calibrated", 0.0, 1.0, "a std above zero"),
             scale=SCALE if table.scale is None else self._scale(table.scale),
+            diameter=None if table.diameter is None else self._size("diameter", 0.0, 1.0, "that of a ball"),
         )
 
     def _balls(self) -> tuple[Ball, ...]:

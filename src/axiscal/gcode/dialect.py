@@ -8,8 +8,15 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from axiscal.exceptions import ProgramError
+from axiscal.gcode.steps import Touched
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
+
+
+def head(code: str) -> str:
+    """Return the first line of a log: lengths are in mm, the plan is that of the code."""
+    return f"AXISCAL LOG 1 PLAN {code} MM"
+
 
 Words = Sequence[tuple[str, str]]
 """Names of axes with where they go, as text in mm or deg."""
@@ -22,6 +29,7 @@ class Dialect(ABC):
     letters : of the axes that it knows; notes : what must be known of it
     tip_decimals : of a place of the tool point, mm; tip_needs : which mode and zero that needs, for the head
     tip_notes : what must be known of that mode; from_zero : it takes the table as it stands when the mode begins
+    declared : lines that a program with a log begins with; log_notes : what must be known of its log
     """
 
     title: ClassVar[str]
@@ -34,6 +42,8 @@ class Dialect(ABC):
     tip_needs: ClassVar[tuple[str, ...]]
     tip_notes: ClassVar[tuple[str, ...]]
     from_zero: ClassVar[bool] = False
+    declared: ClassVar[tuple[str, ...]] = ()
+    log_notes: ClassVar[tuple[str, ...]]
 
     def check(self, axes: Sequence[Axis]) -> None:
         """Raise ProgramError for an axis that the control has no name for."""
@@ -50,9 +60,29 @@ class Dialect(ABC):
         """Return a comment of its own line; `text` is of plain words."""
         return f"({text})"
 
-    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str]) -> str:
-        """Return the whole text of a program; number : 1 for the first of a plan."""
-        return "\n".join([*self.opening(number, axes), *lines, *self.closing]) + "\n"
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str], logs: bool = False) -> str:
+        """Return the whole text of a program; number : 1 for the first of a plan; logs : whether it writes a log."""
+        declared = self.declared if logs else ()
+        return "\n".join([*declared, *self.opening(number, axes), *lines, *self.closing]) + "\n"
+
+    @abstractmethod
+    def log_on(self, code: str) -> list[str]:
+        """Return what opens the log of a plan, which is written on at its end, with its first line.
+
+        code : of the plan, eight hexadecimal digits
+        """
+
+    @abstractmethod
+    def log_off(self, code: str, readings: int) -> list[str]:
+        """Return what writes the last line of the log and closes it.  readings : how many the program takes"""
+
+    @abstractmethod
+    def touched(self, code: str, touch: Touched) -> list[str]:
+        """Return what touches one side and writes it down; where nothing is met the program ends with a message."""
+
+    def log_files(self, code: str) -> dict[str, str]:
+        """Return files that the control needs besides, by name."""
+        return {}
 
     def stop(self, axes: Sequence[Axis]) -> list[str]:
         """Return what halts the program until somebody presses start."""

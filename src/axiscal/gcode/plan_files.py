@@ -19,11 +19,13 @@ def write_programs(
     places: Sequence[Place],
     controller: str,
     folder: str | Path,
+    log: bool = False,
 ) -> list[Path]:
     """Write the programs of a plan to a folder and return the files: per set-up a program and its list, then
-    readings.csv and README.txt.  Raises ProgramError before the first file is touched, OSError.
+    readings.csv and README.txt.  log : spheres are touched by the programs themselves, which write a log.
+    Raises ProgramError before the first file is touched, OSError.
     """
-    made = programs(machine, setups, places, dialect(controller))
+    made = programs(machine, setups, places, dialect(controller), log)
     files = {name: text for program in made for name, text in _files(program).items()}
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
     files["README.txt"] = _readme(made, controller)
@@ -31,7 +33,7 @@ def write_programs(
 
 
 def _files(program: Program) -> dict[str, str]:
-    return {program.file_name: program.text, f"{program.name}.csv": program.listing}
+    return {program.file_name: program.text, f"{program.name}.csv": program.listing, **program.beside}
 
 
 def _readme(made: Sequence[Program], controller: str) -> str:

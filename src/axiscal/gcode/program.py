@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
 
 import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
+from axiscal.gcode.cycles import SphereCycle
 from axiscal.gcode.dialect import Dialect
 from axiscal.gcode.gliding import GENTLE, Driver, SlideDriver, TipDriver
 from axiscal.gcode.groups import Group, groups
@@ -31,6 +32,7 @@ from axiscal.gcode.steps import (
     Release,
     Remark,
     Step,
+    Touched,
     run_through,
 )
 from axiscal.gcode.targets import Decimals, ReadingTarget, target
@@ -40,6 +42,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Place
+from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity, to_unit
 
@@ -49,7 +52,7 @@ class Program:
     """The program of one set-up.
 
     name, file_name : what the control calls it; text : ASCII; readings : its list, with where each is and when
-    notes : what whoever runs it must know
+    notes : what whoever runs it must know; beside : files that the control needs as well, by name
     """
 
     name: str
@@ -57,6 +60,7 @@ class Program:
     text: str
     readings: tuple[Listed, ...]
     notes: tuple[str, ...]
+    beside: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def listing(self) -> str:
@@ -69,9 +73,11 @@ def programs(
     setups: Sequence[Setup],
     places: Sequence[Place],
     dialect: Dialect,
+    log: bool = False,
 ) -> tuple[Program, ...]:
     """Return a program for each set-up, in the order in which the plan first uses them.
 
+    log : programs of spheres touch them by themselves and write a log, which says by a code of which plan it is.
     Readings keep their number in the plan, from 1; set-ups say how they are driven to.  Raises ProgramError before
     anything is written.
     """
@@ -80,11 +86,15 @@ def programs(
     known = {setup.name: setup for setup in setups}
     used = dict.fromkeys(place.setup for place in places)
     numbered = list(enumerate(places, start=1))
+    writers = [_Writer(machine, dialect, _named(known, name), log) for name in used]
+    drafts = [writer.draft([each for each in numbered if each[1].setup == writer.name]) for writer in writers]
+    if log and not any(writer.touches for writer in writers):
+        what = "no set-up of this plan is one that a control reads by itself"
+        raise ProgramError(what, 'Leave --log out, or plan a set-up of instrument = "sphere"')
+    code = plan_code([listing(draft.readings) for draft in drafts])
     return tuple(
-        _Writer(machine, dialect, _named(known, name)).program(
-            number, [each for each in numbered if each[1].setup == name]
-        )
-        for number, name in enumerate(used, start=1)
+        writer.program(number, draft, code)
+        for number, (writer, draft) in enumerate(zip(writers, drafts, strict=True), start=1)
     )
 
 
@@ -94,25 +104,40 @@ def _named(known: Mapping[str, Setup], name: str) -> Setup:
     return known[name]
 
 
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """What a program does, before it is written.  places : with the numbers of the readings"""
+
+    places: Sequence[tuple[int, Place]]
+    run: tuple[Step, ...]
+    readings: tuple[Listed, ...]
+
+
 class _Writer:
     """Writes the program of one set-up in one dialect."""
 
-    def __init__(self, machine: Machine, dialect: Dialect, setup: Setup) -> None:
+    def __init__(self, machine: Machine, dialect: Dialect, setup: Setup, log: bool) -> None:
         dialect.check(machine.axes)
         self._machine, self._dialect, self._setup = machine, dialect, setup
         self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
         self._groups = groups(machine, setup.driving)
         self._clearance = _clearance(machine, self._scales, setup)
+        self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
 
-    def program(self, number: int, places: Sequence[tuple[int, Place]]) -> Program:
+    def draft(self, places: Sequence[tuple[int, Place]]) -> _Draft:
+        run = tuple(self._steps(places))
+        return _Draft(places, run, tuple(self._listed(run, places)))
+
+    def program(self, number: int, draft: _Draft, code: str) -> Program:
         setup, dialect = self._setup, self._dialect
         name = program_name(number, setup.name, dialect.longest_name)
-        run = list(self._steps(places))
-        lines = [self._comment(text) for text in self._head(places)]
-        lines += [line for step in run for line in self._lines(step)]
-        text = dialect.framed(name, number, self._machine.axes, lines)
-        readings = tuple(self._listed(run, places))
-        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
+        lines = [self._comment(text) for text in self._head(draft.places)]
+        lines += dialect.log_on(code) if self.touches else []
+        lines += [line for step in draft.run for line in self._lines(step, code)]
+        lines += dialect.log_off(code, len(draft.readings)) if self.touches else []
+        text = dialect.framed(name, number, self._machine.axes, lines, self.touches)
+        beside = dialect.log_files(code) if self.touches else {}
+        return Program(name, f"{name}.{dialect.suffix}", text, draft.readings, self._notes(), beside)
 
     def _steps(self, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
         setup = self._setup
@@ -123,7 +148,12 @@ class _Writer:
         poses = [self._stood_at(place) for _, place in places]
         numbered = zip(places, poses, strict=True)
         targets = [target(self._scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
-        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance)
+        read = self._cycle(dict(places)) if self.touches else None
+        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance, read)
+
+    def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
+        cycle = SphereCycle(self._machine, self._setup, self._scales, self._groups)
+        return lambda reached: cycle.at(reached, places[reached.number])
 
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
@@ -178,7 +208,7 @@ class _Writer:
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
             *(self._dialect.tip_needs if self._holds else ()),
-            *(_AT_BALL if self._setup.contact == "retracted" else ()),
+            *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
         ]
 
     @property
@@ -186,8 +216,10 @@ class _Writer:
         """Whether the control holds the tool point."""
         return self._setup.contact == "held" and _turns(self._setup, self._machine) and self._setup.driving.tcp
 
-    def _lines(self, step: Step) -> list[str]:
+    def _lines(self, step: Step, code: str) -> list[str]:
         match step:
+            case Touched():
+                return self._dialect.touched(code, step)
             case Move():
                 words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.move(words, step.feed)]
@@ -223,7 +255,7 @@ class _Writer:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(places)
         for step in run:
-            if isinstance(step, Move | Glide | Evenly | Dwell):
+            if isinstance(step, Move | Glide | Evenly | Dwell | Touched):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
                 yield self._row(step.target, asked[step.target.number], seconds)
@@ -242,7 +274,8 @@ class _Writer:
         return (
             *self._dialect.notes,
             *(self._dialect.tip_notes if self._holds else ()),
-            *(_TOUCHED if self._setup.contact == "retracted" else ()),
+            *(self._dialect.log_notes if self.touches else ()),
+            *(_LOGGED if self.touches else _TOUCHED if self._setup.contact == "retracted" else ()),
             "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
             f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()}{self._slow()} "
             "Nothing is known here of what stands in the way: watch the first run at reduced feed.",
@@ -276,7 +309,13 @@ class _Writer:
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
 _TOUCHED = (
     "At a reading the tool stands off its ball, drawn back along itself: run the control's own cycle for a sphere "
-    "there. What is read is where the centre was found less where it is stated, along x, y and z of the workpiece.",
+    "there. What is read is where the centre is stated less where it was found, along x, y and z of the workpiece.",
+)
+_BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
+_LOGGED = (
+    "At a reading the program touches its ball: pole, four sides, pole again, fast and then slowly, and writes each "
+    "touch into the log. axiscal estimate --log and axiscal record --log read it with the lists beside the programs.",
+    "Try the probe by hand first: it must open and close. A ball is looked for within 4 mm of its stated place.",
 )
 
 _JOG = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -106,13 +106,37 @@ class Arrival:
     target: ReadingTarget
 
 
+@dataclass(frozen=True, slots=True)
+class Touched:
+    """A sphere is met from beside it, fast and then slowly, the place is written into the log, and the tool goes back.
+
+    reading, touch : numbers, from 1; letters : of the linear axes; into, beside : where to, back : steps, all as text
+    fast, slow, travel : feeds, mm/min
+    """
+
+    reading: int
+    touch: int
+    letters: tuple[str, ...]
+    into: tuple[str, ...]
+    back: tuple[str, ...]
+    beside: tuple[str, ...]
+    fast: int
+    slow: int
+    travel: int
+    seconds: float
+
+    def words(self, values: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+        """Return values of this touch with the letters of their axes."""
+        return tuple(zip(self.letters, values, strict=True))
+
+
 _BEGINNING = (
     ("PRESS START WHEN THE WAY TO THE START IS CLEAR", False),
     ("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START", True),
 )
 """What the stops before the first reading are for, and whether the way to the start is slow then."""
 
-Step = Move | Glide | Hold | Release | Pieces | Evenly | Dwell | Halt | Remark | Arrival
+Step = Move | Glide | Hold | Release | Pieces | Evenly | Dwell | Halt | Remark | Arrival | Touched
 
 
 Clearance = tuple[int, Decimal]
@@ -126,8 +150,11 @@ def run_through(
     settle: float,
     reading: float | None,
     clearance: Clearance | None = None,
+    read: Callable[[ReadingTarget], Iterator[Step]] | None = None,
 ) -> Iterator[Step]:
     """Yield the way through readings in one set-up; settle, reading : s, None stops the program.
+
+    read : what the program does at a reading, instead of waiting or stopping; it ends where it began
 
     After the instrument is mounted every axis is sent to the start once more, in case somebody had to jog.
     Raises ProgramError for waits or feeds that cannot be.
@@ -149,7 +176,7 @@ def run_through(
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
         yield from dwells(settle)
-        yield from [Halt()] if reading is None else dwells(reading)
+        yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
     yield from moves(standing, cleared(standing, clearance), scales, groups)
 
 

@@ -35,6 +35,7 @@ class Parts:
     axes: tuple[Axis, ...]
     tool: float
     tool_radius: float
+    stylus: float
     errors: tuple[ErrorEntry, ...]
     planes: tuple[PlaneEntry, ...]
     chain: str
@@ -43,7 +44,7 @@ class Parts:
 def assemble(document: Document) -> Parts:
     """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError."""
     tables, faults = read_model(document, MachineFile), Faults()
-    name, tool, radius = document.path.stem, 0.0, 0.0
+    name, tool, radius, stylus = document.path.stem, 0.0, 0.0, 0.0
     with faults.noted():
         name = _name(document, tables)
     axes = _axes(document, tables, faults)
@@ -51,11 +52,13 @@ def assemble(document: Document) -> Parts:
         tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
     with faults.noted():
         radius = within(document, ("tool", "radius"), tables.tool.radius, "length", 0.0, 1.0)
+    with faults.noted():
+        stylus = within(document, ("tool", "stylus"), tables.tool.stylus, "length", 0.0, 0.1)
     known = {axis.name: axis for axis in axes}
     entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
     planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    return Parts(name, axes, tool, radius, entries, planes, tables.chain)
+    return Parts(name, axes, tool, radius, stylus, entries, planes, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:

@@ -26,7 +26,7 @@ class Machine:
     axes : in the order of the chain, from the workpiece to the tool; tool : length of the tool, m
     tool_radius : m, of the cylinder from the tip of the tool to the spindle, which enters nothing that is kept out
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
-    planes : one entry per error of two axes together
+    planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
     """
 
     name: str
@@ -37,6 +37,7 @@ class Machine:
     text: str
     planes: tuple[PlaneEntry, ...] = ()
     tool_radius: float = TOOL_RADIUS
+    stylus: float = 0.0
 
     def index(self, axis_name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
@@ -93,5 +94,13 @@ def _built(document: Document) -> Machine:
 
     parts = assemble(document)
     return Machine(
-        parts.name, parts.axes, parts.tool, parts.errors, parts.chain, document.text, parts.planes, parts.tool_radius
+        parts.name,
+        parts.axes,
+        parts.tool,
+        parts.errors,
+        parts.chain,
+        document.text,
+        parts.planes,
+        parts.tool_radius,
+        parts.stylus,
     )

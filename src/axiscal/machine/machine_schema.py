@@ -57,6 +57,7 @@ class ToolTable(_Table):
 
     length: QuantityText = Field("0 mm", examples=['"120 mm"'])
     radius: QuantityText = Field("40 mm", examples=['"31.5 mm"'])
+    stylus: QuantityText = Field("0 mm", examples=['"6 mm"'])
 
 
 class AxisTable(_Table):

@@ -37,6 +37,7 @@ class Artefact:
     placed : m, std of where a ball, or the whole, stands; turned : rad, std of its turn, of what is calibrated
     calibrated : m, std of each ball's place in the artefact, None where balls stand alone; scale : std of its strain
     mounted : which mounting it is, from 1: another one has another place, and the same calibration
+    diameter : of each ball, m; None where nobody says
     """
 
     name: str
@@ -49,6 +50,7 @@ class Artefact:
     calibrated: float | None = None
     scale: float = 0.5e-6
     mounted: int = 1
+    diameter: float | None = None
 
     @cached_property
     def points(self) -> Array:

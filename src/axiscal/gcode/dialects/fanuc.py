@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from axiscal.gcode.dialect import Dialect, Words
+from axiscal.gcode.dialect import Dialect, Words, head
+from axiscal.gcode.steps import Touched
 from axiscal.machine.axis import Axis
 
 _FIRST = 1000
 """Programs are called O1001, O1002 …"""
+_ARRIVED = "0.003"
+"""mm: a G31 that ends so near to its end has met nothing; a touch is a millimetre and more before it."""
 _GENTLE = 500
 """mm/min, for a block that is not to move at all."""
 
@@ -45,6 +48,36 @@ class Fanuc(Dialect):
         "where the machine stands already, so that neither moves an axis.",
     )
 
+    log_notes = (
+        "The probing blocks were never tried on a control. G31 takes the skip input; #5061 to #5063 are where it came, "
+        "to a thousandth of a millimetre under IS-B, which adds 0.3 um of scatter.",
+        "X, Y, Z must be the control's first three axes. DPRNT sends the log to the device of parameter 0020, a "
+        "computer on the serial line or a memory card: start receiving before the program.",
+    )
+
+    def log_on(self, code: str) -> list[str]:
+        """Return the first line of the log."""
+        return ["POPEN", _printed(head(code))]
+
+    def log_off(self, code: str, readings: int) -> list[str]:
+        """Return the last line of the log; behind it stands what is done where nothing is met."""
+        missed = ["N9001 PCLOS", "#3000=2(THE PROBE MET NOTHING)", "N9002"]
+        return [_printed(f"END {readings}"), "PCLOS", "GOTO9002", *missed]
+
+    def touched(self, code: str, touch: Touched) -> list[str]:
+        """Return G31 twice, fast and then slowly from a short way off, the line of the log, and the way back."""
+        into, back = _joined(touch.words(touch.into)), _joined(touch.words(touch.back))
+        apart = "+".join(f"ABS[#{5061 + k}-[{value}]]" for k, value in enumerate(touch.into))
+        missed = f"IF[{apart}LT{_ARRIVED}]GOTO9001"
+        shown = "".join(f"*{axis}#{5061 + k}[54]" for k, axis in enumerate(touch.letters))
+        return [
+            *[f"G31 {into} F{touch.fast}", missed],
+            f"G91 G1 {back} F{touch.fast}",
+            *[f"G90 G31 {into} F{touch.slow}", missed],
+            f"DPRNT[R{touch.reading}*T{touch.touch}{shown}]",
+            self.move(touch.words(touch.beside), touch.travel),
+        ]
+
     def tip_on(self, tool: str, tip: Words) -> list[str]:
         """Return G43.4 with the place of the tool point, at which it is."""
         return [f"G1 G43.4 {' '.join(axis + value for axis, value in tip)} H1 F{_GENTLE}"]
@@ -55,7 +88,7 @@ class Fanuc(Dialect):
 
     def tip_move(self, words: Words, feed: int) -> str:
         """Return G1 on the table."""
-        return f"G1 {' '.join(axis + value for axis, value in words)} F{feed}"
+        return f"G1 {_joined(words)} F{feed}"
 
     def opening(self, number: int, axes: Sequence[Axis]) -> list[str]:
         """Return number, check, safety line, spindle and coolant off, exact stop.
@@ -88,8 +121,17 @@ class Fanuc(Dialect):
 
     def move(self, words: Words, feed: int) -> str:
         """Return G1 in G54, which has been proven to be the machine's zero."""
-        return f"G1 {' '.join(axis + value for axis, value in words)} F{feed}"
+        return f"G1 {_joined(words)} F{feed}"
 
     def dwell_s(self, seconds: float) -> list[str]:
         """Return G4 P, which is a whole number of milliseconds."""
         return [f"G4 P{round(seconds * 1000)}"]
+
+
+def _joined(words: Words) -> str:
+    return " ".join(axis + value for axis, value in words)
+
+
+def _printed(text: str) -> str:
+    """Return what sends a line of text; a star is a blank."""
+    return f"DPRNT[{text.replace(' ', '*')}]"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from axiscal.gcode.dialect import Dialect, Words
+from axiscal.gcode.dialect import Dialect, Words, head
+from axiscal.gcode.steps import Touched
 from axiscal.machine.axis import Axis
 
 
@@ -30,6 +31,36 @@ class Sinumerik(Dialect):
         "G500 takes out the settable frames: the base frame must be zero, so that coordinates count from the "
         "machine's zero with the table at zero. D1 of the tool in the spindle holds its length.",
     )
+
+    declared = ("DEF INT AXERR",)
+    log_notes = (
+        "The probing blocks were never tried on a control. MEAS = 1 takes the first measuring input; $AA_MM is in the "
+        "machine's coordinates, without the tool.",
+        "WRITE writes the log on at its end: _N_AX and its eight digits in the folder of part programs. It must have "
+        "room (MD 11420 LEN_PROTOCOL_FILE, in kB); the program ends with a message where it has none.",
+    )
+
+    def log_on(self, code: str) -> list[str]:
+        """Return the first line of the log."""
+        return _written(code, f'"{head(code)}"')
+
+    def log_off(self, code: str, readings: int) -> list[str]:
+        """Return the last line of the log; behind it stands what is done where something is amiss."""
+        ends = ['AXMISS: MSG("THE PROBE MET NOTHING")', "M0", "M30", 'AXFULL: MSG("THE LOG CANNOT BE WRITTEN")', "M0"]
+        return [*_written(code, f'"END {readings}"'), "GOTOF AXEND", *ends, "M30", "AXEND: MSG()"]
+
+    def touched(self, code: str, touch: Touched) -> list[str]:
+        """Return MEAS = 1 twice, fast and then slowly from a short way off, the line of the log, and the way back."""
+        into, back = _named(touch.words(touch.into)), _named(touch.words(touch.back))
+        missed = ["STOPRE", "IF $AC_MEA[1]==0 GOTOF AXMISS"]
+        shown = "".join(f'<<" {axis}"<<$AA_MM[{axis}]' for axis in touch.letters)
+        return [
+            *[f"MEAS=1 G1 SUPA {into} F{touch.fast}", *missed],
+            f"G91 G1 {back} F{touch.fast}",
+            *[f"G90 MEAS=1 G1 SUPA {into} F{touch.slow}", *missed],
+            *_written(code, f'"R{touch.reading} T{touch.touch}"{shown}'),
+            self.move(touch.words(touch.beside), touch.travel),
+        ]
 
     def tip_on(self, tool: str, tip: Words) -> list[str]:
         """Return no settable frame, the tool's length, and the transformation."""
@@ -72,3 +103,8 @@ class Sinumerik(Dialect):
 
 def _named(words: Words) -> str:
     return " ".join(axis + "=" * (len(axis) > 1) + value for axis, value in words)
+
+
+def _written(code: str, text: str) -> list[str]:
+    """Return what writes a line into the log, and what happens where it cannot."""
+    return [f'WRITE(AXERR,"_N_AX{code}_MPF",{text})', "IF AXERR<>0 GOTOF AXFULL"]

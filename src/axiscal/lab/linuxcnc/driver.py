@@ -54,6 +54,21 @@ class RunningControl:
         self.command.mode(linuxcnc.MODE_MDI)
         self.command.wait_complete(5)
 
+    def run(self, name: str) -> None:
+        """Run a program of the configuration's folder to its end; start is pressed wherever it stops for it."""
+        self.command.mode(linuxcnc.MODE_AUTO)
+        self.command.wait_complete(5)
+        self.command.program_open(str(Path(name).resolve()))
+        self.command.auto(linuxcnc.AUTO_RUN, 0)
+        wait(lambda: self._interpreter() != linuxcnc.INTERP_IDLE, 2)
+        while (state := self._interpreter()) != linuxcnc.INTERP_IDLE:
+            if state == linuxcnc.INTERP_PAUSED:
+                self.command.auto(linuxcnc.AUTO_RESUME)
+                self.command.wait_complete(1)
+            time.sleep(0.005)
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete(5)
+
     def home_again(self, joint: int) -> None:
         """Home one joint where it stands, which sets its position to the home position."""
         self.command.mode(linuxcnc.MODE_MANUAL)
@@ -72,6 +87,8 @@ class RunningControl:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
         if code.startswith("setp "):
             hal.set_p(*code.split()[1:])
+        elif code.startswith("run "):
+            self.run(code.split()[1])
         elif code.startswith("home "):
             self.home_again(int(code.split()[1]))
         else:
@@ -102,6 +119,10 @@ class RunningControl:
         while (message := self.channel.poll()) is not None:
             texts.append(str(message[1]).strip())
         return texts
+
+    def _interpreter(self) -> int:
+        self.stat.poll()
+        return int(self.stat.interp_state)
 
     def _homed(self) -> bool:
         self.stat.poll()

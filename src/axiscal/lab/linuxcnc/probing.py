@@ -16,6 +16,7 @@ import numpy as np
 from axiscal.exceptions import ControlError
 from axiscal.lab.linuxcnc.configuration import signals
 from axiscal.lab.linuxcnc.session import Session
+from axiscal.measurement.touched import Sphere, centred
 from axiscal.numerics import Array
 
 _AXES = "xyz"
@@ -51,18 +52,6 @@ class Touch:
     place: Array
     codes: tuple[str, ...]
     slow: int
-
-
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """What touches show, mm.
-
-    centre : where it is; radius : by its sides; apart : how far the pole was from itself when it was touched again
-    """
-
-    centre: tuple[float, float, float]
-    radius: float
-    apart: float
 
 
 def ball(radius: float, hal: str = "") -> str:
@@ -112,20 +101,7 @@ def touched(
         if not tripped:
             raise ControlError("the probe found no ball where it was looked for", "Look for it elsewhere")
         hits.append(np.array(position[:3]) - [0.0, 0.0, length])
-    return centred(np.array(hits), touches, probe.radius)
-
-
-def centred(hits: Array, touches: Sequence[Touch], radius: float) -> Sphere:
-    """Return the sphere of a known radius that is nearest to where it was hit, (m, 3) mm (Gauss-Newton)."""
-    sides = np.array([touch.side for touch in touches])
-    centre = hits.mean(axis=0) - radius * sides.mean(axis=0)
-    for _ in range(10):
-        spokes = hits - centre
-        lengths = np.linalg.norm(spokes, axis=1)
-        centre += np.linalg.lstsq(spokes / lengths[:, None], lengths - radius, rcond=None)[0]
-    around = np.linalg.norm(hits[1:-1] - centre, axis=1)
-    x, y, z = centre.tolist()
-    return Sphere((x, y, z), float(around.mean()), float(np.linalg.norm(hits[-1] - hits[0])))
+    return centred(np.array(hits), np.array([touch.side for touch in touches]), probe.radius)
 
 
 def _touch(centre: Array, side: Array, stem: Array, probe: Probe) -> Touch:

@@ -92,7 +92,7 @@ class Session:
             raise
 
     def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
-        """Execute G-code lines, `setp PIN VALUE` or `home JOINT` one after the other and return where each ended."""
+        """Execute G-code lines, `setp PIN VALUE`, `home JOINT` or `run PROGRAM`, and return where each ended."""
         result = self._ask(list(codes))
         self.errors += tuple(result["errors"])
         return tuple(_step(each) for each in result["steps"])
@@ -108,6 +108,10 @@ class Session:
         if result["overruns"]:
             raise ControlError(f"{result['overruns']} samples were lost", "Give sampler more depth")
         return tuple(tuple(row) for row in result["samples"])
+
+    def written(self, name: str) -> str:
+        """Return a file that LinuxCNC has written into the folder from which it was started."""
+        return (self._work / name).read_text(encoding="utf-8")
 
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""

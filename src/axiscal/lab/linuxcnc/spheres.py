@@ -11,13 +11,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.lab.linuxcnc.probing import Probe, Sphere, Touch, cycle, placed, touched
+from axiscal.lab.linuxcnc.probing import Probe, Touch, cycle, placed, touched
 from axiscal.lab.linuxcnc.session import Session
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back, tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import Actual
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import Sphere
 from axiscal.numerics import Array
 from axiscal.simulation import VirtualMachine
 from axiscal.units import from_unit, to_unit

@@ -1,0 +1,148 @@
+"""Readings of the log that a measuring program has written, by the lists that stand beside the program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.placed_readings import placed_pose
+from axiscal.exceptions import Faults, InputError, ReadingError
+from axiscal.measurement.csv_cells import unshielded
+from axiscal.measurement.readers.axes import read_approach, read_position
+from axiscal.measurement.readers.csv_readings import RawReading
+from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.touch_log import LoggedTouch, TouchLog, plan_code, read_touch_log
+from axiscal.measurement.touched import TOUCHES, read_as
+
+LISTS = "AXISCAL_*.csv"
+"""The lists beside the programs, in the order of their names."""
+
+
+@dataclass(frozen=True, slots=True)
+class ListedPlace:
+    """A reading of a list: its set-up, its coordinates (m or rad) and sides by axis."""
+
+    setup: str
+    position: Mapping[str, float]
+    approach: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Logged:
+    """The readings of a log in its order, and what is to be said of it."""
+
+    readings: tuple[RawReading, ...]
+    said: tuple[str, ...]
+
+
+def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> Logged:
+    """Return the readings of a log.  folder : where the programs were written, with their lists
+
+    Raises ReadingError for a log of another plan, for lines that are missing, doubled or out of order, and for touches
+    that are not those of the ball.
+    """
+    log = read_touch_log(file)
+    planned = _planned(log, file, folder)
+    runs = [(number, tuple(each)) for number, each in groupby(log.touches, key=lambda touch: touch.reading)]
+    faults, readings, said = Faults(), list[RawReading](), list(log.said)
+    _refuse_doubled(runs, file)
+    for number, touched in runs:
+        with faults.noted():
+            if number not in planned:
+                raise ReadingError(f"the plan has no reading {number}", _AS_WRITTEN, file, touched[0].line)
+            if _whole(number, touched, bool(log.said), file):
+                readings.append(_reading(number, touched, planned[number], campaign, file))
+            else:
+                said.append(f"reading {number} has {len(touched)} of {TOUCHES} touches and is left out")
+    faults.refuse()
+    begun, there = {reading.setup for reading in readings}, {reading.number for reading in readings}
+    lacking = [number for number, each in planned.items() if each.setup in begun and number not in there]
+    if lacking:
+        said.append(f"of the readings that are planned {_numbers(lacking)} do not stand in the log")
+    return Logged(tuple(readings), tuple(f"{file}: {each}." for each in said))
+
+
+_AS_WRITTEN = "Give the file as the control wrote it"
+
+
+def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, ListedPlace]:
+    """Return the readings of the lists in a folder by number; raises ReadingError unless they are of the log's plan."""
+    lists = sorted(folder.glob(LISTS))
+    if not lists:
+        what = f"the lists of the programs are not in {folder}"
+        raise ReadingError(what, "Say by --programs into which folder they were written", file)
+    try:
+        texts = {path: path.read_bytes().decode("utf-8") for path in lists}
+    except (OSError, UnicodeDecodeError) as error:
+        raise ReadingError(f"a list of the programs cannot be read: {error}", "Write them anew", folder) from None
+    code = plan_code([text.replace("\r\n", "\n") for text in texts.values()])
+    if code != log.code:
+        what = f"this is the log of plan {log.code}, and the programs in {folder} are those of plan {code}"
+        raise ReadingError(what, "Give the folder with the programs that wrote this log by --programs", file)
+    return {number: each for path, text in texts.items() for number, each in _rows(text, str(path))}
+
+
+def _rows(text: str, name: str) -> list[tuple[int, ListedPlace]]:
+    table = parse_table(text, name)
+    number, setup = table.one_of("reading", "reading"), table.one_of("setup", "setup")
+    rows = []
+    for row in table.rows:
+        planned = ListedPlace(unshielded(row.text(setup)), read_position(table, row), read_approach(table, row))
+        rows.append((int(row.text(number)), planned))
+    return rows
+
+
+def _refuse_doubled(runs: Sequence[tuple[int, Sequence[LoggedTouch]]], file: Path) -> None:
+    first: dict[int, int] = {}
+    for number, touched in runs:
+        if number in first:
+            what = f"reading {number} was touched in the lines from {first[number]} on, and here again"
+            raise ReadingError(what, "Take out the lines of the run that does not count", file, touched[0].line)
+        first[number] = touched[0].line
+
+
+def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path) -> bool:
+    """Whether all touches of a reading are there, in their order; raises ReadingError where that is not explained.
+
+    broken : the log says of itself that a run ended early
+    """
+    numbers = [touch.touch for touch in touched]
+    if numbers == list(range(1, TOUCHES + 1)):
+        return True
+    if broken and numbers == list(range(1, len(numbers) + 1)) and len(numbers) < TOUCHES:
+        return False
+    seen = ", ".join(map(str, numbers[:12]))
+    what = f"reading {number} has the touches {seen} where 1 to {TOUCHES} were expected"
+    raise ReadingError(what, f"Lines are missing, doubled or moved. {_AS_WRITTEN}", file, touched[0].line)
+
+
+def _reading(
+    number: int, touched: Sequence[LoggedTouch], planned: ListedPlace, campaign: CampaignDescription, file: Path
+) -> RawReading:
+    machine, line = campaign.machine, touched[0].line
+    try:
+        setup = campaign.setup(planned.setup)
+        pose = np.array(placed_pose(setup, machine, planned.position))
+        hits = []
+        for touch in touched:
+            hit = pose.copy()
+            hit[[machine.index(axis) for axis in "XYZ"]] = touch.at
+            hits.append(hit)
+        value, *others = read_as(machine, setup, pose, hits)
+    except InputError as failure:
+        raise ReadingError(f"reading {number}: {failure.what}", failure.remedy, file, line) from None
+    moving = {machine.axes[k].name for k in setup.moves}
+    sides = {name: side for name, side in planned.approach.items() if name in moving}
+    return RawReading(
+        setup.name, planned.position, sides, value, None, "length", line, others=tuple(others), number=number
+    )
+
+
+def _numbers(numbers: Sequence[int]) -> str:
+    shown = ", ".join(map(str, numbers[:12]))
+    return f"{shown} and {len(numbers) - 12} more" if len(numbers) > 12 else shown

@@ -1,0 +1,172 @@
+"""A sphere touched from all sides, one linear way after the other, and the centre that its touches show.
+
+The cycle: the pole from above, four sides at the equator, the pole again. Rotary axes stand. What is read is where the
+sphere is stated less where it is found, y = b − p: the tip is at p + δp when the control says that it is at p.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.document import shown
+from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.machine.description import Machine
+from axiscal.machine.inverse import linear_axes, tip_at
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.units import format_quantity, from_unit
+
+TOUCHES = 6
+"""In a cycle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """How a sphere is touched; m and m/s.
+
+    radius : of sphere and stylus together; clear : off its surface where a touch begins; past : how far beyond its
+        surface a touch goes before it finds nothing; back : off it before the slow touch; fast, slow : speeds
+    """
+
+    radius: float
+    clear: float = 4e-3
+    past: float = 4e-3
+    back: float = 0.3e-3
+    fast: float = float(from_unit(300.0, "mm/min"))
+    slow: float = float(from_unit(60.0, "mm/min"))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SideTouch:
+    """One side touched, in poses (q,).
+
+    side : (3,) unit vector from the centre to where the sphere is met, workpiece frame; way : over what it is come to
+    beside : where the touch begins; into : where it ends if nothing is met; back : (q,) off the surface, a step
+    """
+
+    side: Array
+    way: tuple[Array, ...]
+    beside: Array
+    into: Array
+    back: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """What touches show, in the unit of the hits.
+
+    centre : where it is; radius : by its sides; apart : how far the pole was from itself when it was touched again
+    """
+
+    centre: tuple[float, float, float]
+    radius: float
+    apart: float
+
+
+def cycle_of(machine: Machine, setup: Setup) -> Cycle:
+    """Return how the spheres of a set-up are touched; raises DescriptionError where nobody says how large they are."""
+    if setup.artefact is None or setup.artefact.diameter is None:
+        name = "the sphere" if setup.artefact is None else f"each ball of {shown(setup.artefact.name)}"
+        remedy = 'Give it under [[artefacts]], as in diameter = "25 mm"'
+        raise DescriptionError(f"nobody says how large {name} is, and it is to be touched", remedy)
+    if machine.stylus <= 0:
+        what = "nobody says how large the ball of the stylus is, and it is to touch spheres"
+        raise DescriptionError(what, 'Give it in machine.toml under [tool], as in stylus = "6 mm"')
+    return Cycle((setup.artefact.diameter + machine.stylus) / 2)
+
+
+def stated(setup: Setup, machine: Machine, pose: Array) -> Array:
+    """Return where the ball that the tip is at in a pose (q,) is said to stand, (3,) m, workpiece frame."""
+    tip = frames(machine, pose[None]).tcp
+    place: Array = (
+        tip[0] if setup.artefact is None else setup.artefact.points[setup.artefact.nearest(tip, setup.balls)[0]]
+    )
+    return place
+
+
+def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...]:
+    """Return the touches of the sphere that the tip is at in a pose (q,); NaN where the linear axes do not reach."""
+    at = frames(machine, pose[None])
+    centre, stem = at.tcp[0], at.stem[0]
+    off = cycle.radius + cycle.clear
+    top = centre + off * stem
+    found = []
+    for side in sides(machine, pose):
+        across = side @ stem < 0.5  # a side is across the stem or along it
+        over = [top, top + off * side] if across else [top]
+        stops = [*over, centre + off * side, centre + (cycle.radius - cycle.past) * side]
+        stops.append(stops[-2] + cycle.back * side)
+        poses = tip_at(machine, np.tile(pose, (len(stops), 1)), np.array(stops))
+        *way, beside, into, backed = poses
+        found.append(SideTouch(side, tuple(way), beside, into, backed - beside))
+    return tuple(found)
+
+
+def sides(machine: Machine, pose: Array) -> Array:
+    """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
+    at = frames(machine, pose[None])
+    stem = at.stem[0]
+    ways = [at.rotations[k][0] @ np.array(machine.axes[k].direction) for k in linear_axes(machine)]
+    level = [way - (way @ stem) * stem for way in ways]
+    first = max(level, key=lambda way: round(float(np.linalg.norm(way)), 6))  # the first of those across the stem
+    first = first / np.linalg.norm(first)
+    second = np.cross(stem, first)
+    return np.array([stem, first, second, -first, -second, stem]) + 0.0
+
+
+def centred(hits: Array, sides: Array, radius: float) -> Sphere:
+    """Return the sphere of a known radius that is nearest to where it was hit, (m, 3) (Gauss-Newton).
+
+    sides : (m, 3) unit vectors, from where it was met
+    """
+    centre = hits.mean(axis=0) - radius * sides.mean(axis=0)
+    for _ in range(10):
+        spokes = hits - centre
+        lengths = np.linalg.norm(spokes, axis=1)
+        centre += np.linalg.lstsq(spokes / lengths[:, None], lengths - radius, rcond=None)[0]
+    around = np.linalg.norm(hits[1:-1] - centre, axis=1)
+    x, y, z = centre.tolist()
+    return Sphere((x, y, z), float(around.mean()), float(np.linalg.norm(hits[-1] - hits[0])))
+
+
+_OTHER = 0.2e-3
+"""m: a stylus gives way by less, and no two sizes of balls that are sold are so near each other."""
+_LOOSE = 0.05e-3
+"""m, of the pole touched twice: a ball or a stylus that is fixed comes back within less."""
+_AFAR = 0.01
+"""m from where the cycle looks for it: nothing that it touches is there."""
+
+
+def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) -> Sphere:
+    """Return the sphere of a cycle, workpiece frame, m.  hits : poses (q,) in which it was met, one for each touch
+
+    Raises ReadingError where the touches are not those of a sphere of this size near its stated place.
+    """
+    cycle, at, met = cycle_of(machine, setup), stated(setup, machine, pose), sides(machine, pose)
+    tips = frames(machine, np.array(hits)).tcp
+    off = tips - (at + cycle.radius * met)
+    if (far := np.linalg.norm(off, axis=1)).max() > _AFAR:
+        x, y, z = (format_quantity(each, "mm", 4) for each in off[far.argmax()].tolist())
+        what = f"touch {far.argmax() + 1} met something {x}, {y}, {z} along x, y, z from where the ball is stated"
+        remedy = "Look whether coordinates are the machine's, without tool length and offsets, and the plan is this one"
+        raise ReadingError(what, remedy)
+    sphere = centred(tips, met, cycle.radius)
+    if abs(sphere.radius - cycle.radius) > _OTHER:
+        seen, said = (format_quantity(each, "mm", 5) for each in (sphere.radius, cycle.radius))
+        what = f"the four sides show a radius of {seen}, and ball and stylus make {said}"
+        raise ReadingError(what, "Look at the diameters of ball and stylus, or whether it slips")
+    if sphere.apart > _LOOSE:
+        apart = format_quantity(sphere.apart, "um", 3)
+        what = f"the pole, touched first and last, was {apart} from itself"
+        raise ReadingError(what, "Look whether ball and stylus are fixed, and touch it again")
+    return sphere
+
+
+def read_as(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) -> tuple[float, float, float]:
+    """Return the three values of a reading, m, by the touches of its cycle.  Raises ReadingError as `found` does."""
+    x, y, z = (stated(setup, machine, pose) - np.array(found(machine, setup, pose, hits).centre)).tolist()
+    return x, y, z
