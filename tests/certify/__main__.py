@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from tests.certify import belief, coverage, gcode, least_squares, machines, models, one_joint_cases
+from tests.certify import belief, coverage, gcode, least_squares, machines, models, one_joint_cases, printed_plans
 
 LIMIT = 1e-9
 LATTICE = 1_000_000
@@ -89,6 +89,11 @@ def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
     yield from (Finding(text, good) for text, good in gcode.verdicts(plans, first))
 
 
+def plans_as_printed(most: int, first: int) -> Iterator[Finding]:
+    """Yield what kinematics of the tests' own make of every plan, next reading and program of the examples."""
+    yield from (Finding(text, good) for text, good in printed_plans.verdicts(most, first))
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
@@ -97,6 +102,7 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
     "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
     "gcode": (measuring_programs, 2_000, "random plans as measuring programs"),
+    "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 
 

@@ -115,3 +115,12 @@ def test_lever_arms_are_refused() -> None:
     asked = levered(50)
     with pytest.raises(PlanError, match="do not simply add up"):
         prove(asked.state, asked.lattice, asked.lattice.at(0))
+
+
+def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
+    asked = plates()
+    plan, rounds = make_plan(asked, Limits(readings=9), bounded=False), list[str]()
+    proof = prove(asked.state, asked.lattice, plan.places, 1e-9, rounds.append)
+    assert 1 < len(rounds) < 40
+    assert 1e-9 < proof.gap < 0.2
+    assert 0 < proof.bound.value <= plan.value

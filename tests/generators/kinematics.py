@@ -2,10 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 
-from axiscal.machine import Machine
 from axiscal.numerics import Array
+
+
+class Joint(Protocol):
+    """What of an axis counts here: the program's own, or one read from the text of a machine."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def rotary(self) -> bool: ...
+    @property
+    def travel(self) -> tuple[float, float]: ...
+    @property
+    def overrun(self) -> float: ...
+    @property
+    def origin(self) -> tuple[float, float, float]: ...
+    @property
+    def counting(self) -> str | None: ...
+
+
+class Chain(Protocol):
+    """What of a machine counts here."""
+
+    @property
+    def axes(self) -> Sequence[Joint]: ...
+    @property
+    def tool(self) -> float: ...
+    @property
+    def tool_radius(self) -> float: ...
+    def index(self, axis_name: str, /) -> int: ...
+    def axis(self, name: str, /) -> Joint: ...
 
 
 def shifted(vector: Array) -> Array:
@@ -24,7 +56,7 @@ def turned(letter: str, angle: float) -> Array:
     return result
 
 
-def tool_matrix(machine: Machine, pose: Array) -> Array:
+def tool_matrix(machine: Chain, pose: Array) -> Array:
     """Return where the tool is in the workpiece frame, (4, 4): third column from tip to spindle, last one the tip."""
     result = np.eye(4)
     for axis, shown in zip(machine.axes, pose, strict=True):
@@ -37,18 +69,28 @@ def tool_matrix(machine: Machine, pose: Array) -> Array:
     return result @ shifted(np.array([0.0, 0.0, -machine.tool]))
 
 
-def tip(machine: Machine, pose: Array) -> Array:
+def tip(machine: Chain, pose: Array) -> Array:
     """Return the tool point in the workpiece frame, (3,) m."""
     return np.asarray(tool_matrix(machine, pose)[:3, 3], dtype=np.float64)
 
 
-def stem(machine: Machine, pose: Array) -> Array:
+def stem(machine: Chain, pose: Array) -> Array:
     """Return the direction from the tip to the spindle, (3,)."""
     return np.asarray(tool_matrix(machine, pose)[:3, 2], dtype=np.float64)
 
 
-def in_travel(machine: Machine, pose: Array, slack: float = 1e-9) -> bool:
+def in_travel(machine: Chain, pose: Array, slack: float = 1e-9) -> bool:
     """Whether every axis is within its travel."""
     return all(
         axis.travel[0] - slack <= at <= axis.travel[1] + slack for axis, at in zip(machine.axes, pose, strict=True)
     )
+
+
+def pose_with_tip(machine: Chain, pose: Array, point: Array) -> Array:
+    """Return the pose with the linear axes where the tool point is at a place, by differences of the matrices."""
+    slides = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
+    base = tip(machine, pose)
+    ways = np.stack([tip(machine, pose + np.eye(len(pose))[k]) - base for k in slides], axis=1)
+    moved = pose.copy()
+    moved[slides] += np.linalg.lstsq(ways, point - base, rcond=None)[0]
+    return moved

@@ -6,29 +6,20 @@ Read from the TOML itself: nothing of how the program reads it, and nothing of i
 from __future__ import annotations
 
 import math
-import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from axiscal.machine import Machine
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
-from tests.generators.kinematics import in_travel, stem, tip
+from tests.generators.kinematics import Chain, in_travel, pose_with_tip, stem, tip
+from tests.generators.printed_machine import number
 
 _NEAR = 1e-9
-_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180}
 _WAYS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 _PLANES = {"xy": "z", "yz": "x", "zx": "y"}
-
-
-def number(text: str) -> float:
-    """Return a quantity in m or rad."""
-    found = re.fullmatch(r"\s*([-+0-9.eE]+)\s*([a-zµ]+)\s*", text)
-    assert found, text
-    return float(found[1]) * _UNITS[found[2].replace("µ", "u")]
 
 
 def spot(texts: list[str]) -> Array:
@@ -45,7 +36,7 @@ def way(value: Any) -> Array:
 class Said:
     """What a campaign says.  Its machine is of the kind whose axes count as ISO 841 says."""
 
-    def __init__(self, text: str, machine: Machine) -> None:
+    def __init__(self, text: str, machine: Chain) -> None:
         self.machine = machine
         campaign = tomllib.loads(text)
         self.setups = {table["name"]: table for table in campaign["setups"]}
@@ -96,8 +87,7 @@ class Said:
         assert -_NEAR <= off @ along <= np.linalg.norm(last - first) + _NEAR
 
     def _bar(self, table: Mapping[str, Any], pose: Array) -> None:
-        centre = spot(table["station"]) if "station" in table else next(iter(self._balls(table).values()))
-        bar = tip(self.machine, pose) - centre
+        bar = tip(self.machine, pose) - self.centre(table)
         assert abs(np.linalg.norm(bar) - number(table["length"])) < _NEAR
         plane = table.get("plane")
         if plane is not None:
@@ -105,29 +95,27 @@ class Said:
             assert abs(bar @ normal) < _NEAR
         self._within_cone(table, pose, bar / np.linalg.norm(bar))
 
-    def _balls(self, table: Mapping[str, Any]) -> dict[str, Array]:
+    def centre(self, table: Mapping[str, Any]) -> Array:
+        """Return the middle of a bar."""
+        return spot(table["station"]) if "station" in table else next(iter(self.balls(table).values()))
+
+    def balls(self, table: Mapping[str, Any]) -> dict[str, Array]:
+        """Return the balls that a set-up names, or all of its artefact."""
         artefact = self.artefacts[table["artefact"]]
+        if "grid" in artefact:
+            return _plate(artefact["grid"])
         chosen = table.get("ball", list(artefact["balls"]))
         chosen = [chosen] if isinstance(chosen, str) else chosen
         return {name: spot(artefact["balls"][name]) for name in chosen}
 
     def _ball(self, table: Mapping[str, Any], pose: Array) -> None:
         at = tip(self.machine, pose)
-        assert min(float(np.linalg.norm(at - ball)) for ball in self._balls(table).values()) < _NEAR
+        assert min(float(np.linalg.norm(at - ball)) for ball in self.balls(table).values()) < _NEAR
         self._within_cone(table, pose, way(self.artefacts[table["artefact"]].get("free", "z")))
         if table["instrument"] != "rtest":  # it comes from 50 mm off
             back = number(table.get("retract", "50 mm"))
-            lifted = self._with_tip(pose, at + back * stem(self.machine, pose))
+            lifted = pose_with_tip(self.machine, pose, at + back * stem(self.machine, pose))
             assert in_travel(self.machine, lifted)
-
-    def _with_tip(self, pose: Array, point: Array) -> Array:
-        """Return the pose with the linear axes where the tool point is at a place, by differences of the matrices."""
-        slides = [k for k, axis in enumerate(self.machine.axes) if not axis.rotary]
-        base = tip(self.machine, pose)
-        ways = np.stack([tip(self.machine, pose + np.eye(len(pose))[k]) - base for k in slides], axis=1)
-        moved = pose.copy()
-        moved[slides] += np.linalg.solve(ways, point - base)
-        return moved
 
     def _within_cone(self, table: Mapping[str, Any], pose: Array, free: Array) -> None:
         cone = number(self.artefacts.get(table.get("artefact", ""), {}).get("cone", "100 deg"))
@@ -145,3 +133,10 @@ class Said:
                 stated = table.get("park", {}).get(axis.name)
                 wanted = sum(axis.travel) / 2 if stated is None else number(stated)
                 assert at == wanted or abs(at - wanted) < _NEAR
+
+
+def _plate(grid: Mapping[str, Any]) -> dict[str, Array]:
+    (rows, columns), (first, second) = grid["count"], (number(each) for each in grid["pitch"])
+    down, across = (way(each) for each in grid["along"])
+    places = {(i, j): i * first * down + j * second * across for i in range(rows) for j in range(columns)}
+    return {f"{i} {j}": spot(grid["origin"]) + place for (i, j), place in places.items()}

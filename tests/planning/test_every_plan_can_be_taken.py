@@ -14,7 +14,8 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
-from axiscal.exceptions import PlanError
+from axiscal.exceptions import PlanError, ProgramError
+from axiscal.gcode import Program, controllers, dialect, programs
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
@@ -23,7 +24,9 @@ from axiscal.planning.next_readings import placed
 from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
 from tests.generators.kinematics import in_travel, tip
+from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
+from tests.generators.ways_said import WaysSaid
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted(
@@ -81,13 +84,32 @@ def test_every_reading_of_an_example_can_be_taken(name: str, text: str) -> None:
         with pytest.raises(PlanError):
             proposed(Case(campaign), Limits(readings=1), Thoroughness(candidates=50))
         return
-    said = Said(text, campaign.machine)
+    said = Said(text, printed_machine(campaign.machine.text))
     short = replace(campaign, target=replace(campaign.target, readings=_FEW, rms=None, worst=None, expanded=None))
     for places in plans(Case(short)):
         assert places
         for place in places:
             said.holds(place)
         _ways_hold(campaign, places)
+        _programs_hold(campaign, said, places, controllers()[len(name) % len(controllers())])
+
+
+def _made(campaign: CampaignDescription, places: tuple[Place, ...], controller: str) -> tuple[Program, ...]:
+    """Return the programs; none where the control has no axis of such a name, or no kinematics for the chain."""
+    try:
+        return programs(campaign.machine, campaign.setups, places, dialect(controller))
+    except ProgramError as refused:
+        if not re.search("no axis|no kinematics|by X, Y and Z", str(refused)):
+            raise
+        return ()
+
+
+def _programs_hold(campaign: CampaignDescription, said: Said, places: tuple[Place, ...], controller: str) -> None:
+    """Assert that the programs go there, in touch or drawn back, read again word by word."""
+    for program in _made(campaign, places, controller):
+        setup = program.readings[0].setup.name
+        planned = {k: np.array(place.pose) for k, place in enumerate(places, start=1) if place.setup == setup}
+        assert WaysSaid(said, setup, controller).holds(program.text, planned) == len(planned) - 1
 
 
 def _ways_hold(campaign: CampaignDescription, places: tuple[Place, ...]) -> None:

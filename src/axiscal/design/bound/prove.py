@@ -38,6 +38,8 @@ _BOXES = 400_000
 """Boxes that are cut before the search gives up: memory. The bound holds wherever it ends."""
 _CUTS = 60_000
 """The same on a chart, where each costs as much as six readings."""
+_PATIENCE, _CLOSED = 4, 0.9
+"""The search ends where so many rounds leave more than this share of the gap open: more would not close it."""
 _GONE = 1e-5
 """A weight of this share is none; it can enter again."""
 _ADDED = 24
@@ -73,6 +75,7 @@ def prove(
     if not count:
         return Proof(Bound(state.value, True), 0.0)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
+    open_ones: list[float] = []
     lattice = _begun(state, lattice, places)
     for number in range(1, _ROUNDS + 1):
         relaxation = _everywhere(state, lattice, count)
@@ -87,10 +90,16 @@ def prove(
         left = reached / closed - 1 if closed > 0 else np.inf
         progress(f"the proof, round {number}: {100 * left:.2g} % open" if closed > 0 else f"the proof, round {number}")
         steeper = Places.joined([each.places for each in found])
-        if left <= gap or not len(steeper):
+        open_ones.append(left)
+        if left <= gap or not len(steeper) or _stalled(open_ones):
             break
         lattice = Places.joined([kept, steeper])
     return Proof(Bound(best, True), max(left, 0.0))
+
+
+def _stalled(open_ones: list[float]) -> bool:
+    """Whether the last rounds have hardly closed anything.  open_ones : of each round, the share of J that is open"""
+    return len(open_ones) > _PATIENCE and open_ones[-1] > _CLOSED * open_ones[-1 - _PATIENCE]
 
 
 def _begun(state: Covariance, lattice: Places, places: Places) -> Places:

@@ -16,6 +16,8 @@ _LOOKED_AT = 721
 """Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
 _PARTS, _ROUNDS = 32, 10
 """An edge is looked for in so many parts at once, so often: to the last bits of a float64."""
+_WITHIN = 1e-10
+"""Share of a coordinate by which an edge is kept off: a pose there is in travel as written, and computed anew."""
 _SHORTEST = 1e-9
 """Share of a coordinate: a piece that is shorter holds nothing that its neighbours do not."""
 
@@ -53,7 +55,7 @@ def _taken(chart: Chart, number: int, place: Array, sides: Array, values: Array)
 
 
 def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Array, NDArray[np.bool_]]) -> Array:
-    """Return the last places that can be taken before those that cannot, to rounding."""
+    """Return the last places that can be taken before those that cannot, to a little more than rounding."""
     grid, taken = seen
     change = np.flatnonzero(taken[1:] != taken[:-1])
     inside = np.where(taken[change], grid[change], grid[change + 1])
@@ -64,7 +66,7 @@ def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Ar
         good = _taken(chart, number, place, sides, parts[:, 1:-1].ravel()).reshape(len(change), -1)
         last = np.where(good.all(axis=1), _PARTS - 1, good.argmin(axis=1))
         inside, outside = parts[every, last], parts[every, last + 1]
-    return inside
+    return np.asarray(inside + np.sign(inside - outside) * _WITHIN * (grid[-1] - grid[0]), dtype=np.float64)
 
 
 def _turns_of_sides(observation: Observation, chart: Chart, number: int, place: Array, sides: Array) -> Array:
