@@ -2,7 +2,7 @@
 PYTHON ?=
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
-LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe --build-deps-for editable \
+LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
@@ -93,8 +93,8 @@ audit: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.audit --lock requirements/dev.txt --out build/sbom-dev.json
 
 lock: | .venv/bin/pip-compile
-	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/run.txt pyproject.toml
-	$(LOCK) $(if $(UPGRADE),--upgrade) --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable -o requirements/run.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
 
 clean:

@@ -10,6 +10,7 @@ import select
 import shutil
 import subprocess
 import time
+from importlib import resources
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -157,6 +158,15 @@ class Page:
         pressed = {"key": key, "code": key.replace(" ", "Space"), "windowsVirtualKeyCode": code}
         self.call("Input.dispatchKeyEvent", type="keyDown", **pressed, **({"text": text} if text else {}))
         self.call("Input.dispatchKeyEvent", type="keyUp", **pressed)
+
+    def broken_rules(self) -> list[str]:
+        """Return the rules of accessibility that axe finds broken in what is shown, each with the elements."""
+        rules = resources.files("axe_core_python").joinpath("axe.min.js").read_text(encoding="utf-8")
+        self.value(f"{rules}; 0")
+        named = "v => `${v.id}: ${v.nodes.map(n => n.html.slice(0, 80)).join(' ')}`"
+        looked = self.value(f"axe.run(document).then(r => [r.passes.length, r.violations.map({named})])")
+        assert looked[0] > 20, "axe has not looked"
+        return [str(each) for each in looked[1]]
 
     def picture(self, file: Path) -> None:
         """Save what the page looks like, all of it."""

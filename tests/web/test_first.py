@@ -150,4 +150,6 @@ def test_the_form_by_keyboard_at_every_size(tmp_path: Path) -> None:
             page.until("document.querySelectorAll('#after li').length === 3")
             looked_at(page)
             assert page.complaints() == []
+            page.value("document.documentElement.removeAttribute('lang')")
+            assert [rule.partition(":")[0] for rule in page.broken_rules()] == ["html-has-lang"]
     assert read_campaign(tmp_path / "mill" / "campaign.toml").machine.axis("Z").travel == (-0.3, 0.0)

@@ -97,6 +97,7 @@ def looked_at(page: Page) -> None:
     for dark in (True, False):
         page.shade(dark=dark)
         assert page.value(PALE) == [], dark
+    assert page.broken_rules() == []
     nodes = page.call("Accessibility.getFullAXTree")["nodes"]
     pressed = [n for n in nodes if n.get("role", {}).get("value") in ("button", "textbox", "link", "image")]
     assert pressed
