@@ -17,6 +17,7 @@ from axiscal.compensation.offer import Export
 from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
+from axiscal.document.bounded import bounded_content
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.vouching import defended
@@ -207,9 +208,12 @@ def _numbered(text: str) -> tuple[str, int]:
 
 def _text(path: Path) -> str:
 
-    data = path.read_bytes()
-    if len(data) > MOST_BYTES:
-        raise TableError(f"the template has {len(data)} bytes", "give the file of the compensation alone", path)
+    try:
+        data = bounded_content(path, MOST_BYTES)
+    except OSError as fault:
+        raise TableError(
+            f"the template cannot be read: {fault.strerror}", "give the file of the compensation alone", path
+        ) from None
     try:
         return data.decode("ascii")
     except UnicodeDecodeError as fault:

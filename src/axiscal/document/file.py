@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from axiscal.document.bounded import bounded_content
 from axiscal.document.key_lines import line_numbers
 from axiscal.document.quoting import Key, dotted, shown
 from axiscal.exceptions import DescriptionError, InputError
@@ -88,18 +90,16 @@ def _too_large(path: Path) -> DescriptionError:
 def _content(path: Path) -> bytes:
     """Return the bytes of a file; raises DescriptionError when it cannot be read or is no description by its size."""
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
+        return bounded_content(path, LARGEST)
     except FileNotFoundError:
         raise DescriptionError("there is no such file", "Give the path of a TOML file", shown_path(path)) from None
     except IsADirectoryError:
         raise DescriptionError("this is a folder, not a file", "Give the path of a TOML file", path) from None
     except (OSError, ValueError) as fault:
+        if getattr(fault, "errno", None) == errno.EFBIG:
+            raise _too_large(path) from None
         reason = getattr(fault, "strerror", None) or str(fault)
         raise DescriptionError(f"the file cannot be read: {reason}", "Give a readable file", shown_path(path)) from None
-    if len(content) > LARGEST:
-        raise _too_large(path)
-    return content
 
 
 def _decoded(content: bytes, path: Path) -> str:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 _HERE, _EXCHANGE = -100, 2
 """AT_FDCWD and RENAME_EXCHANGE of Linux."""
+_PIECE = 1 << 24
+"""Bytes read at once, so that no more are asked for than there are; any would do."""
 _DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.new")
 
 
@@ -54,7 +56,7 @@ def read_at(handle: int, offset: int, size: int) -> bytes:
     """Return as many bytes from an offset on as there are, at most `size`; raises OSError."""
     os.lseek(handle, offset, os.SEEK_SET)
     parts, left = list[bytes](), size
-    while left and (part := os.read(handle, left)):
+    while left and (part := os.read(handle, min(left, _PIECE))):
         parts.append(part)
         left -= len(part)
     return b"".join(parts)

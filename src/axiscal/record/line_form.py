@@ -27,6 +27,8 @@ FORM, SQLITE = 2, 1
 """Forms: this one, and the one before."""
 MARK = 160
 """Bytes of a mark: some 130 with the largest numbers there will be."""
+MOST_TORN = 1 << 26
+"""Bytes that are looked at behind marks of which one is torn: of one transaction, the largest of which has a tenth."""
 _SUM = 8
 """Hex digits of a CRC-32."""
 _HEAD = re.compile(rb"axiscal record (\d{1,9}) ([0-9a-f]{8})\n")

@@ -26,6 +26,7 @@ from axiscal.record.line_form import (
     FORM,
     MARK,
     MARKS,
+    MOST_TORN,
     SQLITE,
     START,
     DamageError,
@@ -60,8 +61,8 @@ class Record:
     def create(cls, path: str | Path, created: Created) -> Self:
         """Return a new record that holds the event `created`; the file appears whole and checked, or not at all."""
         path = Path(path)
-        refuse_existing(path)
         clear_drafts(path.parent, path.name)
+        refuse_existing(path)
         draft = draft_of(path)
         with _record_errors(path):
             try:
@@ -224,7 +225,7 @@ class Record:
             raise DamageError("an older copy has been written over it")
         self._take_to(self._handle, whole[newest])
         if torn:
-            self._take(whole_after(self._mark, read_at(self._handle, self._mark.end, _rest(self._handle))))
+            self._take(whole_after(self._mark, read_at(self._handle, self._mark.end, MOST_TORN)))
 
     def _take_to(self, handle: int, mark: Mark) -> None:
         if mark.turn <= self._mark.turn:
@@ -292,10 +293,6 @@ def _mode(write: bool) -> int:
     return (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0)
 
 
-def _rest(handle: int) -> int:
-    return os.fstat(handle).st_size
-
-
 def _publish(draft: Path, path: Path) -> None:
     try:
         os.link(draft, path)
@@ -319,6 +316,8 @@ def _convert(path: Path) -> None:
 
 def _form(path: Path) -> int:
     """Return the form of a record; raises RecordError for a file that is none, or of a form to come."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
     start = _start_of(path)
     form = form_of(start)
     if form is not None and form > FORM:

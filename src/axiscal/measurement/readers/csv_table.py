@@ -16,7 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from axiscal.document.bounded import bounded_content
 from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.text import MOST, refuse_many
 from axiscal.units import from_unit
 
 LENGTHS = ("mm", "um", "nm", "m")
@@ -139,7 +141,7 @@ class CsvTable:
 def read_table(path: str | Path) -> CsvTable:
     """Read a table from a file; raises ReadingError when it cannot be opened or is not such a table."""
     try:
-        data = Path(path).read_bytes()
+        data = bounded_content(path, MOST)
     except OSError as error:
         reason = (error.strerror or "cannot be read").lower()
         raise ReadingError(f"the file cannot be read: {reason}", "check the name and the permissions", path) from None
@@ -151,6 +153,7 @@ def read_table(path: str | Path) -> CsvTable:
 def parse_table(text: str, file: str) -> CsvTable:
     """Parse a table from text; `file` is the name that errors carry.  Raises ReadingError."""
     lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    refuse_many(len(lines), file)
     data = [(number, line) for number, line in enumerate(lines, 1) if not _NOTHING.match(line)]
     if not data:
         raise ReadingError("there is no header and no data", "let the first line name the columns", file)

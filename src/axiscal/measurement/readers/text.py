@@ -7,7 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from axiscal.document.bounded import bounded_content
 from axiscal.exceptions import ReadingError
+
+MOST = 20_000_000
+"""Bytes; a day of readings has a thousandth of it."""
+MOST_LINES = 200_000
+"""Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +46,23 @@ class TextFile:
 def read_text(path: str | Path) -> TextFile:
     """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
     try:
-        data = Path(path).read_bytes()
+        data = bounded_content(path, MOST)
     except OSError as error:
         reason = (error.strerror or "cannot be read").lower()
         remedy = "check the name and the permissions"
         raise ReadingError(f"the file cannot be read: {reason}", remedy, str(path)) from None
     except ValueError:
         raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a file") from None
-    return TextFile(str(path), tuple(_decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")))
+    lines = _decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    refuse_many(len(lines), path)
+    return TextFile(str(path), tuple(lines))
+
+
+def refuse_many(lines: int, path: str | Path) -> None:
+    """Raise ReadingError for a file of so many lines that no campaign has as many readings."""
+    if lines > MOST_LINES:
+        what = f"the file has {lines:,} lines, and at most {MOST_LINES:,} are read"
+        raise ReadingError(what, "give the readings of one campaign", str(path))
 
 
 def _decoded(data: bytes) -> str:
