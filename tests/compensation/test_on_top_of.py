@@ -221,6 +221,29 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
     (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
     with pytest.raises(TableError, match="no joint of this INI file"):
         read_old(["no.ini"], tmp_path)
+    for line in ("BACKLASH = much", "BACKLASH = nan", "COMP_FILE = no.ini\nCOMP_FILE_TYPE = one"):
+        (tmp_path / "no.ini").write_text(f"[JOINT_0]\n{line}\n")
+        with pytest.raises(TableError, match="is no number"):
+            read_old(["no.ini"], tmp_path)
+
+
+def test_numbers_of_old_files_that_are_missing_or_none_are_named() -> None:
+    leadscrew = "kw.ssfk.log_achs_name X\nkw.ssfk.interval 9\nkw.ssfk.kw_startpos 0\nkw.ssfk.kw_nr_max 3\n"
+    parameters = ["N3620A1P20A2P0A3P0;", "N3621A1P21A2P0A3P0;", "N3622A1P23A2P0A3P0;", "N3623A1P2A2P1A3P1;"]
+    pitch = "\n".join(["%", *parameters, "N3624A1P100.0A2P0A3P0;", "N10021P1;", "%"])
+    cases = [
+        ("sinumerik", OldFile("AX_EEC.INI", siemens(OLD_UP).replace("=0.0", "=nan", 1)), "is no number"),
+        ("sinumerik", OldFile("AX_EEC.INI", siemens(OLD_UP).replace("=25.0", "=1e-9")), "points between its ends"),
+        ("marlin", OldFile("mesh.gcode", "M421 I0 J0 Z0.1\nM421 I1 J1\n"), "2 x 2 points|no height of a point"),
+        ("fanuc", OldFile("pitch.txt", pitch), "there is no row N10022"),
+        ("linuxcnc", OldFile("cross.hal", 'setp comp.y-x.x-val-0 "\n'), "no number of a curve"),
+        ("linuxcnc", OldFile("X.comp", "0 0 0\n100 -2000 100\n"), "a metre"),
+        ("isg", OldFile("ssfk_X.lis", leadscrew), "entries|a number that isg needs"),
+    ]
+    for controller, file, message in cases:
+        options = ExportOptions(old_files=(file,))
+        with pytest.raises(InputError, match=message):
+            loaded(controller, machine_from_text(MACHINE), options)
 
 
 CAMPAIGN = (

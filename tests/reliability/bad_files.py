@@ -10,6 +10,7 @@ import random
 import resource
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
@@ -27,6 +28,7 @@ from tests.generators.texts import machine_text
 from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
 from tests.measurement.test_level_survey import SURVEY
 from tests.measurement.test_readers import READINGS, TRUTH
+from tests.reliability.old_tables import GOOD, INI, read_machine, read_old_table
 from tests.reliability.trial import Trial, scratch
 
 SECONDS, MEGABYTES = 1.0, 200.0
@@ -89,7 +91,19 @@ KINDS = (
     _kind("own.csv", OWN, read_any),
     _kind("survey.txt", SURVEY, read_any),
     Kind("mill.axiscal", _record(), _recorded),
+    _kind("machine.ini", INI, read_machine),
+    *(
+        _kind(f"{controller}/{name}", text, partial(read_old_table, controller))
+        for (controller, name), text in GOOD.items()
+    ),
 )
+
+
+def place(kind: Kind, folder: Path) -> Path:
+    """Return where a file of a kind is written; the good machine.toml beside it stays."""
+    path = folder / ("other.toml" if kind.name == "machine.toml" else kind.name)
+    path.parent.mkdir(exist_ok=True)
+    return path
 
 
 def _number(text: bytes) -> Callable[[bytes], bytes]:
@@ -168,7 +182,7 @@ def read_all(every: int = 1) -> Trial:
 
 
 def _read(kind: Kind, content: bytes, top: Path, way: str) -> str:
-    path = top / ("other.toml" if kind.name == "machine.toml" else kind.name)
+    path = place(kind, top)
     path.write_bytes(content)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     child = os.fork()

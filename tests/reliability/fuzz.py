@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability.bad_files import KINDS, Kind
+from tests.reliability.bad_files import KINDS, Kind, place
 from tests.reliability.trial import scratch
 
 _WORDS = st.sampled_from(
@@ -41,7 +41,7 @@ def fuzzed(kind: Kind, examples: int) -> None:
     """Read so many changed files of a kind; raises what a reader raises that is no error of ours."""
     with scratch() as top:
         (top / "machine.toml").write_bytes(KINDS[0].good)
-        path = top / ("other.toml" if kind.name == "machine.toml" else kind.name)
+        path = place(kind, top)
 
         @settings(
             max_examples=examples,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -57,21 +58,23 @@ def _named(name: str, folder: Path) -> Iterator[OldFile]:
         if not found:
             raise TableError("there is no file in this folder", "name the old compensation", path)
         yield from (OldFile(str(each), _text(each)) for each in found)
-    elif path.suffix.lower() == ".ini":
-        yield from _joints(path)
     else:
-        yield OldFile(str(path), _text(path))
+        text = _text(path)
+        if path.suffix.lower() == ".ini" and any(_SECTION.match(line.strip()) for line in text.splitlines()):
+            yield from _joints(path, text)
+        else:  # of a SINUMERIK, too, whose tables are called .INI
+            yield OldFile(str(path), text)
 
 
 def _text(path: Path) -> str:
     return "\n".join(read_text(path).lines)
 
 
-def _joints(path: Path) -> Iterator[OldFile]:
+def _joints(path: Path, text: str) -> Iterator[OldFile]:
     """Yield the tables and backlashes that an INI file of LinuxCNC makes active; a table goes before a backlash."""
     sections: dict[int, dict[str, str]] = {}
     joint: int | None = None
-    for line in read_text(path).lines:
+    for line in text.splitlines():
         plain = line.strip()
         if section := _SECTION.match(plain):
             number = _JOINT.fullmatch(section[1])
@@ -87,6 +90,17 @@ def _joints(path: Path) -> Iterator[OldFile]:
 def _joint(path: Path, joint: int, keys: dict[str, str]) -> OldFile | None:
     if name := keys.get("COMP_FILE"):
         at = path.parent / name
-        return OldFile(str(at), _text(at), joint=joint, file_type=int(keys.get("COMP_FILE_TYPE", "0") or 0))
-    backlash = float(keys.get("BACKLASH", "0") or 0)
+        return OldFile(str(at), _text(at), joint=joint, file_type=int(_number(path, keys, "COMP_FILE_TYPE")))
+    backlash = _number(path, keys, "BACKLASH")
     return OldFile(f"{path} [JOINT_{joint}]", "", joint=joint, backlash=backlash) if backlash else None
+
+
+def _number(path: Path, keys: dict[str, str], key: str) -> float:
+    """Return the number behind a key, 0 where there is none; raises TableError."""
+    try:
+        number = float(keys.get(key) or 0)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise TableError(f"{key} = {keys[key][:40]!r} is no number", f"Write one, as in {key} = 0", path)
+    return number

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 
+import numpy as np
+
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.offer import Export, Maker, tried_out
@@ -13,10 +15,12 @@ from axiscal.compensation.old_files import OldFile
 from axiscal.compensation.on_top import asked_about, on_top
 from axiscal.document import nearest, shown
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import AxiscalError, TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
 
+_ABSURD = 1.0
+"""m or rad: no compensation is as large; any value above what a machine can be off by would do."""
 Importer = Callable[[Sequence[OldFile], Machine, ExportOptions], Loaded]
 """(files, machine, options) -> what the control made of them."""
 _ROOM = "axiscal.compensation.controllers"
@@ -66,7 +70,19 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the old files of a control did; raises TableError, ReadingError."""
     load: Importer = import_module(f"{_ROOM}.{IMPORTERS[controller]}").load
-    return load(options.old_files, machine, options)
+    names = ", ".join(dict.fromkeys(file.name for file in options.old_files))
+    try:
+        found = load(options.old_files, machine, options)
+    except AxiscalError:
+        raise
+    except (LookupError, ArithmeticError, ValueError) as fault:
+        what = f"a number that {controller} needs is missing, or is none ({fault})"
+        raise TableError(what, "give the files as the control saved them", names) from fault
+    for table in found.lookups:
+        if not np.all(np.abs(table.added) < _ABSURD):
+            what = f"the table of {table.axis} over {table.over} moves it by a metre, or a radian, or more"
+            raise TableError(what, "give the files as the control saved them, and the unit of the machine", names)
+    return found
 
 
 def _maker(controller: str) -> Maker:

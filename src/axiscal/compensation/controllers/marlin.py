@@ -188,6 +188,8 @@ def read(text: str, built: Mesh | None) -> tuple[Mesh | None, Skew, dict[str, fl
             share = values.pop("F", 1.0)
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
         elif command == "M421" and heights is not None:
+            if not values.keys() >= set("IJZ"):
+                raise TableError(f"{line[:40]!r} says no height of a point", "write it as in M421 I0 J0 Z0.05")
             heights[int(values["J"]), int(values["I"])] = values["Z"]
     mesh = None if built is None or heights is None else Mesh(built.x, built.y, from_unit(heights, "mm"))
     return mesh, skew, play

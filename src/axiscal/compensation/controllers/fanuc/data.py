@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.compensation.controllers.fanuc.pitch import APART, PitchParameters
-from axiscal.compensation.controllers.fanuc.records import Records, replace_values
+from axiscal.compensation.controllers.fanuc.records import EXPECTED, Records, replace_values
 from axiscal.compensation.lookup import Lookup
 from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import TableError
@@ -106,7 +106,10 @@ def read(
 
 
 def _sums(records: Records, points: range, plan: PitchParameters) -> Array:
-    steps = np.array([float(records[FIRST_DATA + n][0]) for n in (points[1:] if plan.turn else points)])
+    rows = [FIRST_DATA + n for n in (points[1:] if plan.turn else points)]
+    if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
+        raise TableError(f"there is no row N{missing}", EXPECTED)
+    steps = np.array([float(records[row][0]) for row in rows])
     sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
     added: Array = (sums - sums[plan.origin]) * plan.step
     return added

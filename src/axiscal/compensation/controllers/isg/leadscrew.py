@@ -53,8 +53,14 @@ def read(text: str, machine: Machine) -> list[Lookup]:
             keys[found[2]] = found[5]
         else:
             sides[found[4]][int(found[3])] = int(found[5])
+    needed = ("log_achs_name", "kw_nr_max", "kw_startpos", "interval")
+    if missing := [key for key in needed if key not in keys]:
+        raise TableError(f"the list says no kw.ssfk.{missing[0]}", "give it as the kernel loads it")
+    count = int(keys["kw_nr_max"])
+    if any(set(values) != set(range(len(values))) or len(values) != count for values in sides.values()):
+        raise TableError(f"the list has not its {count} entries on both sides", "give it as the kernel loads it")
     axis = machine.axis(keys["log_achs_name"])
-    count, scale = int(keys["kw_nr_max"]), unit(axis.unit)
+    scale = unit(axis.unit)
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
     pos, neg = (-scale * np.array([values[i] for i in range(count)]) for values in sides.values())
     return [Lookup(axis.name, axis.name, at, pos, 1), Lookup(axis.name, axis.name, at, neg, -1)]

@@ -19,6 +19,8 @@ from axiscal.units import from_unit
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+
 
 def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the files did; raises TableError."""
@@ -83,6 +85,8 @@ def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
     """Return the curves of axes over other axes."""
     found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
     for moved, over, side, number, value in _CURVE.findall(file.text):
+        if not _NUMBER.fullmatch(value):
+            raise TableError(f"{value[:40]!r} is no number of a curve", "give the HAL file as it is", file.name)
         found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(number)] = float(value)
     lookups = []
     for (moved, over), sides in found.items():

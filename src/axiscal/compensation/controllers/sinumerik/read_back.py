@@ -16,6 +16,10 @@ from axiscal.units import from_unit
 _PLAIN = re.compile(r"^\s*N\d+\s+")
 _VALUE = re.compile(r"\$A([AN])_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]\s*=\s*\(?([^)\s;]+)\)?")
 
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+_MOST_POINTS = 100_000
+"""Of a table; controls hold a few thousand."""
+
 
 def read(
     texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
@@ -52,20 +56,29 @@ def _understood(
     """Return a table, None for one that is not in use: without a step, or for axes that the machine has not."""
     enc = place[0] == "ENC_COMP"
     over, moved = (axes.get(name) for name in ((place[2],) * 2 if enc else _ends(values)))
-    low, high, step = (float(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
+    low, high, step = (_number(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
     if over is None or moved is None or step <= 0:
         return None
     if int(values.get("MULT_BY_TABLE", "0")):
         raise TableError(f"a CEC table of {moved} is multiplied by another one", "leave MULT_BY_TABLE at 0")
     count = (high - low) / step + 1
-    entries = [float(values.get(f"#{i}", "0")) for i in range(round(count))]
-    if abs(count - round(count)) > 1e-6 or float(values.get(f"#{round(count)}", "0")):
+    if count > _MOST_POINTS:
+        raise TableError(f"the table of {moved} has {count:g} points between its ends", "write a larger STEP")
+    entries = [_number(values.get(f"#{i}", "0")) for i in range(round(count))]
+    if abs(count - round(count)) > 1e-6 or _number(values.get(f"#{round(count)}", "0")):
         raise TableError(f"the table of {moved} has {count:g} points between its ends", "this is a defect of axiscal")
     units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
     sign = 1.0 if flip and not enc else -1.0
     added: Array = sign * from_unit(np.array(entries), units[1])
     return Lookup(moved, over, positions, added, 0 if enc else int(values.get("DIRECTION", "0")))
+
+
+def _number(text: str) -> float:
+    """Return a finite number; raises TableError."""
+    if not _NUMBER.fullmatch(text):
+        raise TableError(f"{text[:40]!r} is no number", "write digits with a decimal point")
+    return float(text)
 
 
 def _ends(values: Mapping[str, str]) -> tuple[str, str]:
