@@ -12,6 +12,7 @@ import numpy as np
 
 from axiscal.numerics.threads import one_thread
 from tests.certify import belief, coverage, gcode, least_squares, machines, models, one_joint_cases, printed_plans
+from tests.certify.kept import Kept
 
 LIMIT = 1e-9
 LATTICE = 1_000_000
@@ -86,7 +87,7 @@ def bands(drawn: int, first: int) -> Iterator[Finding]:
 
 def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
     """Yield what LinuxCNC's interpreter, and a reader of each dialect, make of that many random plans."""
-    yield from (Finding(text, good) for text, good in gcode.verdicts(plans, first))
+    yield from (Finding(text, good) for text, good in gcode.verdicts(plans, first, Kept("gcode")))
 
 
 def plans_as_printed(most: int, first: int) -> Iterator[Finding]:

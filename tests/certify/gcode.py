@@ -28,6 +28,7 @@ from tests.certify.gcode_traces import (
     interpreter,
     read_canonical,
 )
+from tests.certify.kept import Kept
 
 HOSTILE = (
     "laser along X",
@@ -290,24 +291,45 @@ def judged(text: str, read: Callable[[str], list[Event]], judge: Judge) -> tuple
     return sum(isinstance(event, Move) for event in events), judge.follow(events)
 
 
-def verdicts(plans: int, first: int) -> Iterator[tuple[str, bool]]:
-    """Yield a sentence per reader on that many random plans, and whether nothing was wrong."""
+CHUNK = 250
+"""Plans after which it is kept what was found; any would do."""
+
+
+def verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
+    """Yield a sentence per reader on that many random plans, and whether nothing was wrong.
+
+    kept : what an earlier run has found, which goes on here
+    """
     if interpreter() is None:
         yield "rs274 of Debian's linuxcnc-uspace is not installed", False
         return
     with tempfile.TemporaryDirectory() as folder:
-        yield _verdict("LinuxCNC's interpreter", plans, first, "XYZABC", lambda plan: interpreted(plan, Path(folder)))
+        follow: Follow = partial(interpreted, folder=Path(folder))
+        yield _verdict("LinuxCNC's interpreter", range(first, first + plans), "XYZABC", follow, kept)
     for controller in READERS:
-        yield _verdict(f"reader of {controller}", plans, first, "XYZABCUVW", partial(read_back, controller=controller))
+        follow = partial(read_back, controller=controller)
+        yield _verdict(f"reader of {controller}", range(first, first + plans), "XYZABCUVW", follow, kept)
 
 
-def _verdict(
-    who: str, plans: int, first: int, letters: str, follow: Callable[[Plan], Iterator[tuple[int, list[str]]]]
-) -> tuple[str, bool]:
-    programs_read, moves, wrong = 0, 0, []
-    for seed in range(first, first + plans):
+Follow = Callable[[Plan], Iterator[tuple[int, list[str]]]]
+
+
+def _verdict(who: str, seeds: range, letters: str, follow: Follow, kept: Kept | None) -> tuple[str, bool]:
+    programs_read, moves, wrong = 0, 0, list[str]()
+    for begin in range(seeds.start, seeds.stop, CHUNK):
+        chunk = range(begin, min(begin + CHUNK, seeds.stop))
+        find = partial(_followed, chunk, letters, follow)
+        found = find() if kept is None else kept.get(f"{who} {chunk.start} {chunk.stop}", find)
+        programs_read, moves, wrong = programs_read + found[0], moves + found[1], [*wrong, *found[2]]
+    text = f"{who}: {programs_read:,} programs, {moves:,} moves, {len(wrong)} faults"
+    return "; ".join([text, *wrong[:3]]), not wrong
+
+
+def _followed(seeds: range, letters: str, follow: Follow) -> tuple[int, int, list[str]]:
+    """Return how many programs and moves there were, and what was wrong."""
+    programs_read, moves, wrong = 0, 0, list[str]()
+    for seed in seeds:
         for made, faults in follow(random_plan(np.random.default_rng(seed), letters)):
             programs_read, moves = programs_read + 1, moves + made
             wrong += [f"seed {seed}: {fault}" for fault in faults]
-    text = f"{who}: {programs_read:,} programs, {moves:,} moves, {len(wrong)} faults"
-    return "; ".join([text, *wrong[:3]]), not wrong
+    return programs_read, moves, wrong
