@@ -169,6 +169,14 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     assert (tmp_path / "campaign.toml").read_text() == "mine"
 
 
+def test_what_was_written_before_a_kill_is_in_nobody_s_way(tmp_path: Path) -> None:
+    assert written(tmp_path, "one-axis", "interferometer") == 0
+    whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    (tmp_path / "campaign.toml").unlink()
+    assert written(tmp_path, "one-axis", "interferometer") == 0
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == whole
+
+
 def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
     blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
     whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]

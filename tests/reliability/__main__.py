@@ -7,7 +7,16 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 
-from tests.reliability import bad_files, changed, power_loss, record_faults, same_bytes, set_faults, writers
+from tests.reliability import (
+    bad_files,
+    changed,
+    command_faults,
+    power_loss,
+    record_faults,
+    same_bytes,
+    set_faults,
+    writers,
+)
 from tests.reliability.trial import Trial
 
 
@@ -20,6 +29,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: set_faults.alone(True),
         lambda: set_faults.alone(False),
         set_faults.with_others,
+        lambda: command_faults.all_tried(1 if long else 20),
         lambda: writers.killed(5000 if long else 300),
         lambda: power_loss.lost(20_000 if long else 2000),
         changed.bits,

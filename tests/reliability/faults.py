@@ -5,10 +5,12 @@ Work is done in a forked process, in which the functions of `os` that change fil
 
 from __future__ import annotations
 
+import builtins
 import errno
+import io
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,12 +45,17 @@ class Outcome:
     met: bool
 
 
-def faults(before: Path, folder: Path, work: Callable[[Path, Say], None]) -> Iterator[tuple[Fault, Outcome]]:
-    """Do the work in `folder`, each time begun as a copy of `before`, once for each fault; yield what it left there."""
-    for how in HOWS:
-        at, met = 0, True
+def faults(
+    before: Path, folder: Path, work: Callable[[Path, Say], None], every: int = 1, hows: Sequence[str] = HOWS
+) -> Iterator[tuple[Fault, Outcome]]:
+    """Do the work in `folder`, each time begun as a copy of `before`, once for each fault; yield what it left there.
+
+    every : only at each so manieth call, another one for each kind of fault
+    """
+    for begin, how in enumerate(hows):
+        at, met = 1 - every + begin % every, True
         while met:
-            at += 1
+            at += every
             shutil.rmtree(folder, ignore_errors=True)
             shutil.copytree(before, folder)
             outcome = _worked(folder, work, Fault(at, how))
@@ -106,6 +113,11 @@ def _faulty(fault: Fault, say: Say) -> Iterator[None]:
 
         return called
 
+    def opened(file: Any, mode: str = "r", *arguments: Any, **options: Any) -> Any:
+        return (open_to_write if set(mode) & set("wax+") else open_as_it_is)(file, mode, *arguments, **options)
+
+    open_as_it_is, open_to_write = io.open, counted("open", io.open)
+    io.open = builtins.open = opened
     for name in CALLS:
         setattr(os, name, counted(name, getattr(os, name)))
     for module in (durable, result_set):

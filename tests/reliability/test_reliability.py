@@ -10,7 +10,17 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability import bad_files, changed, fuzz, power_loss, record_faults, same_bytes, set_faults, writers
+from tests.reliability import (
+    bad_files,
+    changed,
+    command_faults,
+    fuzz,
+    power_loss,
+    record_faults,
+    same_bytes,
+    set_faults,
+    writers,
+)
 from tests.reliability.trial import Trial
 
 
@@ -36,6 +46,12 @@ def test_a_fault_while_results_are_written_leaves_a_whole_set(first: bool) -> No
 def test_results_among_other_files_are_whole_where_there_is_a_manifest() -> None:
     trial = set_faults.with_others()
     assert (trial.lost, trial.tried > 40) == (0, True)
+
+
+@pytest.mark.parametrize(("command", "every"), [("start", 5), ("init", 7), ("export, over earlier tables", 17)])
+def test_a_fault_in_a_command_loses_nothing_and_blocks_nothing(command: str, every: int) -> None:
+    trial = command_faults.tried(command, every)
+    assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
 
 
 def test_no_bit_of_a_record_changes_unseen() -> None:
@@ -77,7 +93,7 @@ def test_a_bad_file_is_one_error_of_ours_or_still_good(kind: bad_files.Kind, tmp
     """Every way to spoil it that is small; the large ones are in `make reliability`, each with its time and memory."""
     refused = 0
     (tmp_path / "machine.toml").write_bytes(bad_files.KINDS[0].good)
-    path = tmp_path / ("other.toml" if kind.name == "machine.toml" else kind.name)
+    path = bad_files.place(kind, tmp_path)
     for spoil in bad_files.WAYS.values():
         content = spoil(kind.good)
         if len(content) < 50_000:

@@ -10,6 +10,7 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell
+from axiscal.record.durable import write_whole
 from axiscal.reproduction.experiment import document, run, table
 from axiscal.reproduction.paper_page import render
 
@@ -29,8 +30,8 @@ def reproduce(out: Folder = None, json: Json = False) -> None:
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
         page = out / "reproduce.html"
-        page.write_text(render(experiment), "utf-8")
-        (out / "reproduce.json").write_text(json_text.dumps(numbers, indent=2, allow_nan=False) + "\n", "utf-8")
+        write_whole(page, render(experiment).encode())
+        write_whole(out / "reproduce.json", f"{json_text.dumps(numbers, indent=2, allow_nan=False)}\n".encode())
         tell(f"The figures are in {page}.")
     if json:
         say_document(numbers)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from axiscal.description.ini_text import machine_text, unread
 from axiscal.document.quoting import shown
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import builtin_names, load_machine, machine_from_text
+from axiscal.record.durable import write_whole
 from axiscal.units import parse_quantity
 
 
@@ -94,13 +96,17 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files into a folder, all or none; raises RecordError where one of them is there already."""
+    """Write files into a folder, all or none; raises RecordError where one of them is there as another already."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in texts:
-        if (folder / name).exists():
-            raise RecordError("This file exists already", "Name another folder, or move it away", folder / name)
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    new = {folder / name: text.encode() for name, text in texts.items()}
+    for path in [path for path in new if path.exists()]:
+        if not path.is_file() or path.read_bytes() != new.pop(path):
+            raise RecordError("This file exists already", "Name another folder, or move it away", path)
+    with ExitStack() as undone:
+        for path, content in new.items():
+            undone.callback(path.unlink, missing_ok=True)
+            write_whole(path, content)
+        undone.pop_all()
 
 
 def _refuse_unknown(what: str, names: Sequence[str], known: Sequence[str] | Mapping[str, object], remedy: str) -> None:

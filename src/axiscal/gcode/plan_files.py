@@ -11,6 +11,7 @@ from axiscal.gcode.program import Program, programs
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
+from axiscal.record.durable import write_whole
 
 
 def write_programs(
@@ -54,5 +55,5 @@ def _readme(made: Sequence[Program], controller: str) -> str:
 
 def _written(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8", newline="\n")
+    write_whole(path, text.encode())
     return path

@@ -38,7 +38,7 @@ _WIDE, _PANEL = 680, 230
 
 def pdf(summary: Summary) -> bytes:
     """Return the report as PDF/A-2b where letters hold all of its signs; raises SummaryError for an infinite figure."""
-    with TemporaryDirectory(prefix="axiscal-") as name:
+    with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         document = _Document(summary, folder).content()
         text = json.dumps(document, ensure_ascii=False, allow_nan=False).encode("utf-8", "replace")
