@@ -38,6 +38,8 @@ Wander = Callable[[float], tuple[float, float, float]]
 """Seconds since the campaign began -> how far the zeros (the only one, or along x, y, z) have moved, m or rad."""
 
 
+_CHIPS = 0.02
+"""Share of the readings that a chip shifts, where chips are stated."""
 _MINUTE, _DAY = 60.0, 1440
 """s, and minutes of a day: the grid of a drifting zero, which bends over an hour."""
 
@@ -99,17 +101,18 @@ class VirtualMachine:
         at, come = np.array([pose]), np.array([approach], dtype=float)
         stepped = setup.base is not None
         actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
-        shown = self.exactly(setup, at, actual)
+        shown = self.exactly(setup, at, actual, come)
         moved = self.drifts.get(setup.name, _still)(seconds)
-        each = (v + d + setup.scatter * rng.standard_normal() for v, d in zip(shown, moved, strict=False))
+        each = (v + d + _scattered(setup, rng) for v, d in zip(shown, moved, strict=False))
         return tuple(_displayed(value, setup.resolution) for value in each)
 
-    def exactly(self, setup: Setup, pose: Array, actual: Actual) -> list[float]:
+    def exactly(self, setup: Setup, pose: Array, actual: Actual, approach: Array | None = None) -> list[float]:
         """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
 
-        pose : (1, q) where it reads; actual : what the machine does, there or where an instrument touches beside it
+        pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
         """
-        model, place = model_of(setup), Nominal(self.model.machine, pose, setup.moves)
+        model = model_of(setup)
+        place = Nominal(self.model.machine, pose, setup.moves, approaches=approach)
         directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
         own = self.offsets.get(setup.name, {})
         return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
@@ -172,6 +175,16 @@ class Simulator:
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
         return offsets, {s.name: _wandering(s.drift, rng) for s in self.setups if s.drift > 0}
+
+
+def _scattered(setup: Setup, rng: np.random.Generator) -> float:
+    """Return what one number is off, m or rad: noise, anything within a bound, one time in fifty a chip."""
+    off = setup.noise_alone * rng.standard_normal()
+    if setup.bound:
+        off += rng.uniform(-setup.bound, setup.bound)
+    if setup.one_sided and rng.uniform() < _CHIPS:
+        off += setup.one_sided * (1 + rng.standard_normal())
+    return float(off)
 
 
 def _displayed(value: float, resolution: float) -> float:

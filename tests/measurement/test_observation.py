@@ -158,7 +158,7 @@ def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> 
 def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     """With +½ and −½ of the reversal equally likely, the variance is a quarter of the reversal's."""
     model = ErrorModel(load_machine("one-axis"))
-    setup = mounted(model.machine, "interferometer", (1.0, 0.0, 0.0))
+    setup = replace(mounted(model.machine, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
     observation, at = Observation(model, (setup,)), np.array([[0.5]])
     told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
     reversal = model.names["EXX_reversal"]

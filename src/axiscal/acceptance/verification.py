@@ -327,7 +327,8 @@ def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings:
         mine, setup = places.setups[of] == index, setups[index]
         place = Nominal(estimate.machine, places.poses[of[mine]], setup.moves)
         values[mine] -= model_of(setup).nonlinear_part(setup, np.array(setup.direction), place)
-    noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
+    own = [np.hypot(setup.noise, setup.lag) for setup in setups]
+    noise = np.array([r.std or own[s] for r, s in zip(readings, places.setups, strict=True)])
     return _Seen(values, noise[of])
 
 

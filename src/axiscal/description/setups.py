@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.densities import dense
 from axiscal.description.lacking import lack_of
 from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
 from axiscal.description.sights import refuse_no_sight, seen
@@ -128,7 +129,7 @@ class _Reader:
         setup = seen(table, around.machine, self._at, setup) if site is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
             model_of(setup).check(setup, self._machine)
-        return self._complete(setup)
+        return self._complete(dense(table, around.machine, self._at, setup))
 
     def _sited(self, setup: Setup, site: Site) -> Setup:
         """Return a set-up that is read where its site is."""

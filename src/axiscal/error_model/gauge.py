@@ -81,7 +81,7 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     effects = [_effect(term, acting, beyond) for term in model.terms]
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
     missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
-    aspects = [aspect for f in model.functions for aspect in _aspects(f, idle)]
+    aspects = [aspect for f in model.functions if not f.stated_shape for aspect in _aspects(f, idle)]
     return (*gauge_words.missing(model, missing), *gauge_words.conventions(model, aspects))
 
 
@@ -103,16 +103,16 @@ def _effect(function: Term, acting: Array, beyond: Array) -> float:
 
 def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
-    if isinstance(function, PlaneError):
-        return _of_plane(function, acting)
+    if isinstance(function, PlaneError) or function.stated_shape:
+        return _of_a_whole(function, acting)
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.size))
 
 
-def _of_plane(plane: PlaneError, unseen: Array) -> Aspect:
-    """What two axes do together has neither a constant nor slopes: these are in their curves."""
-    prior = float(np.trace(plane.covariance))
-    own = unseen[plane.columns]
-    return Aspect(plane, "curve", own[0], float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
+def _of_a_whole(term: Term, unseen: Array) -> Aspect:
+    """What two axes do together, or repeats, or steps, has neither a constant nor slopes: these are in the curves."""
+    prior = float(np.trace(term.covariance))
+    own = unseen[term.columns]
+    return Aspect(term, "curve", own[0], float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
 
 
 def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:

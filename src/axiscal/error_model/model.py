@@ -25,6 +25,7 @@ from axiscal.machine.kinematics import Frames, SmallMotions, frames
 from axiscal.machine.names import Kind
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
+from axiscal.numerics.repeated import Repeated, Segments
 from axiscal.numerics.rigid import cross
 
 
@@ -50,6 +51,11 @@ class ErrorFunction:
     def axes(self) -> tuple[int]:
         """The axes whose positions it is a function of."""
         return (self.axis,)
+
+    @property
+    def stated_shape(self) -> bool:
+        """Whether it repeats with a period or steps at joints: no curve that may be anything."""
+        return isinstance(self.basis, Repeated | Segments)
 
     @property
     def angular(self) -> bool:

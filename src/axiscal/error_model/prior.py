@@ -6,17 +6,26 @@ import numpy as np
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import SMOOTH, ErrorEntry
+from axiscal.machine.shaped_entry import JOINT, KNOTS_PER_WAVE
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
+from axiscal.numerics.repeated import Repeated, Segments
 
 CELLS_PER_INTERVAL = 8
 """Cells of a knot interval, within each of which what no spline follows is one value."""
 
 
 def basis(entry: ErrorEntry, axis: Axis) -> Spline:
-    """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural."""
+    """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural.
+
+    What repeats is a cyclic one over each period, what steps has levels between its joints.
+    """
     if entry.constant:
         return Constant(*axis.travel)
+    if entry.harmonics and entry.period is not None:
+        return Repeated(*axis.travel, entry.period, KNOTS_PER_WAVE * entry.harmonics)
+    if entry.joints:
+        return Segments(*axis.travel, entry.joints, JOINT)
     knots = np.array(entry.knot_positions(axis))
     return CyclicSpline(knots) if axis.cyclic else NaturalSpline(knots)
 
@@ -25,8 +34,19 @@ def covariance(entry: ErrorEntry, spline: Spline) -> Array:
     """Return the prior covariance of the control values, (size, size).
 
     Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 or -3/2 at the knots; on a
-    cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite.
+    cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite. Of what repeats
+    cosine and sine of k turns a period have s²/k², k = 1…K; of what steps each step has s², and their mean level none.
     """
+    if entry.harmonics:
+        turns = 2 * np.pi * np.arange(spline.size) / spline.size
+        each = [np.cos(k * (turns[:, None] - turns)) / k**2 for k in range(1, entry.harmonics + 1)]
+        waves: Array = entry.std**2 * np.sum(each, axis=0)
+        return waves
+    if entry.joints:
+        level = np.tri(spline.size, spline.size, -1)[:, :-1]
+        centred = level - level.mean(axis=0)
+        steps: Array = entry.std**2 * centred @ centred.T
+        return steps
     if entry.length is None or spline.size == 1:
         return entry.std**2 * np.eye(spline.size)
     return entry.std**2 * matern(distances(spline) / entry.length, entry.smoothness)

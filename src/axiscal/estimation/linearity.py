@@ -41,10 +41,9 @@ def linearity(estimation: Estimation) -> Linearity:
     """Return how linear machine and readings are."""
     case, known = estimation.case, estimation.stages.absorbed
     box, errors, belief = case.description.target.volume, case.errors, known.knowledge.belief
-    spread = _sizes(errors, np.zeros(errors.size), belief.factor, box)
     bound = linear_to(errors, _sizes(errors, belief.mean, belief.factor, box), box)
     finest = min((setup.noise for setup in case.description.setups), default=np.inf)
-    left = linear_to(errors, spread, box) / finest
+    left = _beyond(errors, belief.mean, belief.factor, box) / finest
     if left < _SURE * GAUSSIAN and not case.bends:
         return Linearity(bound, left, None)
     found = indices(known, estimation.readings)
@@ -54,14 +53,25 @@ def linearity(estimation: Estimation) -> Linearity:
     return Linearity(bound, float(found[worst]), estimation.readings[worst].numbered(worst))
 
 
-def _sizes(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> Array:
+def _beyond(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> float:
+    """Return what the exact chain does more, m, than the rows of the nominal machine say of a step off the mean.
+
+    With B the bound as a function of sizes, m of the mean and d of what is left open: B(m + d) − B(m), squares of d and
+    products of m with d; every term of B is a product of sizes, so that it grows as fast as the chain can.
+    """
+    centre = _sizes(errors, mean, np.zeros_like(factor), box, rests=False)
+    spread = _sizes(errors, np.zeros(errors.size), factor, box)
+    return linear_to(errors, centre + spread, box) - linear_to(errors, centre, box)
+
+
+def _sizes(errors: ErrorModel, mean: Array, factor: Array, box: Box, rests: bool = True) -> Array:
     """Return what no term exceeds within its band of 95 % over the volume, (terms,), m or rad."""
-    return np.array([_size(term, mean, factor, box) for term in errors.terms])
+    return np.array([_size(term, mean, factor, box, term.rest if rests else 0.0) for term in errors.terms])
 
 
-def _size(term: Term, mean: Array, factor: Array, box: Box) -> float:
+def _size(term: Term, mean: Array, factor: Array, box: Box, rest: float) -> float:
     sides = [np.linspace(*box[axis], _POSITIONS) for axis in term.axes]
     at = sides[0] if len(sides) == 1 else np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
     rows = term.rows(at)
-    std = np.sqrt(np.sum((rows @ factor[term.columns]) ** 2, axis=1) + term.rest**2)
+    std = np.sqrt(np.sum((rows @ factor[term.columns]) ** 2, axis=1) + rest**2)
     return float(np.max(np.abs(rows @ mean[term.columns]) + _SPREAD * std))

@@ -12,6 +12,7 @@ from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.nonlinearity import GAUSSIAN, SETTLED, indices, moved_by
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 
 _ROUNDS = 12
 _LINEAR = 1e-2
@@ -22,15 +23,30 @@ def located(learnt: Learnt, readings: Sequence[Reading], implausible: Mapping[in
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the place that its station is taken to be at, so a better place makes a better estimate;
-    and where the machine's errors are large, the exact chain differs from its rows by what they are.
+    and where the machine's errors are large, the exact chain differs from its rows by what they are. Where a round asks
+    for more than the one before it, it and those after it go half as far: the rounds would swing.
     """
     known = absorbed(Absorbed.nothing(learnt.case, learnt.verdict), readings, implausible)
+    share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
-        better = _better(known, readings, implausible)
+        mean = known.knowledge.belief.mean
+        asked = _moved(known, readings, implausible, known.case.linear_about(mean))
+        share, last = (share / 2 if asked > last else share), asked
+        settled = asked < (SETTLED if known.case.about is not None else _LINEAR)
+        better = known.case.located(mean) if settled else known.case.linear_about(_towards(known.case, mean, share))
         if better is None:
             break
         known = absorbed(Absorbed.nothing(better, learnt.verdict), readings, implausible)
     return known
+
+
+def _towards(case: Case, mean: Array, share: float) -> Array:
+    """Return a mean that is a share of the way from where readings are linearised now.  mean : (size,)"""
+    count = case.errors.size + len(case.observation.unknowns)
+    start = np.zeros(count) if case.about is None else case.about.point
+    result = mean.copy()
+    result[:count] = start + share * (mean[:count] - start)
+    return result
 
 
 def bent(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
@@ -49,16 +65,6 @@ def bent(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int,
             break
         known = absorbed(Absorbed.nothing(case, known.verdict), readings, implausible)
     return known
-
-
-def _better(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Case | None:
-    """Return the case linearised about what is known now; None where that changes nothing."""
-    mean = known.knowledge.belief.mean
-    better, moved = known.case.linear_about(mean), known.case.located(mean)
-    settled = SETTLED if known.case.about is not None else _LINEAR
-    if _moved(known, readings, implausible, better) < settled:
-        return moved
-    return better
 
 
 def _moved(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt], better: Case) -> float:

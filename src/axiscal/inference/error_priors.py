@@ -18,6 +18,9 @@ def prior_of(term: Term, entry: Entry, std: float, factor: float) -> Array:
     """Return s² R of one error, (k, k).  factor : on its stated correlation length"""
     if isinstance(term, PlaneError):
         return term.prior(std, term.entry.stretch * factor)
+    if term.stated_shape:
+        scaled: Array = term.covariance * (std / entry.std) ** 2
+        return scaled
     length = _length(entry, factor)
     if length is None or term.basis.size == 1:
         return std**2 * np.eye(term.basis.size)
@@ -29,7 +32,7 @@ def by_length(term: Term, entry: Entry, std: float, factor: float) -> Array:
     if isinstance(term, PlaneError):
         return term.prior_by_length(std, term.entry.stretch * factor)
     length = _length(entry, factor)
-    if length is None or term.basis.size == 1:
+    if length is None or term.basis.size == 1 or term.stated_shape:
         return np.zeros((term.basis.size, term.basis.size))
     return std**2 * matern_by_length(distances(term.basis) / length, _smoothness(entry))
 

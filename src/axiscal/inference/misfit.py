@@ -93,8 +93,8 @@ class _Judge:
 
     def _error(self, function: ErrorFunction) -> Misfit | None:
         std, length = self._factor("std", function.name), self._factor("length", function.name)
-        stated = float(np.sqrt(function.covariance[0, 0]))
-        if function.basis.size > 1:
+        stated = next(entry.std for entry in self.observation.machine.errors if entry.name == function.name)
+        if function.basis.size > 1 and not function.stated_shape:
             rest = self.found.value("rest", function.name) or 0.0
             allowed = max(_ROUGHER * function.rest, GUESSED_REST * stated)
             if rest > allowed or length < 1 / _ROUGHER:

@@ -23,7 +23,7 @@ class Neighbours:
         lengths = np.zeros(len(observation.errors.machine.axes))
         entries = {entry.name: entry for entry in observation.errors.machine.errors}
         for function in observation.errors.functions:
-            if function.basis.size > 1:
+            if function.basis.size > 1 and not function.stated_shape:
                 interval = float(np.ptp(function.basis.knots)) / (len(function.basis.knots) - 1)
                 length = entries[function.name].length or interval
                 lengths[function.axis] = max(lengths[function.axis], length)

@@ -32,6 +32,8 @@ class ErrorEntry:
     rest_estimated : the rest is to be learnt from the readings
     period : of an error that repeats along the axis (screw pitch, encoder line), m or rad; None if there is none
     smoothness : ν of the Matérn correlation, 2.5 or 1.5
+    harmonics : waves to a period, at most, of an error of the shape "pitch"; 0 for others
+    joints : where an error of the shape "step" steps, m or rad
     """
 
     name: str
@@ -44,6 +46,8 @@ class ErrorEntry:
     line: int | None = None
     period: float | None = None
     smoothness: float = SMOOTH
+    harmonics: int = 0
+    joints: tuple[float, ...] = ()
 
     @property
     def parts(self) -> ErrorName:

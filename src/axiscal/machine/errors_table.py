@@ -12,6 +12,7 @@ from axiscal.machine.error_sizes import error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
+from axiscal.machine.shaped_entry import shaped
 from axiscal.units import Dimension
 
 Value = TypeVar("Value", int, str)
@@ -89,7 +90,8 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     estimated = rest is None and table.rest is not None
     line = document.line(*keys)
     knots, smoothness = _one(table.knots), smoothness_of(table)
-    return ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness)
+    shape = shaped(document, keys, table, name, axis)
+    return ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness, *shape)
 
 
 def _one(value: Value | tuple[Value, Value] | None) -> Value | None:

@@ -85,6 +85,8 @@ class ErrorTable(_Table):
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
     period: QuantityText | None = Field(None, examples=['"5 mm"'])
     smoothness: StrictFloat | None = Field(None, examples=["1.5"])
+    harmonics: int | None = Field(None, examples=["2"])
+    at: list[QuantityText] | None = Field(None, examples=['["500 mm", "1000 mm"]'])
 
 
 class MachineFile(_Table):

@@ -10,16 +10,18 @@ from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 
 Kind = Literal["motion", "location", "reversal"]
+Shape = Literal["curve", "pitch", "step"]
+"""Any curve, one that repeats with a period, or one with steps at joints."""
 COMPONENTS = "XYZABC"
 
 AXIS_NAME = r"[XYZUVWPQRABC][1-9]?"
 """Pattern of the name of an axis (ISO 841), such as X, U2 or C."""
-_MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{AXIS_NAME})(?P<reversal>_reversal)?")
+_MOTION = re.compile(rf"E(?P<component>[XYZABC])(?P<axis>{AXIS_NAME})(?P<suffix>_reversal|_pitch|_step)?")
 _LOCATION = re.compile(rf"E?(?P<component>[XYZABC])(?:[0O]|\([0O](?P<reference>{AXIS_NAME})\))(?P<axis>{AXIS_NAME})")
 _PLANE = re.compile(rf"E(?P<component>[XYZABC])(?P<first>{AXIS_NAME})(?P<second>{AXIS_NAME})")
 _REMEDY = (
-    "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal, errors "
-    "of two axes together like EZXY"
+    "Component errors are named like EXX or EAC, location errors like C0Y, reversal values like EXX_reversal, what "
+    "repeats like EXX_pitch, what steps like EXX_step, errors of two axes together like EZXY"
 )
 
 
@@ -41,6 +43,17 @@ class ErrorName:
     def angular(self) -> bool:
         """Whether the error is an angle (rad) rather than a displacement (m)."""
         return self.component >= 3
+
+    @property
+    def bare(self) -> str:
+        """The name without what is said of its shape or sides."""
+        return self.canonical.partition("_")[0]
+
+    @property
+    def shape(self) -> Shape:
+        """What kind of curve it is."""
+        suffix = self.canonical.partition("_")[2]
+        return "pitch" if suffix == "pitch" else "step" if suffix == "step" else "curve"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +79,17 @@ def parse_error_name(text: str) -> ErrorName:
         component, axis = found["component"], found["axis"]
         return ErrorName(f"{component}0{axis}", axis, "location", COMPONENTS.index(component), found["reference"])
     if found := _MOTION.fullmatch(text):
-        component, axis, reversal = found["component"], found["axis"], found["reversal"] or ""
-        kind: Kind = "reversal" if reversal else "motion"
-        return ErrorName(f"E{component}{axis}{reversal}", axis, kind, COMPONENTS.index(component))
+        component, axis, suffix = found["component"], found["axis"], found["suffix"] or ""
+        kind: Kind = "reversal" if suffix == "_reversal" else "motion"
+        return ErrorName(f"E{component}{axis}{suffix}", axis, kind, COMPONENTS.index(component))
     raise DescriptionError(f"{shown(text)} is not the name of an error", _likely(text) or _REMEDY)
 
 
 def _likely(text: str) -> str | None:
     """Return a hint when only the case, or blanks, stand between the text and a name."""
-    bare = "".join(text.split()).upper().replace("_REVERSAL", "_reversal").replace("-REVERSAL", "_reversal")
+    bare = "".join(text.split()).upper()
+    for suffix in ("reversal", "pitch", "step"):
+        bare = bare.replace(f"_{suffix.upper()}", f"_{suffix}").replace(f"-{suffix.upper()}", f"_{suffix}")
     if bare != text and (_LOCATION.fullmatch(bare) or _MOTION.fullmatch(bare)):
         return f"Perhaps {bare} is meant; names are written in capitals"
     if bare.endswith("_reversal") and _LOCATION.fullmatch(bare.removesuffix("_reversal")):

@@ -162,6 +162,8 @@ def _possible(
     """Yield what one error may do, and where."""
     if function.kind == "location" or (function.kind == "motion" and function.basis.size == 1):
         return
+    if function.stated_shape:
+        return
     low, high = axis.travel
     if function.kind == "reversal":
         yield from (("reversal", float(centre)) for centre in np.linspace(low, high, 5))

@@ -152,7 +152,7 @@ class Observation:
     ) -> Rows:
         mounted, result = self.setups[setup], np.zeros((len(poses), self.size))
         result[:, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
-        model, nominal = model_of(mounted), self._nominal(mounted, poses)
+        model, nominal = model_of(mounted), self._nominal(mounted, poses, approaches)
         at = np.array(mounted.direction) if direction is None else direction
         for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
             result[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
@@ -201,6 +201,8 @@ class Observation:
         added = np.zeros(len(poses))
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
+        if mounted.lag:
+            added += np.where(np.any(approaches[:, list(mounted.moves)] == 0, axis=1), mounted.lag**2, 0.0)
         for index, function in enumerate(self.errors.functions):
             evened = mounted.mean_sides and not self.errors.machine.axes[function.axis].rotary
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:
@@ -227,7 +229,8 @@ class Observation:
         mounted, model = self.setups[setup], model_of(self.setups[setup])
         if mounted.base is not None:
             return self._first_order(setup, poses, approaches, point)
-        nominal, own = Nominal(self.machine, poses, mounted.moves), np.array(mounted.direction)
+        nominal = Nominal(self.machine, poses, mounted.moves, approaches=approaches)
+        own = np.array(mounted.direction)
         actual = Actual(*deviation_of(self.errors, point[: self.errors.size], poses, approaches))
         each = [own if direction is None else direction for direction in directions_of(mounted)]
         unknowns = self.own_values(setup, point)
@@ -248,7 +251,8 @@ class Observation:
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
         mounted, model, levers = self.setups[setup], model_of(self.setups[setup]), self.levers(setup, poses)
-        nominal, own, numbers = self._nominal(mounted, poses), self.own_values(setup, point), []
+        nominal, own = self._nominal(mounted, poses, approaches), self.own_values(setup, point)
+        numbers = []
         for direction, along in zip(directions_of(mounted), levers, strict=True):
             at = np.array(mounted.direction) if direction is None else direction
             number = self._error_rows(mounted, along, poses, approaches) @ point[: self.errors.size]
@@ -316,9 +320,9 @@ class Observation:
         along: Array = np.einsum("fmc,mc->fm", field, ways)
         return along
 
-    def _nominal(self, mounted: Setup, poses: Array) -> Nominal:
+    def _nominal(self, mounted: Setup, poses: Array, approaches: Array | None = None) -> Nominal:
         actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return Nominal(self.errors.machine, poses, mounted.moves, actual)
+        return Nominal(self.errors.machine, poses, mounted.moves, actual, approaches)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:

@@ -19,6 +19,8 @@ Contact = Literal["free", "held", "retracted"]
 """Between two places nothing is in the way, or the tool keeps in touch, or it goes off and comes back."""
 Vector = tuple[float, float, float]
 
+_SOFT = 0.1
+"""Share of a bound: nobody knows where it ends more sharply, and the estimate settles."""
 FINEST = 1e-10
 """No reading is known better than this, m or rad: an atom's width. Smaller noise is a slip, and ends in rounding."""
 
@@ -57,6 +59,8 @@ class Setup:
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
     resolution : the step q of its display, m or rad; 0 where it shows everything
+    bound : w, a reading is off by anything up to ± this beside its noise, m or rad; 0 where by nothing more
+    one_sided : by how much a chip or burr usually shifts a reading, m or rad, with the side it shifts it to; 0: by none
     reach : (n_axes,) from where to where it can be read along each axis, m or rad; None is all travel
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
@@ -85,6 +89,8 @@ class Setup:
     base: float | None = None
     drift: float = 0.0
     resolution: float = 0.0
+    bound: float = 0.0
+    one_sided: float = 0.0
     reach: tuple[tuple[float, float], ...] | None = None
     chart: Chart | None = None
     artefact: Artefact | None = None
@@ -117,11 +123,29 @@ class Setup:
         return self.resolution / math.sqrt(12.0)
 
     @property
-    def scatter(self) -> float:
-        """Standard deviation of a reading before the display rounds it, m or rad."""
-        if self.resolution == 0:
+    def lag(self) -> float:
+        """Standard deviation of what it shows too little of the way it was moved last, m or rad; 0 for none."""
+        return next((unknown.std for unknown in self.unknowns if unknown.name == "lag"), 0.0)
+
+    @property
+    def interval(self) -> float:
+        """How wide an interval is within which a reading says nothing, m or rad: a step, or both sides of a bound."""
+        return max(self.resolution, 2 * self.bound)
+
+    @property
+    def noise_alone(self) -> float:
+        """Standard deviation of a reading without what a display rounds off and a bound leaves, m or rad."""
+        if self.interval == 0:
             return self.noise
-        return max(math.sqrt(max(self.noise**2 - self.rounding**2, 0.0)), FINEST)
+        return max(math.sqrt(max(self.noise**2 - self.rounding**2 - self.bound**2 / 3.0, 0.0)), FINEST)
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of a reading about its interval, m or rad."""
+        if self.interval == 0:
+            return self.noise
+        beside = math.sqrt(max(self.noise**2 - self.interval**2 / 12.0, 0.0))
+        return max(beside, _SOFT * self.bound, FINEST)
 
     def span(self, axis: Axis, index: int) -> tuple[float, float]:
         """Return from where to where it can be read along an axis, m or rad: its reach, for feet that stand within."""

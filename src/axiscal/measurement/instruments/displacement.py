@@ -1,9 +1,10 @@
 """Instruments that read the displacement of the TCP along a direction: interferometer, indicator, probe, straightedge.
 
-y = dᵀδp + zero + slope · s + growth · dᵀe s, s the travel of the moving axis from its middle, e the way it goes in the
-workpiece frame. A leg of a square that is turned by ω has the slope ω · (e × d): the two legs have it with opposite
-signs. The growth is what the material is longer by than at 20 °C; what is known of it is taken off, what is
-not is an unknown.
+y = dᵀδp + zero + slope · s + growth · dᵀe s + lag · a sign(dᵀe), s the travel of the moving axis from its middle, e the
+way it goes in the workpiece frame, a = ±1 the side from which it came. A leg of a square that is turned by ω has the
+slope ω · (e × d): the two legs have it with opposite signs. The growth is what the material is longer by than at 20 °C;
+what is known of it is taken off, what is not is an unknown. The lag is what a stylus or spindle with play shows of the
+way it was moved last.
 """
 
 from __future__ import annotations
@@ -21,7 +22,13 @@ from axiscal.numerics import Array
 
 SQUARE = ("square_x", "square_y", "square_z")
 """By how much the square is turned that a leg belongs to."""
-_READS: dict[str, Reads] = {"zero": "length", "slope": "angle", "growth": "angle", **dict.fromkeys(SQUARE, "angle")}
+_READS: dict[str, Reads] = {
+    "zero": "length",
+    "slope": "angle",
+    "growth": "angle",
+    "lag": "length",
+    **dict.fromkeys(SQUARE, "angle"),
+}
 
 
 class Displacement:
@@ -42,6 +49,8 @@ class Displacement:
             return np.ones(nominal.count)
         if unknown in SQUARE:
             return _turned(direction, nominal)[:, SQUARE.index(unknown)]
+        if unknown == "lag":
+            return _came(direction, nominal)
         return nominal.travelled if unknown == "slope" else _travelled_along(direction, nominal)
 
     def shown(
@@ -51,7 +60,8 @@ class Displacement:
         tilted = np.tan(unknowns.get("slope", 0.0)) * nominal.travelled
         turned = _turned(direction, nominal) @ np.array([unknowns.get(name, 0.0) for name in SQUARE])
         grown = _grown(unknowns.get("growth", 0.0) + setup.growth, direction, nominal)
-        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown
+        late = unknowns["lag"] * _came(direction, nominal) if "lag" in unknowns else 0.0
+        shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown + late
         return shown
 
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
@@ -81,6 +91,15 @@ def _turned(direction: Array, nominal: Nominal) -> Array:
     """Return what unit turns about x, y, z of what is read do along the direction, (m, 3), m."""
     turned: Array = nominal.travelled[:, None] * np.cross(_ways(nominal), direction)
     return turned
+
+
+def _came(direction: Array, nominal: Nominal) -> Array:
+    """Return the side from which the linear axis that moves came, along the direction: 1, −1, 0 if unknown, (m,)."""
+    axis = next((k for k in nominal.moves if not nominal.machine.axes[k].rotary), None)
+    if axis is None or nominal.approaches is None:
+        return np.zeros(nominal.count)
+    came: Array = nominal.approaches[:, axis] * np.sign(_ways(nominal) @ direction)
+    return came
 
 
 def _ways(nominal: Nominal) -> Array:

@@ -30,12 +30,14 @@ class Nominal:
     """Nominal places of readings of one set-up.  poses : (m, q) m or rad; moves : axes that may move.
 
     actual : where the tool is believed to be instead, for rows that are taken there
+    approaches : (m, q) from which side each axis came, +1 or −1, 0 where nobody said; None where it does not matter
     """
 
     machine: Machine
     poses: Array
     moves: tuple[int, ...]
     actual: rigid.Motion | None = None
+    approaches: Array | None = None
 
     @property
     def count(self) -> int:

@@ -1,0 +1,82 @@
+"""What a set-up says of readings that are not normal: read, refused, simulated, estimated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.exceptions import InputError
+from axiscal.measurement.reading import Reading
+from axiscal.simulation import Simulator
+from tests.generators.one_axis import MACHINE, observed
+
+
+def test_a_bound_counts_with_its_variance_and_is_an_interval() -> None:
+    (setup,) = observed('noise = "1 um"\nbound = "6 um"').setups
+    assert setup.noise == pytest.approx(np.sqrt(1 + 12.0) * 1e-6)
+    assert (setup.interval, setup.scatter, setup.noise_alone) == pytest.approx((12e-6, 1e-6, 1e-6))
+    (fine,) = observed('noise = "0.1 um"\nbound = "6 um"\nresolution = "1 um"').setups
+    assert fine.scatter == pytest.approx(0.6e-6)
+    assert fine.noise_alone == pytest.approx(0.1e-6)
+
+
+def test_a_simulated_bound_is_kept() -> None:
+    observation = observed('noise = "0.1 um"\nbound = "5 um"\nunknowns = {}')
+    machine, rng = Simulator(observation.machine, observation.setups).drawn(1), np.random.default_rng(0)
+    read = np.array([machine.read(observation.setups[0], (0.5,), (1,), rng) for _ in range(400)])
+    assert np.ptp(read) == pytest.approx(10e-6, rel=0.1)
+
+
+def test_a_dead_band_along_the_way_is_a_lag_by_the_side_of_approach() -> None:
+    observation = observed('dead_band = "3 um"\napproach = "both"\nunknowns = {}')
+    (setup,) = observation.setups
+    assert [(u.name, u.std) for u in setup.unknowns] == [("lag", 3e-6)]
+    poses = np.array([[0.2], [0.2], [0.2]])
+    rows = observation.rows(0, poses, np.array([[1.0], [-1.0], [0.0]]))
+    assert rows.rows[:, observation.errors.size] == pytest.approx([1.0, -1.0, 0.0])
+    assert rows.variances[2] - rows.variances[0] == pytest.approx(9e-12)
+    point = np.zeros(observation.size)
+    point[-1] = 2e-6
+    shown = observation.shown(0, poses, np.array([[1.0], [-1.0], [0.0]]), point)
+    assert shown[:, 0] == pytest.approx([2e-6, -2e-6, 0.0], abs=1e-15)
+
+
+def test_a_dead_band_across_the_way_is_a_bound() -> None:
+    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
+    text = start + 'direction = "y"\ndead_band = "3 um"\n'
+    machine = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
+    across = campaign_from_texts(text, "c", machine, "m").setups[0]
+    assert (across.bound, across.lag) == (3e-6, 0.0)
+
+
+def test_a_lag_and_a_reversal_are_told_apart_only_in_their_sum() -> None:
+    machine = MACHINE + 'EXX_reversal = { std = "6 um" }\n'
+    text = 'machine = "m"\n[target]\nreadings = 9\n[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
+    text += 'approach = "both"\nnoise = "0.5 um"\nunknowns = {}\ndead_band = "3 um"\n'
+    case = Case(campaign_from_texts(text, "c", machine, "m"))
+    readings = [Reading("it", (x,), (s,), s * 5e-6) for x in np.linspace(0, 1, 6).tolist() for s in (1, -1)]
+    band = concluded(case, readings).estimate().curve("EXX_reversal", np.array([0.5]))
+    # half the reversal and the lag share 5 um as their variances do, 9 to 9
+    assert band.mean == pytest.approx([5e-6], rel=0.02)
+    assert band.std == pytest.approx([2 * 3e-6 / np.sqrt(2)], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ('bound = "0 um"', "half"),
+        ('bound = "20 mm"', "half"),
+        ('bound = "1 s"', "um"),
+        ('dead_band = "-1 um"', "half"),
+        ('one_sided = "20 um"', "side"),
+        ('one_sided = "+ 20 urad"', "um"),
+        ('one_sided = ""', "side"),
+        ('dead_band = "1 um"\nunknowns = { lag = "1 um" }', "already"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(keys: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        observed(keys)

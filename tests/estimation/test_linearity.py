@@ -1,0 +1,41 @@
+"""What is shown for how linear a machine is, against the exact chain on draws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.error_model.actual import deviation_of
+from axiscal.error_model.linear_bound import linear_to
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.estimation import linearity
+from axiscal.machine import load_machine
+
+
+@pytest.mark.parametrize("far", [0.0, 30.0, 100.0])
+def test_the_cross_terms_of_mean_and_what_is_open_are_within_what_is_shown(far: float) -> None:
+    """A machine far from nominal, its errors known to a hundredth: products with the mean outweigh the squares."""
+    errors, rng = ErrorModel(load_machine("dmu60")), np.random.default_rng(3)
+    mean, factor = far * errors.prior_root() @ rng.standard_normal(errors.size), 0.01 * errors.prior_root()
+    box = whole_travel(errors)
+    low, high = np.array(box).T
+    poses = rng.uniform(low, high, (40, len(box)))
+    sides = np.ones_like(poses)
+    at_mean, rows = deviation_of(errors, mean, poses, sides).displacement, errors.rows(poses, sides)
+    worst = 0.0
+    for _ in range(30):
+        step = factor @ rng.standard_normal(errors.size)
+        beyond = deviation_of(errors, mean + step, poses, sides).displacement - at_mean - rows @ step
+        worst = max(worst, float(np.max(np.linalg.norm(beyond, axis=1))))
+    shown = linearity._beyond(errors, mean, factor, box)
+    assert worst < shown
+    squares = linear_to(errors, linearity._sizes(errors, 0.0 * mean, factor, box), box)
+    assert far == 0.0 or worst > squares  # which is what was shown before
+
+
+def test_without_a_mean_it_is_the_bound_of_what_is_open() -> None:
+    errors = ErrorModel(load_machine("dmu60"))
+    box, root = whole_travel(errors), errors.prior_root()
+    sizes = linearity._sizes(errors, np.zeros(errors.size), root, box)
+    assert linearity._beyond(errors, np.zeros(errors.size), root, box) == pytest.approx(linear_to(errors, sizes, box))
