@@ -22,7 +22,9 @@ travel = ["0 mm", "1000 mm"]
 EXX = { std = "10 um", length = "200 mm", rest = "0.3 um" }
 EXX_reversal = { std = "3 um" }
 """
-_SETUP = 'name = "it"\ninstrument = "interferometer"\ndirection = "x"\napproach = "both"\nnoise = "0.5 um"\n'
+_SETUP = (
+    'name = "it"\ninstrument = "interferometer"\ndirection = "x"\napproach = "both"\nnoise = "0.5 um"\ndrift = "0"\n'
+)
 _MINUTE = 60.0
 _BAD = 7
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH, Ended, reaches, standing
+from axiscal.campaign.ending import DOES_NOT_FIT, NOT_VOUCHED, OUT_OF_REACH, Ended, reaches, standing
 from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
@@ -422,6 +422,14 @@ def test_what_is_promised_and_not_vouched_for_is_no_target_reached(start: Start)
     assert reaches(target, known) is False
     assert reaches(replace(target, unchecked=True), known) is True
     assert reaches(replace(target, rms=None), known) is None
+
+
+def test_a_promise_that_no_reading_makes_vouched_for_ends_the_run(start: Start) -> None:
+    """The promise goes on improving, and the drift that readings once along cannot show stays what it is."""
+    campaign = start('rms = "5.5 um"')
+    assert campaign.run(Listed(*[Answer(1e-6)] * 60), ignore) == NOT_VOUCHED
+    assert len(campaign.state.readings) == 50
+    assert standing(campaign.description.target, campaign.known()).promised == "rms"
 
 
 def test_what_the_readings_vouch_for_reaches_a_target(start: Start) -> None:

@@ -72,8 +72,8 @@ class Trial:
         text = f'machine = "{name}"\n[target]\nreadings = 1\n{setups}'
         description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
         self.name, self.description = name, description
-        self.visits = planned(Case(description), readings or usual)
-        self.estimation = estimated(Case(description), self.visits)
+        self.estimation = estimated(Case(description), planned(Case(description), readings or usual))
+        self.visits = list(self.estimation.readings)  # with the times that a zero wanders by
         self.gain = _gain(self.estimation, self.visits)
         self.terms = self.estimation.case.errors.terms
         self.poses, self.approaches = _spread_poses(self.estimation)
@@ -106,7 +106,9 @@ class Trial:
                 deviation = machine.deviation(poses, approaches) if length else machine.rotation(poses, approaches)
                 zero = machine.offsets[setup.name].get("zero", 0.0)
                 noise = setup.noise * np.random.default_rng((seed, 3, mine[0])).standard_normal(len(mine))
-                result[mine] = deviation @ np.array(setup.direction) + zero + noise
+                moved = machine.drifts.get(setup.name)
+                gone = [moved(self.visits[i].time or 0.0)[0] if moved else 0.0 for i in mine]
+                result[mine] = deviation @ np.array(setup.direction) + zero + np.array(gone) + noise
         return result
 
     def _held(self, machine: VirtualMachine, seed: int) -> list[float]:

@@ -20,6 +20,7 @@ instrument = "interferometer"
 direction = "x"
 noise = "0.5 um"
 approach = "both"
+drift = "0"
 """
 MACHINE = """
 chain = "w-b-X-t"
@@ -58,11 +59,23 @@ def test_readings_that_drift_are_widened_and_the_first_lines_say_so(
     said = capsys.readouterr().out
     assert (status, result["verdict"]) == (0, "widened")
     assert said.splitlines()[0].startswith("U = ")
+    assert "you said that nothing drifts" in said.splitlines()[0]
     assert "Verdict: widened. The readings contradict the model" in said
     assert "drift" in next(line for line in said.splitlines() if "contradict the model (" in line)
     assert result["verdict_words"] in said
     assert result["history"][-1]["rms_um"] == result["rms_um"]
     assert "Verdict: widened" in (folder / "d" / "report.html").read_text()
+
+
+def test_a_drift_of_usual_size_is_taken_off_without_a_word_of_it_in_the_campaign(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "c.toml").write_text(CAMPAIGN.replace('drift = "0"\n', ""))
+    status, result = _evaluated(folder, 10 * np.linspace(0, 1, 40))
+    moved = next(each for each in result["warnings"] if each["code"] == "drift")["text"]
+    assert (status, result["verdict"]) == (0, "unchecked")
+    assert float(moved.partition("had moved by ")[2].partition(" ")[0]) == pytest.approx(10.0, abs=1.0)
+    assert "with zeros that wander as is usual, 5 um/h" in capsys.readouterr().out.splitlines()[0]
 
 
 def test_readings_that_nothing_explains_promise_nothing_and_are_all_kept(

@@ -35,6 +35,7 @@ from axiscal.report.findings import findings, untimed
 from axiscal.simulation import Simulator, VirtualMachine
 
 RATE = 6e-6 / 3600
+STILL = 'drift = "0"'
 CAMPAIGN = """machine = "one-axis"
 [target]
 readings = {readings}
@@ -122,7 +123,7 @@ def test_a_stated_drift_is_found_and_the_bands_hold_which_they_do_not_without() 
         readings = _readings(machine, drifting, seed)
         known = _estimated(drifting, readings)
         shares.append(_covered(known, machine))
-        silent.append(_covered(_estimated(_description(""), readings), machine))
+        silent.append(_covered(_estimated(_description(STILL), readings), machine))
         (path,) = paths(known, drifting.setups[0])
         truth = np.array([machine.drifts["laser"](float(time))[0] for time in path.times])
         beyond.append((path.mean - truth + truth[0])[1:] / path.std[1:])
@@ -144,7 +145,7 @@ def test_the_report_says_how_large_a_stated_drift_was() -> None:
 
 
 def test_a_drift_that_nobody_stated_is_noticed_at_a_marker() -> None:
-    silent = _description("")
+    silent = _description(STILL)
     machine = Simulator(silent.machine, silent.setups).drawn(3)
     still = _readings(machine, silent, 3)
     moving = [replace(r, value=r.value + 4e-6 * (r.time or 0.0) / 7200) for r in still]
@@ -154,7 +155,7 @@ def test_a_drift_that_nobody_stated_is_noticed_at_a_marker() -> None:
 
 
 def test_a_reversal_whose_sides_nobody_told_is_not_taken_for_drift() -> None:
-    silent = _description("")
+    silent = _description(STILL)
     machine = Simulator(silent.machine, silent.setups).drawn(3)
     there = [
         replace(r, approach=(0,), value=4e-6, pose=(0.1 * i,), time=10.0 * i)
@@ -166,7 +167,7 @@ def test_a_reversal_whose_sides_nobody_told_is_not_taken_for_drift() -> None:
 
 
 def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
-    drifting, still = _description().setups, _description("").setups
+    drifting, still = _description().setups, _description(STILL).setups
     timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
     (found,) = untimed([timed, replace(timed, time=None)], drifting)
     assert found.code == "drift"
@@ -175,7 +176,7 @@ def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drif
 
 
 def test_a_trend_needs_a_place_read_three_times() -> None:
-    setup = _description("").setups[0]
+    setup = _description(STILL).setups[0]
     two = [Reading("laser", (0.1,), (1,), 1e-6 * t, time=t) for t in (0.0, 60.0)]
     assert trend(two, setup) == (0.0, 0.0, 0.0)
     assert trend([*two, replace(two[0], time=None)], setup) == (0.0, 0.0, 0.0)

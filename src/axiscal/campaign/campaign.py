@@ -19,21 +19,23 @@ from types import TracebackType
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
-from axiscal.campaign.ending import BUDGET, OUT_OF_REACH, Ended, count_reached, futile, standing
+from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach, standing
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import described, refuse_absurd
+from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
+from axiscal.estimation.deciding import Contest, contest
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
-from axiscal.exceptions import AmbiguityError, ReadingError, RecordError, SourceError
+from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
@@ -60,8 +62,6 @@ Planner = Callable[
 ]
 """From what is known to the readings to come, as `next_places`."""
 
-PATIENCE = 25
-"""So many skipped readings in a row are taken for a source that does not work."""
 _JUDGED_AT_ONCE = 200
 """Readings up to which all are judged anew with each: a second of waiting at the most."""
 
@@ -78,15 +78,15 @@ class Campaign:
         self._case: Case | None = None
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
+        self._contest: tuple[object, Contest | None] = (None, None)
         self._first = record.events()[0]
         self._kept = Kept(record.path, self._first)
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
-        machine = description.machine
-        sources = description.machine_source, description.source
-        created = Created(machine.text, description.text, *sources, versions(), description.prior_text)
+        texts = description.machine.text, description.text, description.machine_source, description.source
+        created = Created(*texts, versions(), description.prior_text, description.usual_drifts)
         return cls(Record.create(path, created), description, planner)
 
     @classmethod
@@ -170,17 +170,30 @@ class Campaign:
             places = self._planner(
                 known.case, known.knowledge, known.readings, known.outliers, self.state.skipped, left
             )
+            if (found := self.contest()) is not None:
+                places = found.place, *places
             if places or left:
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan
+
+    def contest(self) -> Contest | None:
+        """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
+        now = self.state.readings, self.state.skipped
+        if self._contest[0] != now:
+            self._contest = now, contest(self.known(), self.state.skipped)
+        return self._contest[1]
 
     def _plan_stands(self) -> bool:
         state = self.state
         return bool(state.plan) and not state.renew and self._plan_basis() == state.plan_basis
 
     def _plan_basis(self) -> str:
-        known = self.known()
-        return plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
+        known, found = self.known(), self.contest()
+        basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
+        if found is None:
+            return basis
+        rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
+        return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -317,19 +330,20 @@ class Campaign:
                 if isinstance(answer, Skip):
                     self.skip(answer.reason)
                     in_a_row += 1
-                    self._refuse_endless(in_a_row, answer)
+                    refuse_endless(in_a_row, answer)
                 else:
                     self.record(answer.value, answer.std, others=answer.others, live=answer.live)
                     in_a_row = 0
                     path.append(self._milestone())
                     watch(path[-1])
-                    self._refuse_implausible()
+                    refuse_implausible(self.known())
                 interrupts.heed()
             return self.finish(asked.because)
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
-        hopeless = futile(self.description.target, [milestone.accuracy for milestone in path])
-        return Ended(OUT_OF_REACH) if hopeless and not self.reached() else self.next()
+        accuracies = [milestone.accuracy for milestone in path]
+        hopeless = out_of_reach(self.description.target, self.known(), accuracies)
+        return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
@@ -384,17 +398,3 @@ class Campaign:
         if self.state.finished is not None:
             what = f"The campaign is finished: {self.state.finished}"
             raise RecordError(what, "Take the end back with `axiscal undo`, or start a new campaign", self.path)
-
-    def _refuse_implausible(self) -> None:
-        known, last = self.known(), len(self.state.readings) - 1
-        doubt = next((doubt for doubt in known.outliers if doubt.implausible and doubt.reading == last), None)
-        if doubt is not None:
-            remedy = (
-                "It is kept and not relied on. Mend the source; if it is right, undo it and record it with --accept"
-            )
-            raise SourceError(known.objection_to(doubt), remedy)
-
-    def _refuse_endless(self, in_a_row: int, answer: Skip) -> None:
-        if in_a_row >= PATIENCE:
-            what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
-            raise SourceError(what, "Mend it, then go on with --resume")

@@ -10,11 +10,12 @@ from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import GROSS, ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.estimation.vouching import defended
+from axiscal.estimation.vouching import defended, defended_by
 from axiscal.units import to_unit
 
 FUTILE = 50
 OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
+NOT_VOUCHED = f"target promised, not vouched for: the last {FUTILE} readings improved what they can by less than 1 %"
 DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
 BUDGET = "time budget used"
 _HARDLY = 0.99
@@ -98,15 +99,20 @@ def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | No
     return None
 
 
-def futile(target: Target, path: Sequence[Accuracy]) -> bool:
-    """Whether only an accuracy could stop the campaign, and many readings have hardly improved it.
+def out_of_reach(target: Target, known: Estimation, path: Sequence[Accuracy]) -> str | None:
+    """Return in words that only an accuracy could stop the campaign and many readings have hardly brought it nearer.
 
     path : how well the machine was known before the first reading and after each
+    Where the promise is good enough and the readings cannot vouch for it, it is what they vouch for that has to grow.
     """
     if len(path) <= FUTILE or target.readings is not None or target.budget is not None:
-        return False
+        return None
     before, now = path[-1 - FUTILE], path[-1]
-    return now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
+    if standing(target, known).promised is not None:
+        vouched = defended_by(known, len(known.readings) - FUTILE, before.rms).u_def
+        return NOT_VOUCHED if defended(known).u_def > _HARDLY * vouched else None
+    still = now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
+    return OUT_OF_REACH if still else None
 
 
 def _unless_hidden(whole: float, target: float) -> str:

@@ -37,6 +37,7 @@ class CampaignDescription:
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
     particulars : who measured, with which instruments, for the report
+    usual_drifts : zeros of which nothing is stated may wander as those of their instrument do
     """
 
     machine: Machine
@@ -50,6 +51,7 @@ class CampaignDescription:
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
+    usual_drifts: bool = True
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -100,14 +102,16 @@ def campaign_from_texts(
     *,
     target_needed: bool = False,
     prior_text: str = "",
+    usual_drifts: bool = True,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
+    usual_drifts : whether zeros of which nothing is stated may wander; in records of before they could not
     """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source)
-    return _described(document, machine, machine_source, target_needed, prior_text, asking=False)
+    return _described(document, machine, machine_source, target_needed, prior_text, False, usual_drifts)
 
 
 def _machine_name(document: Document) -> str:
@@ -120,7 +124,13 @@ def _machine_name(document: Document) -> str:
 
 
 def _described(
-    document: Document, machine: Machine, machine_source: str, target_needed: bool, prior_text: str, asking: bool
+    document: Document,
+    machine: Machine,
+    machine_source: str,
+    target_needed: bool,
+    prior_text: str,
+    asking: bool,
+    usual_drifts: bool = True,
 ) -> CampaignDescription:
     from axiscal.description.artefacts import read_artefacts
     from axiscal.description.campaign_schema import CampaignTable
@@ -133,7 +143,7 @@ def _described(
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, document)
-    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking))
+    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking, usual_drifts))
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)
     if target_needed and target.empty:
@@ -144,7 +154,18 @@ def _described(
     source = str(document.path)
     active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
     return CampaignDescription(
-        machine, target, setups, document.text, source, machine_source, learnt, prior_text, table.kept, active, said
+        machine,
+        target,
+        setups,
+        document.text,
+        source,
+        machine_source,
+        learnt,
+        prior_text,
+        table.kept,
+        active,
+        said,
+        usual_drifts,
     )
 
 

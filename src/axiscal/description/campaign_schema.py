@@ -63,6 +63,7 @@ class SetupTable(Table):
     raster: dict[str, QuantityText] = Field(default={}, examples=['{ X = "10 mm" }'])
     approach: Literal["both", "+", "-"] = Field("+", examples=['"both"'])
     drift: QuantityText | None = Field(None, examples=['"2 um/h"'])
+    warm: bool = Field(False, examples=["true"])
     artefact: str | None = Field(None, examples=['"three spheres"'])
     ball: str | list[str] | None = Field(None, examples=['["low", "high"]'])
     mounted: int = Field(1, ge=1, examples=["2"])

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.densities import dense
+from axiscal.description.drifting import drift_of
 from axiscal.description.lacking import lack_of
 from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
 from axiscal.description.sights import refuse_no_sight, seen
@@ -17,7 +18,7 @@ from axiscal.description.squares import on_square
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
-from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
+from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
@@ -32,8 +33,6 @@ _REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
 """Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
-_FASTEST = 1e-3 / 60
-"""A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
@@ -46,6 +45,7 @@ class Surroundings:
 
     artefacts : by name; tool : std of how far the tool's point is from where it is stated, along its x, y, z, m
     asking : readings are to be asked for, so that every set-up must say where it can be read
+    usual_drifts : zeros of which nothing is stated may wander as those of their instrument do
     """
 
     machine: Machine
@@ -53,6 +53,7 @@ class Surroundings:
     artefacts: Mapping[str, Artefact]
     tool: Vector
     asking: bool
+    usual_drifts: bool
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -105,6 +106,9 @@ class _Reader:
         resolution = self._resolution(usual)
         growth, spread = self._growth(usual, direction, moves)
         base = self._base(usual)
+        unknowns = self._unknowns(usual, moves, site)
+        with self._at("drift"):
+            rate, said = drift_of(table, usual, moves, unknowns, around.usual_drifts)
         setup = Setup(
             name=name,
             instrument=usual.name,
@@ -112,7 +116,7 @@ class _Reader:
             moves=moves,
             park=self._park(moves) if site is None else site.park,
             noise=math.hypot(noise, resolution / math.sqrt(12.0)),
-            unknowns=(*self._unknowns(usual, moves, site), *spread),
+            unknowns=(*unknowns, *spread),
             setup_time=self._time("setup_time", usual.setup_time * self._mountings(site)),
             settle=self._time("settle", usual.settle),
             reading_time=self._time("reading_time", usual.reading_time),
@@ -121,7 +125,8 @@ class _Reader:
             station=station,
             growth=growth,
             base=base,
-            drift=self._drift(usual),
+            drift=rate,
+            drift_said=said,
             resolution=resolution,
             reach=self._reach(moves),
         )
@@ -291,21 +296,6 @@ class _Reader:
             with self._at(key):
                 raise DescriptionError(f"{format_quantity(value, 's')} is negative", 'Give a time such as "3 s"')
         return usual if value is None else value
-
-    def _drift(self, usual: Instrument) -> float:
-        text = self._table.drift
-        if text is None or text.strip() == "0":
-            return 0.0
-        with self._at("drift"):
-            angular = usual.reads == "angle"
-            remedy = f'Give one such as "{"2 urad/h" if angular else "2 um/h"}"'
-            try:
-                rate = parse_quantity(text, "rotation_speed" if angular else "speed")
-            except UnitError as fault:
-                raise UnitError(fault.what, remedy) from None
-            if not 0 <= rate <= _FASTEST:
-                raise DescriptionError(f"{shown(text)} is no rate at which a zero wanders", remedy)
-            return rate
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
         given = self._table.unknowns

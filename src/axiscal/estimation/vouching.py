@@ -10,6 +10,14 @@ def defended(estimation: Estimation) -> Defence:
     """Return what the readings of an estimation that are believed vouch for, once there is a verdict its own."""
     if estimation.ruling is not None:
         return estimation.ruling.defence
+    return defended_by(estimation, len(estimation.readings), estimation.accuracy.rms)
+
+
+def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
+    """Return what the first readings vouch for, those of them that are believed today.
+
+    count : of the first readings; promise : RMS over the volume that they left, m
+    """
     apart = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
-    believed = [reading for index, reading in enumerate(estimation.readings) if index not in apart]
-    return defence(estimation.case, believed, estimation.accuracy.rms)
+    believed = [reading for index, reading in enumerate(estimation.readings[:count]) if index not in apart]
+    return defence(estimation.case, believed, promise)

@@ -38,10 +38,10 @@ def _contradicted(campaign: Campaign) -> list[str]:
         return []
     power = min(math.floor(math.log10(found.highest)), _MOST)
     what = "The readings contradict the model, by odds of 10^{power} to 1 at least. Likeliest: {cause}."
-    return [said(what, power=power, cause=_cause(found.explanations[0]))]
+    return [said(what, power=power, cause=cause_words(found.explanations[0]))]
 
 
-def _cause(found: Explanation) -> str:
+def cause_words(found: Explanation) -> str:
     """Return in words what explains readings best."""
     words = {
         "drift": said('the zero of "{owner}" drifts', owner=found.owner),

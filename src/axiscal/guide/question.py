@@ -10,6 +10,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.guide.axis_places import axis_places
 from axiscal.guide.expectation import Expectation, expectation
 from axiscal.guide.language import said
+from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import sign_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import place_text, reading_unit
@@ -23,7 +24,7 @@ class Question:
 
     number : of the reading; mount : whether the set-up has to be mounted first
     go, parked : coordinates; coming : sides of the last motion; touch : the ball, and how to get there
-    again : which reading was taken there before
+    again : which reading was taken there before; decides : between which causes it decides
     unit : of the values when none is typed; expected : what earlier readings say of it
     """
 
@@ -34,6 +35,7 @@ class Question:
     coming: str
     touch: str
     again: str
+    decides: str
     parked: str
     sign: str
     unit: str
@@ -51,6 +53,7 @@ class Question:
             coming=coming_text(campaign, asked),
             touch=touch_text(campaign, asked),
             again=again_text(campaign, asked),
+            decides=deciding_text(campaign, asked),
             parked=parked_text(campaign, asked),
             sign=sign_text(setup),
             unit=reading_unit(setup),

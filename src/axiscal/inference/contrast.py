@@ -48,12 +48,21 @@ NO_CONTRAST = Contrast(0.0, _FARTHEST)
 
 def contrast(parts: Array, y: Array) -> Contrast:
     """Return the largest contrast.  parts : (m, h, 2) whitened columns, the second one zero where there is one"""
-    single, double = _bases(parts)
+    return Contrast(float(contrasts(parts, y[None])[0]), threshold(parts))
+
+
+def contrasts(parts: Array, draws: Array) -> Array:
+    """Return T of many campaigns at the same places, (n,).  draws : (n, m) whitened readings"""
+    return _largest(draws, *_bases(parts))
+
+
+def threshold(parts: Array) -> float:
+    """Return what T exceeds by chance in one campaign of twenty."""
+    bases = _bases(parts)
     count = int(np.clip(_PRODUCTS / max(parts.size, 1), _FEWEST_DRAWS, _DRAWS))
     rng = np.random.default_rng(_SEED)
-    blocks = [rng.standard_normal((min(_AT_ONCE, count - at), len(y))) for at in range(0, count, _AT_ONCE)]
-    by_chance = np.concatenate([_largest(block, single, double) for block in blocks])
-    return Contrast(float(_largest(y[None], single, double)[0]), float(np.quantile(by_chance, _QUANTILE)))
+    blocks = [rng.standard_normal((min(_AT_ONCE, count - at), len(parts))) for at in range(0, count, _AT_ONCE)]
+    return float(np.quantile(np.concatenate([_largest(block, *bases) for block in blocks]), _QUANTILE))
 
 
 def explained_squares(parts: Array, y: Array) -> Array:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 Approach = Literal["both", "+", "-"]
 Contact = Literal["free", "held", "retracted"]
 """Between two places nothing is in the way, or the tool keeps in touch, or it goes off and comes back."""
+SaidOfDrift = Literal["nothing", "usual", "stated", "denied"]
+"""Of how fast a zero wanders: nothing, what is usual of its instrument, a rate, or that it does not."""
 Vector = tuple[float, float, float]
 
 _SOFT = 0.1
@@ -58,6 +60,7 @@ class Setup:
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
+    drift_said : who says so
     resolution : the step q of its display, m or rad; 0 where it shows everything
     bound : w, a reading is off by anything up to ± this beside its noise, m or rad; 0 where by nothing more
     one_sided : by how much a chip or burr usually shifts a reading, m or rad, with the side it shifts it to; 0: by none
@@ -88,6 +91,7 @@ class Setup:
     growth: float = 0.0
     base: float | None = None
     drift: float = 0.0
+    drift_said: SaidOfDrift = "nothing"
     resolution: float = 0.0
     bound: float = 0.0
     one_sided: float = 0.0

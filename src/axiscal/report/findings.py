@@ -83,7 +83,9 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
         'The readings of "{}", whose zero may drift, do not tell when they were taken: they count as taken one after '
         "the other, as a plan would have it. If that took longer, the bands are too narrow: add a column time."
     )
-    return [Finding("drift", None, said.format(s.name)) for s in setups if s.drift > 0 and s.name in silent]
+    return [
+        Finding("drift", None, said.format(s.name)) for s in setups if s.drift_said == "stated" and s.name in silent
+    ]
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
@@ -247,7 +249,9 @@ def _stated_drift(estimation: Estimation, setup: Setup) -> str:
             said += f'The {which} of "{setup.name}" had moved by {size} after {after}; the estimate takes that off. '
             if abs(far) > _OUTLIER * path.prior[worst]:
                 rate = abs(far) / max(float(path.times[worst] - path.times[0]), 60.0)
-                said += f"That is more than is stated: drift = {_rate_text(rate, unit)} would be. "
+                usual = setup.drift_said == "usual"
+                said += "That is more than is usual: state " if usual else "That is more than is stated: "
+                said += f"drift = {_rate_text(rate, unit)}{'' if usual else ' would be'}. "
     return said.strip()
 
 

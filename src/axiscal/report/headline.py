@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
+from axiscal.report.drift_words import drift_words
 from axiscal.report.sentences import figure, quantity
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import format_quantity
@@ -24,7 +25,8 @@ def conditions(case: Case) -> str:
     warm = "at 20 degC where a set-up states its temperature" if stated else "as warm as when it was read"
     count, names = len(machine.error_names), " ".join(machine.error_names)
     tool = format_quantity(machine.tool, "mm", 4)
-    return f"for a tool of {tool}, over {volume}, {warm}, of the {count} errors that are described ({names})"
+    assumed = "".join(f"{words}, " for words in drift_words(setups))
+    return f"for a tool of {tool}, over {volume}, {warm}, {assumed}of the {count} errors that are described ({names})"
 
 
 def expanded_words(summary: Summary) -> str:

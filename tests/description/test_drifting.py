@@ -1,0 +1,111 @@
+"""How fast a zero may wander where a set-up is silent, says that it is warm, or says that nothing drifts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import DescriptionError
+from axiscal.measurement.setup import Setup
+from axiscal.record.carried import heritage_text
+from axiscal.record.events import Created, Recorded
+from axiscal.record.payload import decode
+from axiscal.record.store import Record
+from axiscal.report.drift_words import drift_words
+from tests.generators.texts import machine_text
+
+HOUR = 3600.0
+MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um", "EAX": "20 urad"})
+HEAD = 'machine = "machine.toml"\n[target]\nreadings = 5\n[[setups]]\nname = "it"\n'
+LASER = 'instrument = "interferometer"\ndirection = "x"\n'
+
+
+def described(lines: str, *, usual: bool = True) -> Setup:
+    text = HEAD + lines
+    return campaign_from_texts(text, "campaign.toml", MACHINE, "machine.toml", usual_drifts=usual).setups[0]
+
+
+@pytest.mark.parametrize(
+    ("lines", "per_hour", "said"),
+    [
+        (LASER + 'moves = ["X"]', 5e-6, "usual"),
+        (LASER + 'moves = ["X"]\nwarm = true', 3e-6, "usual"),
+        (LASER + 'moves = ["X"]\ndrift = "2 um/h"\nwarm = true', 2e-6, "stated"),
+        (LASER + 'moves = ["X"]\ndrift = "0"', 0.0, "denied"),
+        (LASER + 'moves = ["X"]\ndrift = "0 um/h"', 0.0, "denied"),
+        (LASER + 'moves = ["X"]\nunknowns = {}', 0.0, "nothing"),
+        (LASER + 'moves = ["X", "Y"]', 0.0, "nothing"),
+        ('instrument = "level"\ndirection = "x"\nmoves = ["X"]', 2e-6, "usual"),
+        ('instrument = "indicator"\ndirection = "x"\nmoves = ["X"]', 10e-6, "usual"),
+        ('instrument = "indicator"\ndirection = "x"\nmoves = ["X"]\nwarm = true', 3e-6, "usual"),
+    ],
+)
+def test_a_zero_wanders_as_stated_else_as_is_usual_of_its_instrument(lines: str, per_hour: float, said: str) -> None:
+    setup = described(lines)
+    assert setup.drift * HOUR == pytest.approx(per_hour)
+    assert setup.drift_said == said
+
+
+def test_a_drift_that_is_none_is_refused_in_its_line() -> None:
+    with pytest.raises(DescriptionError, match=r"line 9: .*no rate") as refused:
+        described(LASER + 'moves = ["X"]\ndrift = "-1 um/h"')
+    assert "2 um/h" in str(refused.value)
+
+
+def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> None:
+    """An event of before has no word of usual drifts; the campaign opens without them, and is a prior without them."""
+    text = HEAD + LASER + 'moves = ["X"]\n'
+    fields = '{"machine_text": %s, "campaign_text": %s, "machine_source": "m", "campaign_source": "c", "versions": {}}'
+    created = decode("created", fields % (_quoted(MACHINE), _quoted(text)))
+    assert isinstance(created, Created)
+    reading = decode(
+        "recorded", '{"setup": "it", "position": [0.1, 0.1], "approach": [1, 0], "value": 1e-6, "std": null}'
+    )
+    assert isinstance(reading, Recorded)
+    old = tmp_path / "old.axiscal"
+    Record.create(old, created).close()
+    with Record.open(old) as record:
+        record.append(reading)
+    with Campaign.open(old) as campaign:
+        assert campaign.description.setups[0].drift == 0.0
+        assert not campaign.known().knowledge.observation.courses
+    new = tmp_path / "new.axiscal"
+    description = campaign_from_texts(text, "c", MACHINE, "m", prior_text=heritage_text(old))
+    Campaign.create(new, description).close()
+    with Campaign.open(new) as campaign:
+        assert campaign.description.setups[0].drift * HOUR == pytest.approx(5e-6)
+        assert '"usual_drifts":false' in campaign.description.prior_text
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ('moves = ["X"]', ["with zeros that wander as is usual, 5 um/h"]),
+        ('moves = ["X"]\ndrift = "1 um/h"', ["with zeros that wander as stated, 1 um/h"]),
+        ('moves = ["X"]\ndrift = "0"', ["as if nothing drifted: you said that nothing drifts"]),
+        ('moves = ["X", "Y"]', []),
+    ],
+)
+def test_a_report_says_what_is_taken_for_granted_of_zeros(lines: str, words: list[str]) -> None:
+    assert drift_words([described(LASER + lines)]) == words
+
+
+def test_one_of_two_set_ups_that_does_not_drift_is_named() -> None:
+    still, usual = described(LASER + 'moves = ["X"]\ndrift = "0"'), described(LASER + 'moves = ["X"]')
+    assert drift_words([usual, still]) == [
+        "with zeros that wander as is usual, 5 um/h",
+        'as if the zero of "it" did not drift: you said that it does not',
+    ]
+
+
+def test_without_the_default_nothing_wanders_that_is_not_stated() -> None:
+    assert described(LASER + 'moves = ["X"]', usual=False).drift == 0.0
+    assert described(LASER + 'moves = ["X"]\ndrift = "2 um/h"', usual=False).drift > 0.0

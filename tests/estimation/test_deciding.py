@@ -1,0 +1,101 @@
+"""The reading that decides between two causes: against predictions written out, and on machines of a known cause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.deciding import Contest, contest
+from axiscal.estimation.estimate import estimated
+from axiscal.inference.contradiction import SIZES, watched
+from axiscal.inference.weighted_fit import Fitted
+from axiscal.measurement.departures import departures
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Asked, Gap
+from axiscal.simulation import VirtualMachine
+from tests.generators.laser_axis import CASE, machine
+
+Field = Callable[[float, float], float]
+FIELDS: dict[str, Field] = {
+    "drift": lambda x, t: 0.4e-6 * t / 60,
+    "pitch": lambda x, t: 5e-6 * np.sin(2 * np.pi * x / 0.01),
+    "step": lambda x, t: 15e-6 * (x > 0.43),
+}
+WAY = [(float(x), 1) for x in np.linspace(0.013, 0.987, 12)] + [(float(x), -1) for x in np.linspace(0.98, 0.02, 12)]
+
+
+def one(drawn: VirtualMachine, field: Field, at: tuple[float, int], count: int, rng: np.random.Generator) -> Reading:
+    """Return the next reading, a minute after the last one."""
+    (x, side), time = at, 60.0 * count
+    shown = drawn.read(CASE.description.setups[0], (x,), (side,), rng)
+    return Reading("laser", (x,), (side,), shown + field(x, time), time=time)
+
+
+def until_rivals(name: str, seed: int) -> tuple[list[Reading], Contest]:
+    """Return readings of a machine with one cause up to where another competes with it."""
+    readings, drawn, rng = list[Reading](), machine(seed), np.random.default_rng(seed)
+    for at in WAY:
+        readings.append(one(drawn, FIELDS[name], at, len(readings) + 1, rng))
+        found = contest(estimated(CASE, readings))
+        if found is not None:
+            return readings, found
+    raise AssertionError("no two causes competed")
+
+
+@pytest.mark.parametrize(("name", "seed"), [("drift", 0), ("pitch", 0), ("step", 2)])
+def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int) -> None:
+    readings, found = until_rivals(name, seed)
+    after = readings[-1].time or 0.0
+    seconds = CASE.seconds_of(readings[-1], found.place)
+    coming = Reading("laser", found.place.pose, found.place.approach, 0.0, time=after + seconds)
+    together = [*readings, coming]
+    plain = Fitted.of(CASE.observation, together).covariance()
+    unit = float(np.sqrt(np.median(Fitted.of(CASE.observation, readings).noise)))
+    values, told = np.array([each.value for each in readings]), []
+    for rival in (found.first, found.second):
+        (part,) = [
+            each.columns
+            for each in departures(CASE.observation, together)
+            if (each.family, each.owner, each.place) == (rival.family, rival.owner, rival.place)
+        ]
+        whole = plain + (unit * SIZES[-1]) ** 2 * part @ part.T
+        gain = np.linalg.solve(whole[:-1, :-1], whole[:-1, -1])
+        told.append((gain @ values, whole[-1, -1] - gain @ whole[:-1, -1]))
+    (first, wide), (second, broad) = told
+    assert found.expected == pytest.approx((first, second), rel=1e-4, abs=1e-9)
+    assert found.apart == pytest.approx(abs(first - second) / np.sqrt(wide + broad), rel=1e-4)
+
+
+@pytest.mark.parametrize(("name", "seed"), [("drift", 1), ("drift", 3), ("pitch", 0), ("step", 1), ("step", 3)])
+def test_the_right_cause_is_left_after_the_readings_that_decide(name: str, seed: int) -> None:
+    readings, found = until_rivals(name, seed)
+    drawn, rng, taken = machine(seed), np.random.default_rng((seed, 1)), 0
+    going: Contest | None = found
+    while going is not None and taken < 5:
+        place = going.place
+        readings.append(one(drawn, FIELDS[name], (place.pose[0], place.approach[0]), len(readings) + 1, rng))
+        going, taken = contest(estimated(CASE, readings)), taken + 1
+    best = watched(CASE.observation, readings).explanations[0].family
+    assert best == name
+    assert taken <= 3
+
+
+def test_nothing_has_to_be_decided_of_readings_of_the_model() -> None:
+    drawn, rng = machine(4), np.random.default_rng(4)
+    readings = [one(drawn, lambda x, t: 0.0, at, n, rng) for n, at in enumerate(WAY, 1)]
+    assert contest(estimated(CASE, readings)) is None
+    assert contest(estimated(CASE, readings[:5])) is None
+
+
+def test_no_reading_is_asked_for_where_none_could_be_taken() -> None:
+    readings, found = until_rivals("drift", 0)
+    gaps = [Gap(Asked(1, Place("laser", found.place.pose, found.place.approach)), "the cover is in the way")]
+    other = contest(estimated(CASE, readings), gaps)
+    assert other is not None
+    assert other.place != found.place
+    assert other.apart <= found.apart
+    everywhere = [Gap(Asked(1, found.place), "the laser is gone", whole=True)]
+    assert contest(estimated(CASE, readings), everywhere) is None
