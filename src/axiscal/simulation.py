@@ -148,6 +148,12 @@ class Simulator:
         model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
         return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.terms), *self._mounted(seed))
 
+    def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
+        """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
+        model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
+        each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
+        return VirtualMachine(model, each, *self._mounted(seed))
+
     def from_curves(self, path: Path, seed: int) -> VirtualMachine:
         """Return a machine whose errors are the curves of a file, linear between the points given.
 
@@ -221,7 +227,11 @@ def _through(curve: TruthCurve) -> Curve:
 
 def _drawn(function: Term, rng: np.random.Generator) -> Curve:
     values, vectors = np.linalg.eigh(function.covariance)
-    control = vectors @ (np.sqrt(np.maximum(values, 0)) * rng.standard_normal(len(values)))
+    return _rough(function, vectors @ (np.sqrt(np.maximum(values, 0)) * rng.standard_normal(len(values))), rng)
+
+
+def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:
+    """Return the curve of control values with a rest drawn for each cell.  control : (k,)"""
     cells = function.rest * rng.standard_normal(function.cell_count)
 
     def curve(positions: Array) -> Array:

@@ -168,7 +168,7 @@ class Campaign:
         if not self._plan_stands():
             known, left = self.known(), self.state.plan
             places = self._planner(
-                known.case, known.knowledge, known.readings, known.outliers, self.state.skipped, left
+                known.case, known.to_plan_by, known.readings, known.outliers, self.state.skipped, left
             )
             if (found := self.contest()) is not None:
                 places = found.place, *places

@@ -37,6 +37,7 @@ _FILES = {
     "iso230": "iso230",
     "reproduce": "reproduce",
     "machine": "machine",
+    "type": "type",
 }
 """In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
 

@@ -14,12 +14,14 @@ from axiscal.cli.arguments import CampaignFile, Json, Log, Out, Programs
 from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
+from axiscal.cli.printing import tell
 from axiscal.cli.progress import tell_unasked
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
+from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.report.findings import untimed
@@ -58,7 +60,7 @@ def estimate(
       axiscal estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
-    description = read_campaign(campaign, target_needed=False, asking=False)
+    description = campaign_with_sisters(campaign, target_needed=False, asking=False, told=tell)
     description = answered(description, compensation_active, asking=not json)
     if readings is None and log is None:
         raise typer.BadParameter("give READINGS.csv or --log FILE")

@@ -12,7 +12,7 @@ from axiscal.accuracy.as_one import seen_as_one
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.programs import stated
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
@@ -21,6 +21,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import PlanError, TargetError
+from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
 from axiscal.machine.questions import which_way
@@ -126,7 +127,7 @@ def plan(
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if gcode is not None:
         dialect(gcode)
-    driven = _driven(read_campaign(campaign, target_needed=False), clearance, order, feed, dwell)
+    driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
     case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     refuse_endless(case, limits, candidates)

@@ -13,10 +13,12 @@ from axiscal.campaign.ending import DOES_NOT_FIT, NOT_VOUCHED, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.outputs import write_outputs
+from axiscal.cli.printing import tell
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
+from axiscal.fleet.with_sisters import with_sisters
 from axiscal.record.events import Asked, Created, Planned
 from axiscal.record.store import Record
 from axiscal.report.result_set import RECORD, mend
@@ -61,7 +63,7 @@ def run_loop(
             stack.callback(readings.close)
             if opened is None:  # a source that cannot be opened has left nothing behind
                 out.mkdir(parents=True, exist_ok=True)
-                opened = stack.enter_context(Campaign.create(out / RECORD, description))
+                opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description, tell)))
             tell_out_of_reach(opened)
             _loop(opened, readings, again)
         write_outputs(opened, out, as_json=json)

@@ -12,10 +12,11 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.compensation_active import Active, answered
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import count_text
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
+from axiscal.fleet.with_sisters import campaign_with_sisters
 
 
 def start(
@@ -43,7 +44,7 @@ def start(
 
     if record is not None and out is not None:
         raise typer.BadParameter("give either RECORD or --out, not both")
-    description = answered(read_campaign(campaign), compensation_active, asking=not json)
+    description = answered(campaign_with_sisters(campaign, told=tell), compensation_active, asking=not json)
     path = record or (out or Path()) / f"{campaign.stem}.axiscal"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)

@@ -6,6 +6,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.watching import watched_so_far
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
@@ -39,6 +40,8 @@ def _lines(campaign: Campaign) -> list[str]:
         accuracy_text(status.accuracy, target.rms, target.worst),
         f"odds against the model {watched_so_far(campaign.known()).evalue:.2g} to 1 (contradicted from {SURE:.0f})",
     ]
+    if sisters := membership_words(campaign.known()):
+        lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
@@ -69,6 +72,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "finished": state.finished,
         "mind": standing_words(campaign),
         "evalue": watched_so_far(campaign.known()).evalue,
+        "sisters": membership_words(campaign.known()) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
+from axiscal.description.sisters_named import SistersNamed, sisters_named
 from axiscal.description.target import Target
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
@@ -32,7 +33,8 @@ class CampaignDescription:
     setups : in the order of the file; text, source : the campaign.toml it came from, and where that was read
     machine_source : the file or the built-in name of the machine, whose text is `machine.text`
     scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
-    prior_text : the campaign whose result is the prior (see `heritage`), empty for none
+    prior_text : the campaign whose result is the prior (see `heritage`), or what its type has taught; empty for none
+    sisters : records of machines of its type, to learn from; doubt : that it is no sister, None as the type says
     kept : share of each error that is as that campaign found it
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
@@ -52,6 +54,8 @@ class CampaignDescription:
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
     usual_drifts: bool = True
+    sisters: SistersNamed | None = None
+    doubt: float | None = None
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -85,13 +89,13 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
 
 
 def _prior_text(document: Document) -> str:
-    """Return the campaign that `prior` names, "" where there is none."""
+    """Return the campaign, or the type, that `prior` names, "" where there is none."""
     name = document.data.get("prior")
     if not isinstance(name, str) or not name.strip():
         return ""
-    from axiscal.record.carried import heritage_text
+    from axiscal.record.carried import carried_text
 
-    return heritage_text(document.path.parent / name)
+    return carried_text(document.path.parent / name)
 
 
 def campaign_from_texts(
@@ -153,6 +157,8 @@ def _described(
     learnt = table.scales == "estimate"
     source = str(document.path)
     active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
+    sisters = sisters_named(table.sisters, document)
+    doubt = None if table.sisters is None else table.sisters.doubt
     return CampaignDescription(
         machine,
         target,
@@ -166,6 +172,8 @@ def _described(
         active,
         said,
         usual_drifts,
+        sisters,
+        doubt,
     )
 
 

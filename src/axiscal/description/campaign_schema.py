@@ -107,6 +107,14 @@ class ProgramsTable(Table):
     tcp: bool = Field(True, examples=["false"])
 
 
+class SistersTable(Table):
+    """[sisters]: machines of the same type whose records teach what this one is like."""
+
+    records: str | list[str] | None = Field(None, examples=['"records/*.axiscal"'])
+    directions: int = Field(3, ge=0, le=10, examples=["3"])
+    doubt: float | None = Field(None, gt=0, lt=1, examples=["0.1"])
+
+
 class CampaignTable(Table):
     """The whole of campaign.toml."""
 
@@ -119,6 +127,7 @@ class CampaignTable(Table):
     tool_eccentricity: Length | None = Field(None, examples=['"5 um"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
+    sisters: SistersTable | None = Field(None, examples=['{ records = "records/*.axiscal" }'])
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
     setups: list[SetupTable] = Field(examples=["[…]"])

@@ -48,19 +48,35 @@ class Inherited(NamedTuple):
     covariance: Array
 
 
+class Rival(NamedTuple):
+    """One of several beliefs of the errors that stand side by side: in words, how probable it is, and the belief."""
+
+    name: str
+    weight: float
+    belief: Inherited
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
 
-    inherited : the prior of the errors where an earlier campaign left one
+    inherited : the prior of the errors where an earlier campaign, or the machines of its type, left one
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     about : where readings are linearised; None for the nominal machine
+    rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
     """
 
     description: CampaignDescription
     inherited: Inherited | None = None
     both: frozenset[str] = frozenset()
     about: About | None = None
+    rivals: tuple[Rival, ...] = ()
+
+    @cached_property
+    def sides(self) -> tuple[Case, ...]:
+        """The case with each of the rival beliefs alone; itself where there are none."""
+        alone = tuple(replace(self, inherited=rival.belief, rivals=()) for rival in self.rivals)
+        return alone or (self,)
 
     @cached_property
     def variable(self) -> tuple[Scale, ...]:

@@ -13,6 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import last_estimation
+from axiscal.estimation.type_prior import is_type_text
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 
@@ -42,7 +43,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     rather than made up.
     """
     text = estimation.case.description.prior_text
-    if not text:
+    if not text or is_type_text(text):
         return
     before, now = last_estimation(text).banded, _alone(estimation).banded
     for function in now.case.errors.functions:

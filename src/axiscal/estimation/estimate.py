@@ -9,7 +9,7 @@ Each stage follows from the readings alone; what an estimation of the first ones
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.bands import banded
@@ -19,6 +19,7 @@ from axiscal.estimation.estimation import Estimation, Stages
 from axiscal.estimation.judged import Judged, judged, judged_at_once
 from axiscal.estimation.learnt import Learnt, counts_to_learn_from, learnt
 from axiscal.estimation.located import bent, located
+from axiscal.estimation.membership import Membership, membership, mixed_knowledge
 from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.timed import Timed, timed
@@ -32,20 +33,31 @@ def estimated(stated: Case, readings: Sequence[Reading], before: Estimation | No
 
     before : of the first readings, or of others, which is then not used
     """
-    first = _nothing(stated)
     if before is not None and before.stated is stated and before.stages.timed.begins(readings):
         if len(before.readings) == len(readings):
             return before
-        first = before.stages
-    times = timed(stated, readings, first.timed)
+        last = before
+    else:
+        last = None
+
+    def stages(side: int) -> Stages:
+        return _staged(stated.sides[side], readings, last.stages if last is not None and last.side == side else None)
+
+    return _of_likeliest(stated, stages, 0 if last is None else last.side)
+
+
+def _staged(case: Case, readings: Sequence[Reading], before: Stages | None) -> Stages:
+    """Return the stages of readings while others are to follow.  before : of the first of them, by the same case"""
+    first = before or _nothing(case)
+    times = timed(case, readings, first.timed)
     plausible = judged(times.readings, first.judged)
     known, scales = first.absorbed, first.learnt
-    due = max(counts_to_learn_from(stated, len(readings)), default=0)
+    due = max(counts_to_learn_from(case, len(readings)), default=0)
     if due != scales.count:
-        scales = learnt(stated, times.readings[:due], plausible.implausible)
+        scales = learnt(case, times.readings[:due], plausible.implausible)
         known = located(scales, times.readings[:due], plausible.implausible)
     known = reviewed(known, times.readings, plausible.implausible)
-    return _estimation(stated, Stages(times, plausible, scales, known))
+    return Stages(times, plausible, scales, known)
 
 
 @one_thread()
@@ -54,23 +66,45 @@ def concluded(stated: Case, readings: Sequence[Reading]) -> Estimation:
 
     Raises AmbiguityError where a station may as well stand elsewhere.
     """
-    times = timed(stated, readings, Timed())
-    plausible = judged_at_once(stated, times.readings)
-    scales = learnt(stated, times.readings, plausible.implausible)
+    return _of_likeliest(stated, lambda side: _finished(stated.sides[side], readings), 0)
+
+
+def _finished(case: Case, readings: Sequence[Reading]) -> Stages:
+    """Return the stages of readings if none is to follow."""
+    times = timed(case, readings, Timed())
+    plausible = judged_at_once(case, times.readings)
+    scales = learnt(case, times.readings, plausible.implausible)
     known = located(scales, times.readings, plausible.implausible)
     known = bent(known, times.readings, plausible.implausible)
     refuse_mirrors(known, times.readings, [*plausible.implausible])
-    return _estimation(stated, Stages(times, plausible, scales, known))
+    return Stages(times, plausible, scales, known)
+
+
+def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> Estimation:
+    """Return the estimation by the likeliest of the rival beliefs, where there are any.
+
+    stages : of one of them, by its index; first : the one to begin with
+    """
+    if not stated.rivals:
+        return _estimation(stated, stages(0))
+    tried, side = dict[int, Estimation](), first
+    while side not in tried:
+        found = stages(side)
+        member = membership(stated, found.absorbed, found.timed.readings, found.judged.implausible)
+        tried[side] = _estimation(stated, found, member, side)
+        side = member.likeliest
+    return tried[side]
 
 
 def _nothing(stated: Case) -> Stages:
     return Stages(Timed(), Judged.none(stated), Learnt(stated), Absorbed.nothing(stated))
 
 
-def _estimation(stated: Case, stages: Stages) -> Estimation:
+def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
     times, plausible, scales, as_shown = stages
     known = displayed(as_shown, times.readings, plausible.implausible)
-    wide = banded(known.case, known.knowledge, scales.fit)
+    whole = known.knowledge if member is None else mixed_knowledge(known, member)
+    wide = banded(known.case, whole, scales.fit)
     return Estimation(
         stated,
         known.case,
@@ -84,4 +118,6 @@ def _estimation(stated: Case, stages: Stages) -> Estimation:
         wide,
         wide.case.yardstick.measure(wide.knowledge.belief),
         stages,
+        membership=member,
+        side=side,
     )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.belief import Innovations
+from axiscal.belief import Belief, Innovations
 from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.case import Case
@@ -18,6 +18,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.map_grid import map_grid
+from axiscal.estimation.membership import Membership
 from axiscal.estimation.ruling import Ruling
 from axiscal.estimation.timed import Timed
 from axiscal.inference.fit import Fit
@@ -48,6 +49,7 @@ class Estimation:
     banded : case and knowledge with the bands that are printed: they count that scales are only learnt
     accuracy : how well the machine is known, with these bands
     ruling : what may be promised of it, where that was asked
+    membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
     stated: Case
@@ -63,6 +65,24 @@ class Estimation:
     accuracy: Accuracy
     stages: Stages
     ruling: Ruling | None = None
+    membership: Membership | None = None
+    side: int = 0
+
+    @property
+    def whole(self) -> Belief:
+        """The belief at the most probable scales: of all rivals together where there are some."""
+        return self.knowledge.belief if self.membership is None else self.membership.belief
+
+    @property
+    def to_plan_by(self) -> Knowledge:
+        """What the next readings are chosen by: the likeliest rival's, or all of them once that one is good enough."""
+        target = self.stated.description.target
+        if self.membership is None or not target.accurate:
+            return self.knowledge
+        now = self.case.yardstick.measure(self.knowledge.belief)
+        limits = ((target.rms, now.rms), (target.worst, now.worst))
+        met = any(limit is not None and value <= now.attainable(limit) for limit, value in limits)
+        return Knowledge(self.knowledge.observation, self.whole) if met else self.knowledge
 
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import json
 
-import numpy as np
-
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.exceptions import RecordError
+from axiscal.estimation.type_prior import is_type_text, rivals, type_prior
+from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.events import Created, Recorded
@@ -23,10 +23,19 @@ from axiscal.record.payload import PayloadError, decode
 
 
 def case_of(description: CampaignDescription) -> Case:
-    """Return the case of a campaign, with the prior that an earlier campaign leaves it."""
+    """Return the case of a campaign, with the prior that an earlier campaign, or its type, leaves it.
+
+    Raises DescriptionError where sisters are named that nobody has learnt from.
+    """
+    if not description.prior_text and description.sisters is not None:
+        what = "[sisters] names records, and what they teach is not at hand"
+        raise DescriptionError(what, "Read the campaign with `with_sisters`, or name a type with `prior`")
     if not description.prior_text:
         return Case(description)
     stated = Case(description)
+    if is_type_text(description.prior_text):
+        beliefs = rivals(type_prior(description.prior_text), stated.errors, description.doubt)
+        return Case(description, beliefs[0].belief, rivals=beliefs)
     found = inherited(description.prior_text, stated.errors)
     return Case(description, drifted(found, stated.errors.prior_covariance(), description.kept))
 
@@ -58,23 +67,9 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
     """
     last = last_estimation(text).banded
     before, belief = last.case.errors, last.knowledge.belief
-    known = [function for function in errors.functions if function.name in before.names]
-    across, extra = np.zeros((errors.size, before.size)), np.zeros(errors.size)
-    for function in known:
-        other = before.names[function.name]
-        across[function.columns, other.columns] = other.basis.rows(function.basis.control_positions)
-        extra[function.columns] = other.rest**2
-    planes = [plane for plane in errors.planes if plane.name in before.planes_by_name]
-    for plane in planes:
-        last_plane = before.planes_by_name[plane.name]
-        across[plane.columns, last_plane.columns] = plane.taken_from(last_plane)
-        extra[plane.columns] = plane.loosened(last_plane.rest)
-    factor = across @ belief.factor[: before.size]
-    covariance: Array = factor @ factor.T + np.diag(extra)
-    for term in errors.terms:
-        if term not in known and term not in planes:
-            covariance[term.columns, term.columns] = term.covariance
-    return Inherited(across @ belief.mean[: before.size], covariance)
+    across = carried_over(before, errors)
+    factor = belief.factor[: before.size]
+    return across.prior(belief.mean[: before.size], factor @ factor.T, across.rests)
 
 
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:

@@ -146,7 +146,7 @@ def _mixed(known: Estimation, mixture: Average, moved: Array | None, factor: flo
     wider = case.with_rests(rests)
     added = mixture.about_model if moved is None else mixture.about_mixture
     observation = replace(known.banded.knowledge.observation, errors=wider.errors)
-    return Banded(wider, Knowledge(observation, _belief(known.knowledge.belief, moved, added, factor)))
+    return Banded(wider, Knowledge(observation, _belief(known.whole, moved, added, factor)))
 
 
 def _belief(belief: Belief, moved: Array | None, added: Array, factor: float) -> Belief:

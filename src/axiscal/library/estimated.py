@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.belief import Belief
 from axiscal.compensation import registry
 from axiscal.compensation.export_options import ExportOptions
-from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.error_model.model import ErrorFunction
 from axiscal.estimation.estimate import concluded
@@ -22,6 +22,7 @@ from axiscal.estimation.prediction import tcp_prediction
 from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
+from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.library.curve import Curve
 from axiscal.library.html import html_table
 from axiscal.library.measured_case import Case
@@ -42,7 +43,9 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal estimate` reads
     Raises InputError with file, line, value and remedy.
     """
-    description = campaign.description if isinstance(campaign, Case) else read_campaign(campaign, target_needed=False)
+    description = (
+        campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
+    )
     at_hand = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
     return Estimated(ruled(concluded(case_of(description), at_hand)))
 

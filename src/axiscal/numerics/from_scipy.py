@@ -55,6 +55,13 @@ def solution(lower: Array, right: Array) -> Array:
     return solved
 
 
+def back_solution(lower: Array, right: Array) -> Array:
+    """Return L⁻ᵀ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
+    solve = _function("scipy.linalg", "solve_triangular")
+    solved: Array = solve(lower, right, lower=True, trans="T", check_finite=False)
+    return solved
+
+
 def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
     shares: Array = _function("scipy.special", "log_ndtr")(below)

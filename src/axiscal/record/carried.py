@@ -10,6 +10,26 @@ from axiscal.record.events import Recorded
 from axiscal.record.payload import encode
 from axiscal.record.store import Record
 
+_TYPE = '"axiscal-type/'
+"""In the first line of what a type has taught, which is carried as it is."""
+
+
+def carried_text(path: Path) -> str:
+    """Return what a campaign names as its prior as text that a record can carry; raises RecordError.
+
+    path : of a campaign record, or of what `axiscal type learn` wrote
+    """
+    try:
+        with path.open("rb") as file:
+            start = file.read(200)
+        if start[:1] == b"{" and _TYPE in start.decode("utf-8", "replace"):
+            return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise RecordError("The file of the type is damaged", "Learn it anew with `axiscal type learn`", path) from None
+    except OSError:
+        pass  # the record says what is wrong with it
+    return heritage_text(path)
+
 
 def heritage_text(path: Path) -> str:
     """Return a campaign record as text that another record can carry; raises RecordError."""

@@ -27,6 +27,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.report.contradictions import contradictions
 from axiscal.report.curves import value_unit
+from axiscal.report.strangers import strangers
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.report.wide_bands import wide_bands
 from axiscal.units import to_unit
@@ -73,6 +74,7 @@ def findings(estimation: Estimation) -> list[Finding]:
         *_aliasing(estimation),
         *_drift(estimation),
         *_changes(estimation),
+        *strangers(estimation),
     ]
 
 

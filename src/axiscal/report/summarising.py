@@ -21,6 +21,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
 from axiscal.estimation.linearity import linearity
 from axiscal.estimation.ruled import ruling_of
+from axiscal.estimation.type_prior import is_type_text
 from axiscal.estimation.vouching import defended
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
@@ -144,10 +145,11 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
 def _checksums(campaign: Campaign) -> dict[str, str]:
     """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
     described = campaign.description
+    before = "what its type has taught" if is_type_text(described.prior_text) else "the earlier campaign"
     texts = {
         Path(described.source).name: described.text,
         Path(described.machine_source).name: described.machine.text,
-        "the earlier campaign": described.prior_text,
+        before: described.prior_text,
     }
     sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
     return sums | {campaign.path.name: campaign.state.name}

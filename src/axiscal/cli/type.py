@@ -1,0 +1,205 @@
+"""`axiscal type learn / explain / rehearse`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import CampaignFile, Json
+from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.texts import count_text
+from axiscal.description.campaign import read_campaign
+from axiscal.estimation.type_prior import TypePrior, type_prior
+from axiscal.exceptions import RecordError
+from axiscal.fleet.rehearsal import Imagined, rehearsed
+from axiscal.fleet.saving import Saving, saving
+from axiscal.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type
+from axiscal.fleet.type_words import error_lines, summary_sentences
+from axiscal.machine import load_machine
+from axiscal.record.carried import carried_text
+from axiscal.record.durable import write_whole
+from axiscal.report import type_page
+from axiscal.units import to_unit
+
+_LARGEST = 100.0
+"""Nobody's tolerances are wrong by more."""
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+Page = Annotated[Path | None, typer.Option("--page", metavar="FILE.html", help="Draw what was learnt, as a page.")]
+
+
+@app.callback()
+def type() -> None:
+    """What machines of one type teach the next one."""
+
+
+@app.command("learn")
+def learn(
+    records: Annotated[
+        list[Path], typer.Argument(metavar="RECORD|FOLDER...", help="Records of machines, or folders that hold them.")
+    ],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.type.json", help="Keep what was learnt.")] = None,
+    machine: Annotated[
+        str | None,
+        typer.Option(metavar="FILE|NAME", help="Learn over these errors; default: those most records have."),
+    ] = None,
+    directions: Annotated[
+        int, typer.Option(metavar="N", help="In which sisters differ together.", min=0, max=10)
+    ] = DIRECTIONS,
+    doubt: Annotated[
+        float, typer.Option(metavar="P", help="That a machine is no sister, before it is measured.")
+    ] = DOUBT,
+    page: Page = None,
+    json: Json = False,
+) -> None:
+    """Learn from records of machines of one type what the next one will be like.
+
+    What counts are the readings, never what was concluded from them: a record measured with such a prior teaches the
+    same. Records that cannot be used are left out and named. The file goes into a campaign: prior = "vmc600.type.json".
+
+    \b
+    Examples:
+      axiscal type learn records --out vmc600.type.json
+      axiscal type learn records/*.axiscal --out vmc600.type.json --page vmc600.html
+    """
+    if not 0 < doubt < 1:
+        raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
+    of = None if machine is None else load_machine(machine)
+    prior = learnt_type(_files(records), of, directions, doubt, tell)
+    written = []
+    for file, text in ((out, prior.text()), (page, type_page.render(prior) if page else "")):
+        if file is not None:
+            write_whole(file, text.encode())
+            written.append(file)
+    _show(prior, [], written, json)
+
+
+@app.command("explain")
+def explain(
+    source: Annotated[
+        list[Path], typer.Argument(metavar="FILE.type.json|RECORD|FOLDER...", help="What was learnt, or the records.")
+    ],
+    campaign: Annotated[
+        Path | None,
+        typer.Option(metavar="CAMPAIGN", help="Plan this campaign with and without it: readings and minutes saved."),
+    ] = None,
+    page: Page = None,
+    json: Json = False,
+) -> None:
+    """Say which records count and why others do not, what was learnt, and what it saves a campaign.
+
+    \b
+    Examples:
+      axiscal type explain vmc600.type.json
+      axiscal type explain vmc600.type.json --campaign campaign.toml --page vmc600.html
+    """
+    described = None if campaign is None else read_campaign(campaign)
+    if len(source) == 1 and source[0].suffix == ".json":
+        prior = type_prior(carried_text(source[0]))
+    else:
+        prior = learnt_type(_files(source), None if described is None else described.machine, told=tell)
+    saved = []
+    if described is not None:
+        saved = [saving_words(saving(described, prior.text(), lambda said: tell(f"{said} ...")))]
+    if page is not None:
+        write_whole(page, type_page.render(prior, saved).encode())
+    _show(prior, saved, [] if page is None else [page], json)
+
+
+def saving_words(saved: Saving) -> str:
+    """Return in a sentence what a type saves a campaign."""
+    stated, taught = saved.stated, saved.taught
+    minutes = [to_unit(plan.seconds, "min") for plan in (stated, taught)]
+    rms = [to_unit(plan.accuracy.rms, "um") for plan in (stated, taught)]
+    counts = (
+        f"{len(stated.readings)} readings in {minutes[0]:.1f} min become {len(taught.readings)} in {minutes[1]:.1f}"
+    )
+    if saved.readings > 0 or saved.seconds > 0:
+        return f"{counts}: RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
+    if rms[1] < rms[0]:
+        return f"No reading is saved, and as many promise RMS {rms[1]:.3g} um for {rms[0]:.3g} um ({counts})."
+    return f"Nothing is saved ({counts}): RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
+
+
+def _files(given: Sequence[Path]) -> list[Path]:
+    """Return records, and those in folders; raises RecordError where there are none."""
+    found = [each for path in given for each in (sorted(path.glob("*.axiscal")) if path.is_dir() else [path])]
+    if not found:
+        raise RecordError("There is no record in it", "Name records, files *.axiscal, or a folder of them", given[0])
+    return found
+
+
+def _show(prior: TypePrior, saved: Sequence[str], written: Sequence[Path], as_json: bool) -> None:
+    if as_json:
+        say_document(_document(prior, saved, written))
+        return
+    for sentence in [*saved, *summary_sentences(prior)]:
+        say(sentence)
+    say(f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}")
+    for line in error_lines(prior):
+        unit = "urad" if line.angular else "um"
+        std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
+        share = f"{line.share:.0%} ± {line.share_std:.0%}"
+        say(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
+    for file in written:
+        say(f"Written: {file}")
+
+
+def _document(prior: TypePrior, saved: Sequence[str], written: Sequence[Path]) -> dict[str, object]:
+    lines = error_lines(prior)
+    return {
+        "schema": "axiscal-type-learnt/1",
+        "records": [
+            {
+                "file": each.file,
+                "readings": each.readings,
+                "counts": not each.left_out,
+                "why_not": each.left_out or None,
+            }
+            for each in prior.records
+        ],
+        "errors": {
+            line.name: {
+                "unit": (unit := "urad" if line.angular else "um"),
+                "stated_std": to_unit(line.stated, unit),
+                "std": to_unit(line.known, unit),
+                "times_stated": line.factor,
+                "in_common": line.share,
+                "in_common_std": line.share_std,
+            }
+            for line in lines
+        },
+        "said": [*saved, *summary_sentences(prior)],
+        "written": [str(file) for file in written],
+    }
+
+
+@app.command("rehearse")
+def rehearse(
+    campaign: CampaignFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the records.")],
+    machines: Annotated[int, typer.Option(metavar="N", help="So many virtual sisters.", min=1, max=200)] = 12,
+    size: Annotated[float, typer.Option(metavar="F", help="How large they are, times the stated std.")] = 1.0,
+    common: Annotated[
+        float, typer.Option(metavar="P", help="Share of the variance that all have in common.", min=0.0, max=0.99)
+    ] = 0.67,
+    seed: Annotated[int, typer.Option(metavar="N", help="Another type for another seed.", min=0)] = 1,
+    json: Json = False,
+) -> None:
+    """Make records of virtual sisters, to see beforehand what a type could teach: each is measured as CAMPAIGN plans.
+
+    \b
+    Example: machines half as large as stated
+      axiscal type rehearse campaign.toml --machines 12 --size 0.5 --out records
+      axiscal type learn records --out virtual.type.json
+    """
+    if not 0 < size <= _LARGEST:
+        raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
+    described = read_campaign(campaign)
+    files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell(f"{said} ..."))
+    if json:
+        say_document({"schema": "axiscal-type-rehearsed/1", "records": [str(file) for file in files]})
+    else:
+        say(f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}")

@@ -1,0 +1,53 @@
+"""A belief over the errors of one description, read as one over those of another: curves at the knots of today's."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.plane import PlaneError
+from axiscal.estimation.case import Inherited
+from axiscal.numerics import Array
+
+
+class Across(NamedTuple):
+    """errors : of today; matrix : (size, before) from the unknowns of before to those of today
+
+    rests : (size,) variances that the rests of before give them; known : the names of errors that both have
+    """
+
+    errors: ErrorModel
+    matrix: Array
+    rests: Array
+    known: frozenset[str]
+
+    def prior(self, mean: Array, covariance: Array, extra: Array) -> Inherited:
+        """Return a belief over today's errors; those that are new are as their prior states.
+
+        mean : (k,); covariance : (k, k); extra : (n,) variances to add
+        """
+        result: Array = self.matrix @ covariance @ self.matrix.T + np.diag(extra)
+        for term in self.errors.terms:
+            if term.name not in self.known:
+                result[term.columns, term.columns] = term.covariance
+        return Inherited(self.matrix @ mean, result)
+
+
+def carried_over(before: ErrorModel, errors: ErrorModel) -> Across:
+    """Return how a belief over the errors of one model becomes one over those of another."""
+    matrix, rests = np.zeros((errors.size, before.size)), np.zeros(errors.size)
+    known = {term.name for term in before.terms} & {term.name for term in errors.terms}
+    for term in errors.terms:
+        if term.name not in known:
+            continue
+        if isinstance(term, PlaneError):
+            plane = before.planes_by_name[term.name]
+            matrix[term.columns, plane.columns] = term.taken_from(plane)
+            rests[term.columns] = term.loosened(plane.rest)
+        else:
+            other = before.names[term.name]
+            matrix[term.columns, other.columns] = other.basis.rows(term.basis.control_positions)
+            rests[term.columns] = other.rest**2
+    return Across(errors, matrix, rests, frozenset(known))

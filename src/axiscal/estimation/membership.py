@@ -1,0 +1,95 @@
+"""Whether a machine is like its sisters: the rival beliefs side by side, and their mixture, which is what is reported.
+
+Each belief is as probable as it foretells the readings; how much a reading counts is judged by the widest of them, for
+to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.belief import Belief
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.case import Case, Rival
+from axiscal.estimation.displayed import displayed
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.learnt import weighed
+from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.inference.reading_set import ReadingSet
+from axiscal.inference.sisters.belonging import Moments, moments_of, shares_of
+from axiscal.inference.sisters.data_equation import data_equation
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+_GONE = 1e-9
+"""A belief that is less probable than this moves no digit."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Membership:
+    """rivals : the beliefs; shares : (k,) how probable each is after the readings; count : of the readings
+
+    belief : the mixture of all of them, by its moments
+    """
+
+    rivals: tuple[Rival, ...]
+    shares: Array
+    count: int
+    belief: Belief
+
+    @property
+    def likeliest(self) -> int:
+        """Index of the belief that holds the most."""
+        return int(np.argmax(self.shares))
+
+    @property
+    def sister(self) -> float:
+        """How probable it is that the machine is like its sisters: by the first two beliefs."""
+        return float(self.shares[:2].sum())
+
+
+def membership(
+    stated: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]
+) -> Membership:
+    """Return how probable each rival of a case is.
+
+    known : what readings make known by one of them; readings : all, with their times
+    """
+    cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
+    shares = shares_of_rivals(stated.rivals, cases[-1], readings, implausible)
+    counts = [index for index, share in enumerate(shares) if share > _GONE]
+    beliefs = [_belief(cases[index], known, readings, implausible) for index in counts]
+    parts = [Moments(belief.mean, belief.covariance) for belief in beliefs]
+    mixed = moments_of(parts, shares[counts] / shares[counts].sum())
+    return Membership(stated.rivals, shares, len(readings), Belief(mixed.mean, mixed.covariance))
+
+
+def shares_of_rivals(
+    rivals: Sequence[Rival], widest: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt]
+) -> Array:
+    """Return how probable each rival is after readings, (k,).  widest : the case by which readings are judged"""
+    each = np.array([rival.weight for rival in rivals])
+    before: Array = each / each.sum()
+    if not readings:
+        return before
+    weights = np.array(weighed(widest, readings, implausible).weights)
+    counts = [index for index in range(len(readings)) if weights[index] > NOTHING and index not in implausible]
+    if not counts:
+        return before
+    numbers = ReadingSet(widest.observation, [readings[index] for index in counts])
+    data = data_equation(numbers, weights[counts], np.zeros((widest.errors.size, 0)))
+    return shares_of(data, [Moments(*rival.belief) for rival in rivals], before)
+
+
+def _belief(case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Belief:
+    """Return what readings make of one of the beliefs, each counting as in what is known."""
+    fresh = absorbed(Absorbed.nothing(case, known.verdict), readings, implausible)
+    return displayed(fresh, readings, implausible).knowledge.belief
+
+
+def mixed_knowledge(known: Absorbed, found: Membership) -> Knowledge:
+    """Return what is known with the mixture in the place of one belief."""
+    return Knowledge(known.knowledge.observation, found.belief)

@@ -1,0 +1,191 @@
+"""What machines of one type have taught, as the text that a file and a record carry, and as the prior of one more.
+
+Four beliefs stand side by side from it, so that a stranger is noticed and its band still holds: the type's (1 − d), the
+same with six times its covariance (0.4 d), the stated prior in the sizes that were learnt (0.3 d), and the stated prior
+twice as wide (0.3 d), with d the doubt that this machine is a sister at all.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.carried_over import carried_over
+from axiscal.estimation.case import Inherited, Rival
+from axiscal.exceptions import InputError, RecordError
+from axiscal.machine import machine_from_text
+from axiscal.numerics import Array
+
+SCHEMA = "axiscal-type/1"
+LOOSE, WIDE = 6.0, 4.0
+"""Factors on variances of the second and the fourth belief: two beliefs between the type and anything at all."""
+_DOUBTS = (0.4, 0.3, 0.3)
+"""Shares of the doubt; any near would do: the readings decide within a few of them."""
+SISTER = "like its sisters"
+_NAMES = (SISTER, "like its sisters, and 2.4 times as far from them", "as stated, in the sizes of its type")
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What was learnt of one error.
+
+    scale, scale_std : how wrong its stated variance is, c; share, share_std : of the variance, common to all, ω
+    """
+
+    scale: float
+    scale_std: float
+    share: float
+    share_std: float
+
+
+@dataclass(frozen=True, slots=True)
+class SisterRecord:
+    """A record that was looked at.
+
+    file : its name; digest : of what was read; readings : in it; left_out : why it does not count, "" where it does
+    """
+
+    file: str
+    digest: str
+    readings: int
+    left_out: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class TypePrior:
+    """What a type has taught.
+
+    machine_text : the description over whose errors it stands; records : that were looked at, by their digests
+    learned : by error; directions : in which sisters may differ together; doubt : that a machine is no sister
+    mean : (n,); covariance : (n, n); own : (n, n) the part of it in which sisters differ, m or rad
+    """
+
+    machine_text: str
+    records: tuple[SisterRecord, ...]
+    learned: Mapping[str, Learned]
+    directions: int
+    doubt: float
+    mean: Array
+    covariance: Array
+    own: Array
+
+    @property
+    def counted(self) -> tuple[SisterRecord, ...]:
+        """The records that it was learnt from."""
+        return tuple(record for record in self.records if not record.left_out)
+
+    def text(self) -> str:
+        """Return it as the JSON text that a file keeps and a record carries."""
+        document = {
+            "schema": SCHEMA,
+            "machine": self.machine_text,
+            "records": [
+                {"file": r.file, "digest": r.digest, "readings": r.readings, "left_out": r.left_out}
+                for r in self.records
+            ],
+            "learned": {
+                name: {"scale": e.scale, "scale_std": e.scale_std, "share": e.share, "share_std": e.share_std}
+                for name, e in self.learned.items()
+            },
+            "directions": self.directions,
+            "doubt": self.doubt,
+            "mean": self.mean.tolist(),
+            "covariance": _packed(self.covariance),
+            "own": _packed(self.own),
+        }
+        return json.dumps(document, ensure_ascii=False, indent=1) + "\n"
+
+
+def is_type_text(text: str) -> bool:
+    """Whether a text that a record carries as its prior is that of a type, and not an earlier campaign."""
+    return f'"{SCHEMA}"' in text[:200]
+
+
+def type_prior(text: str) -> TypePrior:
+    """Return what a type has taught from its text; raises RecordError where that is none."""
+    try:
+        document = json.loads(text)
+        if document["schema"] != SCHEMA:
+            raise ValueError(f"it is of the form {document['schema']!r}")
+        learned = {str(name): Learned(**fields) for name, fields in document["learned"].items()}
+        records = tuple(SisterRecord(**fields) for fields in document["records"])
+        mean = np.array(document["mean"], dtype=float)
+        covariance, own = (_unpacked(document[name], len(mean)) for name in ("covariance", "own"))
+        found = TypePrior(
+            str(document["machine"]),
+            records,
+            learned,
+            int(document["directions"]),
+            float(document["doubt"]),
+            mean,
+            covariance,
+            own,
+        )
+        _check(found)
+    except (InputError, ValueError, KeyError, TypeError, RecursionError, binascii.Error) as error:
+        what = f"what the type has taught cannot be read: {error}"
+        raise RecordError(what, "Learn it anew with `axiscal type learn`") from None
+    return found
+
+
+def _check(found: TypePrior) -> None:
+    size = ErrorModel(machine_from_text(found.machine_text)).size
+    if found.mean.shape != (size,):
+        raise ValueError(f"it has {len(found.mean)} unknowns, and its machine {size}")
+    if not 0 < found.doubt < 1:
+        raise ValueError(f"{found.doubt} is no doubt between 0 and 1")
+    for name, matrix in (("covariance", found.covariance), ("own part", found.own)):
+        if not np.all(np.isfinite(matrix)) or np.linalg.eigvalsh(_correlated(matrix)).min() < -1e-8:
+            raise ValueError(f"its {name} is none")
+
+
+def _correlated(matrix: Array) -> Array:
+    scale = np.sqrt(np.maximum(np.diagonal(matrix), np.finfo(float).tiny))
+    correlated: Array = matrix / scale[:, None] / scale
+    return correlated
+
+
+def _packed(matrix: Array) -> str:
+    """Return the lower triangle, row by row, as base64 of little-endian doubles."""
+    return base64.b64encode(matrix[np.tril_indices(len(matrix))].astype("<f8").tobytes()).decode()
+
+
+def _unpacked(text: Any, size: int) -> Array:
+    values = np.frombuffer(base64.b64decode(str(text), validate=True), dtype="<f8")
+    lower = np.zeros((size, size))
+    lower[np.tril_indices(size)] = values
+    matrix: Array = lower + np.tril(lower, -1).T
+    return matrix
+
+
+def rivals(found: TypePrior, errors: ErrorModel, doubt: float | None = None) -> tuple[Rival, ...]:
+    """Return the beliefs of a machine that may be of a type, side by side; errors that it did not have are as stated.
+
+    errors : of the machine, whose curves may have other knots; doubt : instead of the type's own
+    """
+    doubted = found.doubt if doubt is None else doubt
+    prior = over(found, errors)
+    stated = errors.prior_covariance()
+    sized = stated.copy()
+    for term in errors.terms:
+        if term.name in found.learned:
+            sized[term.columns, term.columns] *= found.learned[term.name].scale
+    zero = np.zeros(errors.size)
+    loose = Inherited(prior.mean, LOOSE * prior.covariance)
+    beliefs = (prior, loose, Inherited(zero, sized), Inherited(zero, WIDE * stated))
+    weights = (1 - doubted, *(doubted * share for share in _DOUBTS))
+    names = (*_NAMES, "as stated, and up to twice as large")
+    return tuple(Rival(*each) for each in zip(names, weights, beliefs, strict=True))
+
+
+def over(found: TypePrior, errors: ErrorModel) -> Inherited:
+    """Return mean and covariance over the errors of a machine."""
+    across = carried_over(ErrorModel(machine_from_text(found.machine_text)), errors)
+    return across.prior(found.mean, found.covariance, np.zeros(errors.size))

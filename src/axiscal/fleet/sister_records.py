@@ -1,0 +1,182 @@
+"""Records of machines of one type: which of them teach, which do not and why not, and what each of them says."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.possible import described
+from axiscal.description.campaign import CampaignDescription
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.carried_over import carried_over
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.ruled import GROSS
+from axiscal.estimation.type_prior import SisterRecord
+from axiscal.exceptions import AxiscalError, InputError, RecordError
+from axiscal.inference.outliers import NOTHING
+from axiscal.inference.reading_set import ReadingSet
+from axiscal.inference.sisters.data_equation import DataEquation, data_equation
+from axiscal.machine.description import Machine
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.record.events import Recorded
+from axiscal.record.payload import encode
+from axiscal.record.store import Record
+from axiscal.units import format_quantity
+
+_TRAVEL = 0.01
+"""Share by which travels may differ in one type: what is rounded in a description, and no other size."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MachineRecord:
+    """A record as it was read.  digest : of its machine and readings; begun : ISO 8601, UTC."""
+
+    file: Path
+    digest: str
+    begun: str
+    description: CampaignDescription
+    readings: tuple[Reading, ...]
+
+    @property
+    def serial(self) -> str:
+        """The serial number of the machine, "" where nobody said."""
+        return self.description.particulars.serial
+
+
+def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[SisterRecord]]:
+    """Return the records that can be read and have readings, and of the others why they are left out.
+
+    In the order of their digests, whatever the order of the files; of twice the same reading of a machine one counts.
+    """
+    found, left = dict[str, MachineRecord](), list[SisterRecord]()
+    for file in sorted({file.resolve(): file for file in files}.values(), key=lambda file: file.name):
+        try:
+            record = _read(file)
+        except InputError as fault:
+            left.append(SisterRecord(file.name, "", 0, fault.what))
+            continue
+        except OSError as fault:
+            left.append(SisterRecord(file.name, "", 0, f"it cannot be read: {fault.strerror or fault}"))
+            continue
+        if record.digest in found:
+            why = f"it is the same as {found[record.digest].file.name}"
+            left.append(SisterRecord(file.name, record.digest, len(record.readings), why))
+        else:
+            found[record.digest] = record
+    return [found[digest] for digest in sorted(found)], left
+
+
+def _read(file: Path) -> MachineRecord:
+    with Record.open(file, write=False) as record:
+        description, state, first = described(record), record.state(), record.events()[0]
+    if not state.readings:
+        raise RecordError("it has no readings", "Measure the machine", file)
+    read = sorted(encode(Recorded(replace(reading, number=None)))[1] for reading in state.readings)
+    text = json.dumps([description.machine.text, read])
+    return MachineRecord(file, hashlib.sha256(text.encode()).hexdigest(), first.at, description, state.readings)
+
+
+def usual_machine(records: Sequence[MachineRecord]) -> Machine:
+    """Return the description that most of the records have, names and numbers of machines apart.
+
+    Raises RecordError where there are no records.
+    """
+    if not records:
+        raise RecordError("None of the records has readings", "Name records of campaigns that have been measured")
+    machines = sorted((record.description.machine for record in records), key=lambda machine: machine.text)
+    counts = Counter(_form(machine) for machine in machines)
+    most = max(counts.values())
+    return next(machine for machine in machines if counts[_form(machine)] == most)
+
+
+def _form(machine: Machine) -> str:
+    entries = [replace(entry, line=None) for entry in machine.errors]
+    planes = [replace(entry, line=None) for entry in machine.planes]
+    return repr((machine.chain, [(axis.name, axis.travel) for axis in machine.axes], entries, planes))
+
+
+def other_machine(machine: Machine, reference: Machine) -> str:
+    """Return why a machine is not of the type of another one, "" where it may be."""
+    if machine.chain != reference.chain:
+        return f"another machine: its chain is {machine.chain}, not {reference.chain}"
+    for axis, other in zip(machine.axes, reference.axes, strict=True):
+        pairs = zip(axis.travel, other.travel, strict=True)
+        if axis.name != other.name or axis.rotary != other.rotary:
+            return f"another machine: it has an axis {axis.name} in the place of {other.name}"
+        if any(abs(one - two) > _TRAVEL * other.length for one, two in pairs):
+            long, usual = (format_quantity(each.length, each.unit, 6) for each in (axis, other))
+            return f"another size: {axis.name} travels {long}, not {usual}, or from elsewhere"
+    if not set(machine.error_names) & set(reference.error_names):
+        return "it describes none of the errors of the type"
+    return ""
+
+
+def repeated(records: Sequence[MachineRecord]) -> dict[str, str]:
+    """Return why records of a machine that was measured again later do not count, by their digests.
+
+    A machine is known again by its serial number; one without is taken for a machine of its own.
+    """
+    last = dict[str, MachineRecord]()
+    for record in sorted(records, key=lambda record: (record.begun, record.digest)):
+        if record.serial:
+            last[record.serial] = record
+    return {
+        record.digest: f"machine {record.serial} was measured again: {last[record.serial].file.name}"
+        for record in records
+        if record.serial and last[record.serial] is not record
+    }
+
+
+def equations_of(
+    records: Sequence[MachineRecord], reference: Machine, units: Array, told: Callable[[str], None]
+) -> tuple[list[SisterRecord], dict[str, DataEquation]]:
+    """Return what became of each record, and of those that count the data equations over the units of the type.
+
+    units : (n, k) T of the reference machine's errors; told : called with the name of each record before it is read
+    """
+    errors, again = ErrorModel(reference), repeated(records)
+    seen, equations = list[SisterRecord](), dict[str, DataEquation]()
+    for record in records:
+        told(record.file.name)
+        why = again.get(record.digest) or _unlike(record, reference)
+        if not why:
+            try:
+                equations[record.digest] = equation_of(record, errors).of(units)
+            except AxiscalError as fault:
+                why = fault.what if isinstance(fault, InputError) else str(fault)
+        seen.append(SisterRecord(record.file.name, record.digest, len(record.readings), why))
+    return seen, equations
+
+
+def _unlike(record: MachineRecord, reference: Machine) -> str:
+    if record.description.compensation_active:
+        return "a compensation was active: it shows what that left, not the machine"
+    return other_machine(record.description.machine, reference)
+
+
+def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
+    """Return what a record says of the errors of a type, whatever prior it was measured with.
+
+    Raises RecordError where its readings do not fit its model, AmbiguityError where they fit two.
+    """
+    plain = replace(record.description, prior_text="", sisters=None, doubt=None)
+    known = concluded(Case(plain), record.readings)
+    if known.misfit() > GROSS:
+        what = f"its readings scatter {known.misfit():.1f} times as much as its model says"
+        raise RecordError(what, "Look at its report", record.file)
+    weights = np.array(known.stages.absorbed.weights(0, len(known.readings), known.stages.judged.implausible))
+    counts = [index for index, weight in enumerate(weights) if weight > NOTHING]
+    own = known.case.errors
+    across, root = carried_over(errors, own), own.prior_root()
+    new = [term.columns for term in own.terms if term.name not in across.known]
+    others = np.hstack([root[:, columns] for columns in new] or [np.zeros((own.size, 0))])
+    numbers = ReadingSet(known.case.observation, [known.readings[index] for index in counts])
+    return data_equation(numbers, weights[counts], others).of(across.matrix)

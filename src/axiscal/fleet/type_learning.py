@@ -1,0 +1,130 @@
+"""From a folder of records to what their type has taught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
+from axiscal.exceptions import RecordError
+from axiscal.fleet.sister_records import equations_of, read_records, usual_machine
+from axiscal.inference.sisters.data_equation import DataEquation
+from axiscal.inference.sisters.hierarchy import Hierarchy
+from axiscal.inference.sisters.learning import SisterPrior, sister_prior
+from axiscal.inference.sisters.prior_units import PriorUnits, prior_units
+from axiscal.machine.description import Machine
+from axiscal.numerics.threads import one_thread
+
+DIRECTIONS, DOUBT = 3, 0.1
+"""In which sisters differ together; that a machine is no sister, before it is measured. A user states them."""
+FEW = 3
+"""Fewer sisters than this hardly teach what is common, and teach only in which sizes the tolerances are wrong."""
+_EVERY = 20
+"""Sweeps between two words on the progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """What records say of the errors of a type, each by itself.
+
+    machine : over whose errors; records : all that were looked at; equations : of those that count, by their digests
+    """
+
+    machine: Machine
+    units: PriorUnits
+    records: tuple[SisterRecord, ...]
+    equations: Mapping[str, DataEquation]
+
+    @one_thread()
+    def learnt(
+        self,
+        directions: int = DIRECTIONS,
+        doubt: float = DOUBT,
+        told: Callable[[str], None] = lambda said: None,
+        without: frozenset[str] = frozenset(),
+    ) -> TypePrior:
+        """Return what they teach.
+
+        told : called with what is being done; without : digests of records that are to teach nothing
+        Raises RecordError where no record is left.
+        """
+        taken = [digest for digest in self.equations if digest not in without]
+        if not taken:
+            raise _nothing(self.records)
+
+        def swept(done: int, of: int) -> None:
+            if done % _EVERY == 0:
+                told(f"sweep {done} of {of}")
+
+        data, seed = [self.equations[digest] for digest in taken], [int(digest[:15], 16) for digest in taken]
+        found = sister_prior(data, Hierarchy(self.units.blocks, directions), seed, swept)
+        return self._prior(found, directions, doubt)
+
+    def _prior(self, found: SisterPrior, directions: int, doubt: float) -> TypePrior:
+        root, cut = self.units.root, self.units.cut
+        covariance = root @ found.covariance @ root.T + cut
+        own = root @ (found.covariance - found.common) @ root.T + cut
+        learned = {name: self._learned(found, name) for name in dict.fromkeys(b.name for b in self.units.blocks)}
+        halves = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
+        return TypePrior(self.machine.text, self.records, learned, directions, doubt, root @ found.mean, *halves)
+
+    def _learned(self, found: SisterPrior, name: str) -> Learned:
+        """Return what was learnt of an error, the mean over its coarse and fine parts by the variance they hold."""
+        mine = [index for index, block in enumerate(self.units.blocks) if block.name == name]
+        weights = np.array([self.units.blocks[index].weight for index in mine])
+        figures = (found.scales, found.scale_stds, found.shares, found.share_stds)
+        return Learned(*(float(weights @ each[mine] / weights.sum()) for each in figures))
+
+
+@one_thread()
+def lesson(
+    files: Iterable[Path], machine: Machine | None = None, told: Callable[[str], None] = lambda said: None
+) -> Lesson:
+    """Return what records say of a type.
+
+    machine : over whose errors; None for the description that most of them have
+    told : called with the name of each record before it is read
+    Raises RecordError where no record counts.
+    """
+    found, left = read_records(files)
+    if not found:
+        raise _nothing(left)
+    reference = machine or usual_machine(found)
+    units = prior_units(ErrorModel(reference))
+    seen, equations = equations_of(found, reference, units.root, lambda name: told(f"{name} ..."))
+    records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
+    if not equations:
+        raise _nothing(records)
+    return Lesson(reference, units, records, equations)
+
+
+def learnt_type(
+    files: Iterable[Path],
+    machine: Machine | None = None,
+    directions: int = DIRECTIONS,
+    doubt: float = DOUBT,
+    told: Callable[[str], None] = lambda said: None,
+) -> TypePrior:
+    """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
+    return lesson(files, machine, told).learnt(directions, doubt, told)
+
+
+def _nothing(records: Iterable[SisterRecord]) -> RecordError:
+    whys = "; ".join(f"{record.file}: {record.left_out}" for record in records if record.left_out)
+    what = f"No record teaches anything of this type: {whys}" if whys else "There are no records to learn from"
+    return RecordError(what, "Name records of measured machines of this type")
+
+
+def standard_deviations(prior: TypePrior, errors: ErrorModel) -> dict[str, tuple[float, float]]:
+    """Return the RMS std of each error's unknowns as stated and as the type knows it, m or rad."""
+    return {
+        term.name: (
+            float(np.sqrt(np.mean(np.diagonal(term.covariance)))),
+            float(np.sqrt(np.mean(np.diagonal(prior.covariance)[term.columns]))),
+        )
+        for term in errors.terms
+    }

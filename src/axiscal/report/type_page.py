@@ -1,0 +1,93 @@
+"""What a type has taught, as a page: what is common, and each curve as stated and as its type knows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from axiscal.accuracy.expanded import BAND
+from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.estimation.type_prior import TypePrior
+from axiscal.fleet.type_words import ErrorLine, error_lines, summary_sentences
+from axiscal.machine import machine_from_text
+from axiscal.numerics import Array
+from axiscal.report.digits import numbers
+from axiscal.report.drawing.shown import shown
+from axiscal.report.drawing.svg_picture import Figure
+from axiscal.report.figures import axis_style, layout
+from axiscal.report.standalone import environment, inlined
+from axiscal.units import to_unit
+
+_POINTS, _HEIGHT = 61, 200
+"""Points of a curve, and pixels; a matter of taste."""
+
+
+def render(prior: TypePrior, saved: Sequence[str] = ()) -> str:
+    """Return the page as self-contained HTML.  saved : sentences on what it saves a campaign"""
+    machine = machine_from_text(prior.machine_text)
+    errors = ErrorModel(machine)
+    curves = [function for function in errors.functions if function.basis.size > 1]
+    pictures = [
+        {"title": f.name, "svg": shown(curve_picture(prior, f), f"{f.name}, as stated and learnt")} for f in curves
+    ]
+    text: str = (
+        environment("axiscal.report")
+        .get_template("type.html")
+        .render(
+            title=f"What its sisters teach: {machine.name}",
+            sentences=[*saved, *summary_sentences(prior)],
+            rows=[_row(line) for line in error_lines(prior)],
+            pictures=pictures,
+            records=prior.records,
+            **inlined(),
+        )
+    )
+    return text
+
+
+def _row(line: ErrorLine) -> dict[str, str]:
+    unit = "urad" if line.angular else "um"
+    return {
+        "name": line.name,
+        "words": line.words,
+        "unit": unit.replace("u", "µ", 1),
+        "stated": f"{to_unit(line.stated, unit):.3g}",
+        "known": f"{to_unit(line.known, unit):.3g}",
+        "factor": f"{line.factor:.2f}",
+        "share": f"{line.share:.0%} ± {line.share_std:.0%}",
+        "width": f"{100 * line.share:.0f}",
+    }
+
+
+def curve_picture(prior: TypePrior, function: ErrorFunction) -> Figure:
+    """Return one curve: mean and band by the type, and the band as stated, dotted."""
+    low, high = (float(function.basis.knots[end]) for end in (0, -1))
+    places = np.linspace(low, high, _POINTS)
+    rows = function.rows(places)
+    mean = rows @ prior.mean[function.columns]
+    known, stated = (
+        BAND * np.sqrt(np.einsum("ij,jk,ik->i", rows, each, rows))
+        for each in (prior.covariance[function.columns, function.columns], function.covariance)
+    )
+    angular = function.name[-1] in "ABC"
+    x = numbers([to_unit(float(at), "deg" if angular else "mm") for at in places], function.name)
+    return {
+        "data": list(_traces(x, mean, known, stated, "urad" if function.angular else "um", function.name)),
+        "layout": layout(
+            axis_style(f"{function.name[-1]}, {'deg' if angular else 'mm'}"),
+            axis_style("µrad" if function.angular else "µm"),
+            _HEIGHT,
+        ),
+    }
+
+
+def _traces(x: list[float], mean: Array, known: Array, stated: Array, unit: str, name: str) -> Iterator[Figure]:
+    def line(values: Array, **style: object) -> Figure:
+        y = numbers([to_unit(float(value), unit) for value in values], name)
+        return {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": style, "name": ""}
+
+    for sign in (1, -1):
+        yield line(sign * stated, color="var(--soft)", width=1.2, dash="dot")
+        yield line(mean + sign * known, color="var(--accent)", width=1.2)
+    yield line(mean, color="var(--accent)", width=2.4)

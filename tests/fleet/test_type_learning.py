@@ -1,0 +1,142 @@
+"""A folder of records teaches the same in any order; what cannot teach is named, and stops nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.membership_words import farthest, membership_words
+from axiscal.estimation.type_prior import over, type_prior
+from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.fleet.rehearsal import Imagined
+from axiscal.fleet.type_learning import learnt_type
+from axiscal.fleet.type_words import summary_sentences
+from axiscal.machine import machine_from_text
+from tests.generators.sisters import read_on, shop, slide, write_record
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return shop(tmp_path_factory.mktemp("shop"), 6)
+
+
+@pytest.fixture(scope="module")
+def taught(records: list[Path]) -> str:
+    return learnt_type(records).text()
+
+
+def test_records_in_any_order_teach_the_same_bytes(records: list[Path], taught: str) -> None:
+    assert learnt_type(reversed(records)).text() == taught
+    assert type_prior(taught).text() == taught
+
+
+def test_sizes_and_shares_come_near_the_truth(taught: str) -> None:
+    found = type_prior(taught).learned["EXX"]
+    assert 0.35 < np.sqrt(found.scale) < 0.75  # machines of half the stated size
+    assert found.share > 0.5  # of which four fifths are common
+
+
+def test_a_record_measured_with_a_type_prior_teaches_the_same(tmp_path: Path, records: list[Path], taught: str) -> None:
+    with_prior = [
+        write_record(tmp_path / f"slide-{n}.axiscal", slide(prior=taught), read_on(n)) for n in range(len(records))
+    ]
+    assert learnt_type(with_prior).text() == taught
+
+
+def test_each_record_that_cannot_teach_is_named_with_its_reason(tmp_path: Path, records: list[Path]) -> None:
+    (tmp_path / "torn.axiscal").write_bytes(records[0].read_bytes()[:-200])
+    (tmp_path / "text.axiscal").write_text("no record")
+    (tmp_path / "twice.axiscal").write_bytes(records[1].read_bytes())
+    write_record(tmp_path / "larger.axiscal", slide(travel=800), read_on(8))
+    write_record(tmp_path / "empty.axiscal", slide(), [])
+    write_record(tmp_path / "active.axiscal", slide(first="compensation_active = true\n"), read_on(9))
+    write_record(tmp_path / "again-1.axiscal", slide(serial="4711"), read_on(10))
+    write_record(tmp_path / "again-2.axiscal", slide(serial="4711"), read_on(11))
+    found = learnt_type([*records, *tmp_path.glob("*.axiscal"), tmp_path / "missing.axiscal"])
+    why = {record.file: record.left_out for record in found.records}
+    assert [why[file.name] for file in records if file.name != "slide-1.axiscal"] == [""] * 5
+    assert sorted(why[name][:14] for name in ("slide-1.axiscal", "twice.axiscal")) == ["", "it is the same"]
+    assert "X travels 800 mm" in why["larger.axiscal"]
+    assert why["empty.axiscal"] == "it has no readings"
+    assert "compensation was active" in why["active.axiscal"]
+    assert "measured again: again-2.axiscal" in why["again-1.axiscal"]
+    assert why["again-2.axiscal"] == ""
+    assert all(why[name] for name in ("torn.axiscal", "text.axiscal", "missing.axiscal"))
+    said = " ".join(summary_sentences(found))
+    assert "larger.axiscal" in said
+    assert "Learnt from 7 machines" in said
+
+
+def test_records_that_teach_nothing_are_refused_with_the_reasons(tmp_path: Path) -> None:
+    file = write_record(tmp_path / "empty.axiscal", slide(), [])
+    with pytest.raises(RecordError, match="no readings"):
+        learnt_type([file])
+    with pytest.raises(RecordError, match="no records to learn from"):
+        learnt_type([])
+
+
+def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: str) -> None:
+    described = slide(prior=taught)
+    sister = read_on(20)[::3]
+    known, alone = (concluded(case_of(each), sister) for each in (described, slide()))
+    assert known.membership is not None
+    assert known.membership.sister > 0.9
+    assert known.accuracy.rms < 0.7 * alone.accuracy.rms
+    assert membership_words(known).startswith("readings up to 6 fit the sisters")
+    strange = concluded(case_of(described), read_on(0, Imagined(2.5, 0.1), seed=77))
+    assert strange.membership is not None
+    assert strange.membership.sister < 0.01
+    assert "not like its sisters" in membership_words(strange)
+    assert farthest(strange) is not None
+
+
+def test_before_the_first_reading_the_mixture_is_that_of_the_four_beliefs(taught: str) -> None:
+    case = case_of(slide(prior=taught))
+    known = concluded(case, [])
+    assert known.membership is not None
+    shares = np.array([rival.weight for rival in case.rivals])
+    np.testing.assert_allclose(shares.sum(), 1.0)
+    mean = sum(rival.weight * rival.belief.mean for rival in case.rivals)
+    expected = sum(
+        rival.weight * (rival.belief.covariance + np.outer(rival.belief.mean - mean, rival.belief.mean - mean))
+        for rival in case.rivals
+    )
+    size = case.errors.size
+    np.testing.assert_allclose(known.whole.covariance[:size, :size], expected, rtol=1e-6, atol=1e-18)
+
+
+def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
+    described = slide(prior=taught)
+    finer = described.machine.text.replace("knots = 7", "knots = 13")
+    errors = ErrorModel(machine_from_text(finer))
+    found, before = over(type_prior(taught), errors), type_prior(taught)
+    own = ErrorModel(described.machine)
+    places = np.linspace(0.0, 0.5, 31)
+    new, old = errors.names["EXX"], own.names["EXX"]
+    fine, coarse = new.rows(places) @ found.mean[new.columns], old.rows(places) @ before.mean[old.columns]
+    np.testing.assert_allclose(fine, coarse, atol=0.03 * np.max(np.abs(coarse)))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        '{"schema": "axiscal-type/1"}',
+        '{"schema": "axiscal-type/2"}',
+        '{"schema": "axiscal-type/1", "machine": 3}',
+        "[]",
+        "{",
+    ],
+)
+def test_a_damaged_type_is_one_sentence(wrong: str) -> None:
+    with pytest.raises(RecordError, match="cannot be read"):
+        type_prior(wrong)
+
+
+def test_sisters_that_nobody_has_learnt_from_are_no_silent_stated_prior() -> None:
+    with pytest.raises(DescriptionError, match=r"\[sisters\]"):
+        case_of(slide(first='sisters = { records = "*.axiscal" }\n'))

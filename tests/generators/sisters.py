@@ -1,0 +1,64 @@
+"""Machines of one made-up type: a slide with one laser, small enough that a folder of records takes no time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.fleet.rehearsal import Imagined, VirtualType, measured
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+
+MACHINE = """name = "Slide"
+chain = "w-b-X-t"
+{serial}[axes.X]
+travel = ["0 mm", "{travel} mm"]
+[errors]
+EXX = {{ std = "20 um", knots = 7, length = "150 mm" }}
+EXX_reversal = {{ std = "6 um" }}
+"""
+CAMPAIGN = """machine = "machine.toml"
+{first}[target]
+rms = "2 um"
+unchecked = "allow"
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+approach = "both"
+noise = "0.5 um"
+unknowns = {{ zero = "100 um" }}
+"""
+PLACES = tuple(Place("laser", (x,), (side,)) for x in np.linspace(0.02, 0.48, 8).tolist() for side in (1, -1))
+
+
+def slide(prior: str = "", first: str = "", serial: str = "", travel: int = 500) -> CampaignDescription:
+    """Return the campaign of a slide.  prior : what its type has taught; first : lines of campaign.toml"""
+    machine = MACHINE.format(serial=f'serial = "{serial}"\n' if serial else "", travel=travel)
+    return campaign_from_texts(CAMPAIGN.format(first=first), "campaign.toml", machine, "machine.toml", prior_text=prior)
+
+
+HALF = Imagined(0.5, 0.8)
+"""Machines half as large as stated, four fifths of the variance in common."""
+
+
+def read_on(number: int, imagined: Imagined = HALF, seed: int = 3) -> list[Reading]:
+    """Return what is read of one machine of a type."""
+    machine, _ = VirtualType(slide(), imagined, seed).machine(number)
+    return measured(machine, slide(), PLACES, number)
+
+
+def write_record(file: Path, described: CampaignDescription, readings: list[Reading]) -> Path:
+    """Write a record of readings, and return its file."""
+    with Campaign.create(file, described) as campaign:
+        campaign.adopt(tuple(readings))
+    return file
+
+
+def shop(folder: Path, count: int) -> list[Path]:
+    """Return the records of so many sisters in a folder."""
+    return [write_record(folder / f"slide-{n}.axiscal", slide(), read_on(n)) for n in range(count)]
