@@ -179,11 +179,29 @@ def _without_comparisons(lines: list[str]) -> tuple[list[str], list[list[int]]]:
     return others, compared
 
 
+def read_isg(text: str) -> list[Event]:
+    """G1 with nothing in force that would shift it; #TIME in seconds."""
+    name, transformation, modal, quiet, *body, end = text.splitlines()
+    assert re.fullmatch(r"%AXISCAL[1-9]\d*", name)
+    assert (transformation, quiet, end) == ("#TRAFO OFF", "M5 M9", "M30")
+    assert modal.split() == ["G71", "G90", "G94", "G17", "G40", "G53", "G60", "D0"]
+    return _read(
+        body,
+        {
+            rf"\(({_COMMENT})\)": lambda m: _mark(m[1]),
+            rf"G1 ((?:[A-Z]{_NUMBER} )+)F(\d+)": lambda m: [_move(m[1], m[2])],
+            r"#TIME (\d+\.\d+)": lambda m: [Wait(float(m[1]))],
+            "M0": lambda m: [Halt()],
+        },
+    )
+
+
 READERS = {
     "linuxcnc": read_linuxcnc,
     "sinumerik": read_sinumerik,
     "heidenhain": read_heidenhain,
     "fanuc": read_fanuc,
+    "isg": read_isg,
 }
 
 SILENT = {

@@ -21,6 +21,7 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.gcode import controllers, dialect, programs
 from axiscal.measurement.place import Place
+from tests.certify import silent_instrument
 from tests.generators.printed_machine import PrintedMachine, printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
@@ -94,16 +95,14 @@ def _place(machine: PrintedMachine, point: dict[str, Any]) -> Place:
 
 
 def _asked(path: Path, folder: Path, machine: PrintedMachine) -> list[Place]:
-    """Return where readings were asked for in a whole campaign on a virtual machine, renewed plans too."""
-    out = folder / "out"
-    _printed(["run", str(path), "--source", "sim:7", "--out", str(out), "--json"])
-    result = out / "result.json"
-    if not result.is_file():
-        return []
-    rows = json.loads(result.read_text(encoding="utf-8"))["history"]
-    for file in sorted(out.rglob("*"), reverse=True):
-        file.rmdir() if file.is_dir() else file.unlink()
-    return [_place(machine, row) for row in rows if row["position"] is not None]
+    """Return where readings are asked for in a whole campaign, renewed plans too, by what an instrument is told."""
+    log = folder / "asked.jsonl"
+    log.unlink(missing_ok=True)
+    source = f"exec:{sys.executable} {Path(silent_instrument.__file__)} {log}"
+    with tempfile.TemporaryDirectory() as out:
+        _printed(["run", str(path), "--source", source, "--out", f"{out}/out", "--json"])
+    lines = log.read_text(encoding="utf-8").splitlines() if log.is_file() else []
+    return [_place(machine, json.loads(line)) for line in lines]
 
 
 def _ways(description: CampaignDescription, said: Said, places: list[Place], controller: str) -> int:

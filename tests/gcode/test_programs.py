@@ -95,6 +95,7 @@ def test_a_program_for_linuxcnc() -> None:
         ("sinumerik", "G1 SUPA X100.0000 F6000", "G4 F1.500"),
         ("heidenhain", "L X+100.0000 R0 F6000 M91", "CYCL DEF 9.1 DWELL 1.500"),
         ("fanuc", "G1 X100.000 F6000", "G4 P1500"),
+        ("isg", "G1 X100.0000 F6000", "#TIME 1.500"),
     ],
 )
 def test_each_control_moves_and_waits_in_its_own_words(controller: str, move: str, dwell: str) -> None:
@@ -509,3 +510,12 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     beyond = replace(probe, driving=Driving(clearance=("Z", 0.6)))
     with pytest.raises(ProgramError, match="outside its travel"):
         programs(mill, [beyond], places, dialect("linuxcnc"))
+
+
+def test_an_isg_control_is_told_how_it_counts_and_writes_no_log() -> None:
+    places = [UP, DOWN]
+    (program,) = programs(MACHINE, [SETUP], places, dialect("isg"))
+    assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\n")
+    assert program.file_name.endswith(".nc")
+    with pytest.raises(ProgramError, match="write no log"):
+        dialect("isg").log_on("0123abcd")

@@ -12,9 +12,21 @@ import numpy as np
 from axiscal.numerics import Array
 from tests.generators.kinematics import Chain, pose_with_tip, tip
 
-ON = {"linuxcnc": "M428", "sinumerik": "TRAORI", "heidenhain": "FUNCTION TCPM", "fanuc": "G1 G43.4 "}
-OFF = {"linuxcnc": "M429", "sinumerik": "TRAFOOF", "heidenhain": "FUNCTION RESET TCPM", "fanuc": "G1 G49 "}
-STEP = {"linuxcnc": 1e-6, "sinumerik": 1e-6, "heidenhain": 1e-4, "fanuc": 1e-3}
+ON = {
+    "linuxcnc": "M428",
+    "sinumerik": "TRAORI",
+    "heidenhain": "FUNCTION TCPM",
+    "fanuc": "G1 G43.4 ",
+    "isg": "#TRAFO ON",
+}
+OFF = {
+    "linuxcnc": "M429",
+    "sinumerik": "TRAFOOF",
+    "heidenhain": "FUNCTION RESET TCPM",
+    "fanuc": "G1 G49 ",
+    "isg": "#TRAFO OFF",
+}
+STEP = {"linuxcnc": 1e-6, "sinumerik": 1e-6, "heidenhain": 1e-4, "fanuc": 1e-3, "isg": 1e-6}
 """mm, the last decimal of a place of the tool point."""
 
 
@@ -45,7 +57,7 @@ class Reader:
                 yield f"READING {found[1]}", [self.pose]
             elif re.match(r"(G53 G1|G1 SUPA|G1|L) [A-Z]", block):
                 machine = "M91" in block or "G53" in block or "SUPA" in block
-                assert self.controller == "fanuc" or machine != self.held, block
+                assert self.controller in ("fanuc", "isg") or machine != self.held, block
                 yield "way", self._way(words(block))
 
     @property
@@ -58,7 +70,7 @@ class Reader:
 
     def _hold(self, block: str) -> list[Array]:
         pose = self.pose
-        if self.controller in ("heidenhain", "fanuc"):  # what the table is when it begins counts
+        if self.controller in ("heidenhain", "fanuc", "isg"):  # what the table is when it begins counts
             assert all(at == 0 for axis, at in zip(self.machine.axes, pose, strict=True) if axis.rotary)
         self.held, self.tip = True, tip(self.machine, pose)
         if self.controller == "fanuc":  # the block names where it stands already

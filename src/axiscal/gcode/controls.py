@@ -9,7 +9,13 @@ from axiscal.exceptions import ProgramError
 from axiscal.gcode.dialect import Dialect
 
 _ROOM = "axiscal.gcode.dialects"
-_DIALECTS = {"linuxcnc": "LinuxCNC", "sinumerik": "Sinumerik", "heidenhain": "Heidenhain", "fanuc": "Fanuc"}
+_DIALECTS = {
+    "linuxcnc": "LinuxCNC",
+    "sinumerik": "Sinumerik",
+    "heidenhain": "Heidenhain",
+    "fanuc": "Fanuc",
+    "isg": "Isg",
+}
 
 
 def controllers() -> tuple[str, ...]:
