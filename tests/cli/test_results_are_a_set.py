@@ -80,6 +80,23 @@ def test_every_folder_of_results_has_a_manifest(folder: Path, words: list[str]) 
         assert campaign.state.name == record["hash"]
 
 
+def test_the_tables_are_those_of_the_controls_that_the_campaign_names(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "campaign.toml").write_text(f'controls = ["sinumerik", "klipper", "sinumerik"]\n{CAMPAIGN}')
+    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "survey"]) == 0
+    assert [line.split()[4] for line in capsys.readouterr().out.splitlines() if "With the files for" in line] == [
+        "sinumerik",
+        "csv",
+    ]
+    assert {each.name for each in (folder / "survey" / "tables").iterdir()} == {"sinumerik", "csv"}
+    result = json.loads((folder / "survey" / "result.json").read_text())
+    assert list(dict.fromkeys(table["controller"] for table in result["tables"])) == ["sinumerik", "klipper", "csv"]
+    (folder / "campaign.toml").write_text(f'controls = ["yardstick"]\n{CAMPAIGN}')
+    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "other"]) == 1
+    assert "sinumerik" in complaint(capsys)
+
+
 def test_an_export_has_a_manifest_and_takes_the_place_of_the_one_before(folder: Path) -> None:
     measured(folder)
     for _ in range(2):

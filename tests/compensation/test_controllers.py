@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cache
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from axiscal.compensation.registry import CONTROLLERS, _maker, export
 from axiscal.compensation.sampling import axis_tables
 from axiscal.compensation.skew import Skew
 from axiscal.compensation.table import CompensationTable
+from axiscal.description.campaign_schema import ControlName
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
@@ -108,6 +110,10 @@ def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effe
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(1).uniform(size=(500, len(low)))
     return effect_of_control(estimate.machine, truth.deviation, made.control, poses, estimate.box)
+
+
+def test_campaign_toml_knows_every_control_by_its_name() -> None:
+    assert get_args(ControlName) == tuple(CONTROLLERS)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)

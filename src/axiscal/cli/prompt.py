@@ -19,7 +19,7 @@ from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.progress import Progress
 from axiscal.guide.question import Question
 from axiscal.guide.second_thoughts import doubted, others_doubted
-from axiscal.guide.stopping import CONTROLS, table_left
+from axiscal.guide.stopping import controls_of, table_left
 from axiscal.guide.taking_back import take_back
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
@@ -194,7 +194,7 @@ class Prompt:
 def tables_lines(campaign: Campaign) -> list[str]:
     """Return what the table of each control would reach with the readings so far; those of one figure together."""
     found: dict[str, list[str]] = {}
-    for control in CONTROLS:
+    for control in controls_of(campaign):
         left = table_left(campaign, control)
         figures = {"expected": micrometres(left.expected), "before": micrometres(left.before)}
         reached = said("with its table {expected} RMS is to be expected, without it {before}", **figures)

@@ -40,6 +40,7 @@ class CampaignDescription:
         where nobody said
     particulars : who measured, with which instruments, for the report
     usual_drifts : zeros of which nothing is stated may wander as those of their instrument do
+    controls : those whose files a finished campaign gets, the first one first
     """
 
     machine: Machine
@@ -56,6 +57,7 @@ class CampaignDescription:
     usual_drifts: bool = True
     sisters: SistersNamed | None = None
     doubt: float | None = None
+    controls: tuple[str, ...] = ("linuxcnc",)
 
     def setup(self, name: str) -> Setup:
         """Return the set-up of that name; raises DescriptionError when there is none."""
@@ -160,20 +162,21 @@ def _described(
     sisters = sisters_named(table.sisters, document)
     doubt = None if table.sisters is None else table.sisters.doubt
     return CampaignDescription(
-        machine,
-        target,
-        setups,
-        document.text,
-        source,
-        machine_source,
-        learnt,
-        prior_text,
-        table.kept,
-        active,
-        said,
-        usual_drifts,
-        sisters,
-        doubt,
+        machine=machine,
+        target=target,
+        setups=setups,
+        text=document.text,
+        source=source,
+        machine_source=machine_source,
+        scales_estimated=learnt,
+        prior_text=prior_text,
+        kept=table.kept,
+        compensation_active=active,
+        particulars=said,
+        usual_drifts=usual_drifts,
+        sisters=sisters,
+        doubt=doubt,
+        controls=tuple(dict.fromkeys(table.controls)),
     )
 
 

@@ -10,6 +10,21 @@ from axiscal.description.artefact_schema import ArtefactTable
 from axiscal.document import Angle, Length, QuantityText, Time
 from axiscal.measurement.instruments.kind import CARRIED
 
+ControlName = Literal[
+    "csv",
+    "fanuc",
+    "heidenhain",
+    "isg",
+    "isg-etalon",
+    "klipper",
+    "linuxcnc",
+    "linuxcnc-volumetric",
+    "marlin",
+    "reprapfirmware",
+    "sinumerik",
+]
+"""The controls that files are written for, as `compensation` knows them."""
+
 
 class Table(BaseModel):
     """A table in which every key is known and no value is bent to fit."""
@@ -122,6 +137,7 @@ class CampaignTable(Table):
     scales: Literal["stated", "estimate"] = Field("stated", examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
+    controls: list[ControlName] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     tool_length: Length = Field(CARRIED, examples=['"5 um"'])
     tool_eccentricity: Length | None = Field(None, examples=['"5 um"'])

@@ -20,6 +20,7 @@ _HEAD = """\
 # What is left out has its usual value; docs/campaign.md of axiscal says which.
 machine = "{machine}"
 {active}
+# controls = ["linuxcnc"]        # whose tables are written; axiscal export R --to list names them all
 
 [target]                         # the first one that is reached ends the campaign
 U = "{target}"                   # 95 %, of the tool point in space, over all travel

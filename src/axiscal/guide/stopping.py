@@ -12,9 +12,6 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.on_top import informed
 from axiscal.exceptions import ReadingError, TableError
 
-CONTROLS = tuple(name for name in registry.CONTROLLERS if name != "csv")
-"""Controls that hold tables."""
-
 
 @dataclass(frozen=True, slots=True)
 class TableLeft:
@@ -27,6 +24,12 @@ class TableLeft:
     before: float
     expected: float
     refusal: str = ""
+
+
+def controls_of(campaign: Campaign) -> tuple[str, ...]:
+    """Return the controls that hold tables: those of the campaign first, then all others."""
+    names = dict.fromkeys((*campaign.description.controls, *registry.CONTROLLERS))
+    return tuple(name for name in names if name != "csv")
 
 
 def table_left(campaign: Campaign, controller: str) -> TableLeft:

@@ -36,8 +36,8 @@ from axiscal.report.verdict import NOT_KNOWN
 from axiscal.report.volume_error import VolumeError, volume_error
 from axiscal.units import to_unit
 
-CONTROLLERS = ("linuxcnc", "csv")
-"""What every finished campaign gets; `axiscal export` makes the others."""
+_ALWAYS = "csv"
+"""What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
 _POSES = 2000
 """Poses over which an RMS is taken: it is known to two percent of itself."""
 
@@ -54,7 +54,8 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        written_for = [_tables(estimation, name, folder / "tables", summary) for name in CONTROLLERS]
+        wanted = dict.fromkeys((*campaign.description.controls, _ALWAYS))
+        written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
         summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
         summary = replace(summary, volume=_as_left(estimation, summary, [found for _, found in written_for if found]))
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)

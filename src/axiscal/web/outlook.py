@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.stopping import CONTROLS, TableLeft
+from axiscal.guide.stopping import TableLeft, controls_of
 from axiscal.guide.volume_scene import forecast, volume_scene
 from axiscal.numerics import Array
 from axiscal.units import to_unit
@@ -27,7 +27,7 @@ def outlook_shape(campaign: Campaign, version: int) -> OutlookShape:
             MomentShape(minutes=to_unit(seconds, "min"), rms_um=to_unit(rms, "um"))
             for seconds, rms in forecast(campaign)
         ],
-        controls=list(CONTROLS),
+        controls=list(controls_of(campaign)),
     )
 
 
