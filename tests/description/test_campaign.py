@@ -25,10 +25,11 @@ def test_the_page_s_example_means_what_it_says(tmp_path: Path) -> None:
     assert (target.rms, target.worst, target.readings, target.budget) == (6e-6, 12e-6, 40, 10800)
     assert target.volume == ((0.05, 0.55), (0.0, 0.4), (0.0, 0.4))
     assert (laser.direction, laser.moves, laser.park) == ((1, 0, 0), (0,), (0.3, 0.25, 0.3))
-    assert laser.unknowns == (Unknown("zero", 1e-4),)
+    assert laser.unknowns == (Unknown("zero", 1e-4), Unknown("lag", 2e-6))
     assert (laser.raster, laser.approach) == ((0.01, 0, 0), "both")
-    assert (laser.resolution, laser.scatter) == pytest.approx((1e-7, 3e-7))
-    assert laser.noise == pytest.approx(math.hypot(3e-7, 1e-7 / math.sqrt(12)))
+    beside = math.hypot(3e-7, 1e-7 / math.sqrt(12))  # what scatters about the wider of both intervals: the bound
+    assert (laser.resolution, laser.bound, laser.scatter) == pytest.approx((1e-7, 2e-6, beside))
+    assert laser.noise == pytest.approx(math.hypot(beside, 2e-6 / math.sqrt(3)))
     assert (laser.setup_time, laser.settle, laser.reading_time) == (1800, 1, 3)
     assert (dial.approach, dial.raster, dial.park) == ("+", (0, 0, 0), (0.3, 0.2, 0.2))
     assert dial.unknowns == (Unknown("zero", 1e-3), Unknown("slope", 1e-3))
@@ -66,7 +67,7 @@ def test_directions(written: str, direction: tuple[float, ...]) -> None:
 
 
 def test_nothing_is_assumed_where_there_are_to_be_no_unknowns() -> None:
-    text = EXAMPLE.replace('unknowns = { zero = "100 um" }', "unknowns = {}")
+    text = EXAMPLE.replace('unknowns = { zero = "100 um" }', "unknowns = {}").replace("dead_band", "# dead_band")
     assert campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m").setups[0].unknowns == ()
 
 
