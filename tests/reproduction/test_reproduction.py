@@ -108,7 +108,14 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
     assert command(["reproduce", "--json", "--out", str(tmp_path / "paper")]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((tmp_path / "paper" / "reproduce.json").read_text())
-    assert (tmp_path / "paper" / "reproduce.html").stat().st_size > 1e5
+    page = (tmp_path / "paper" / "reproduce.html").read_text()
+    assert len(page) > 1e5
+    assert page.count('class="picture"') == 3 + 2 + 12 + 2 + 2 + 6
+    turning, plane, station = printed["beyond"]
+    assert [each["whole_um"][-1] < 6 for each in (turning, plane, station)] == [True] * 3
+    assert turning["linear_additive_um"][-1] > 4 * turning["whole_um"][-1]
+    assert plane["linear_additive_um"][-1] > 2 * plane["whole_um"][-1]
+    assert station["linear_additive_um"][-1] > 100 * station["whole_um"][-1]
 
 
 @pytest.mark.chromium

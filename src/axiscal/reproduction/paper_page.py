@@ -5,11 +5,13 @@ from __future__ import annotations
 from axiscal.report.drawing.shown import shown
 from axiscal.report.standalone import environment, inlined
 from axiscal.reproduction import drawings as figures
+from axiscal.reproduction.beyond import MACHINES, Compared
+from axiscal.reproduction.beyond_drawings import curve, decrease
 from axiscal.reproduction.experiment import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, Experiment
 
 
-def render(experiment: Experiment) -> str:
-    """Return the page as self-contained HTML."""
+def render(experiment: Experiment, beyond: tuple[Compared, ...] = ()) -> str:
+    """Return the page as self-contained HTML.  beyond : joints that are not what the paper assumes"""
     values = {
         "draw": shown,
         "single": list(zip(SHOWN_SINGLE, figures.single_spline(experiment), strict=True)),
@@ -18,6 +20,8 @@ def render(experiment: Experiment) -> str:
         "both": figures.both_criteria(experiment),
         "confounded": figures.confounded(experiment, SHOWN_STACKED[-1]),
         "simulated": SIMULATED,
+        "machines": MACHINES,
+        "beyond": [(each.scenario, decrease(each), curve(each)) for each in beyond],
         "variances": experiment.single.overall_variances,
         "stacked_variances": experiment.stacked.overall_variances,
         "heights": [value**0.5 for value in experiment.stacked.height_variances],
