@@ -46,10 +46,10 @@ HALF = Imagined(0.5, 0.8)
 """Machines half as large as stated, four fifths of the variance in common."""
 
 
-def read_on(number: int, imagined: Imagined = HALF, seed: int = 3) -> list[Reading]:
-    """Return what is read of one machine of a type."""
+def read_on(number: int, imagined: Imagined = HALF, seed: int = 3, again: int = 0) -> list[Reading]:
+    """Return what is read of one machine of a type.  again : with other noise"""
     machine, _ = VirtualType(slide(), imagined, seed).machine(number)
-    return measured(machine, slide(), PLACES, number)
+    return measured(machine, slide(), PLACES, number + 1000 * again)
 
 
 def write_record(file: Path, described: CampaignDescription, readings: list[Reading]) -> Path:

@@ -38,6 +38,7 @@ _FILES = {
     "reproduce": "reproduce",
     "machine": "machine",
     "type": "type",
+    "due": "due",
 }
 """In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
 

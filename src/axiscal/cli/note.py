@@ -15,6 +15,10 @@ from axiscal.cli.texts import count_text
 def note(
     record: RecordFile,
     text: Annotated[list[str], typer.Argument(metavar="TEXT", help="What is to be kept.")],
+    renewed: Annotated[
+        list[str] | None,
+        typer.Option(metavar="AXIS", help="An axis of which nothing is as it was found, for `axiscal due`."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Keep a sentence in the record: who measured, how warm it was, what was repaired.
@@ -23,10 +27,13 @@ def note(
 
     \b
     Example:
-      axiscal note mill.axiscal "new ball screw X"
+      axiscal note mill.axiscal "new ball screw X" --renewed X
     """
     with opened_to_write(record) as campaign:
-        campaign.note(" ".join(text))
+        for axis in renewed or ():
+            campaign.description.machine.index(axis)  # raises for one that the machine does not have
+        said = f" (renewed: {', '.join(renewed)})" if renewed else ""
+        campaign.note(" ".join(text) + said)
         kept = campaign.state.notes
     if json:
         say_document({"schema": "axiscal-note/1", "note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -31,19 +32,25 @@ from axiscal.record.payload import encode
 from axiscal.record.store import Record
 from axiscal.units import format_quantity
 
+RENEWED = re.compile(r"\(renewed: ([\w, ]+)\)$")
+"""How a note ends that says which axes were renewed, as `axiscal note --renewed` writes it."""
 _TRAVEL = 0.01
 """Share by which travels may differ in one type: what is rounded in a description, and no other size."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MachineRecord:
-    """A record as it was read.  digest : of its machine and readings; begun : ISO 8601, UTC."""
+    """A record as it was read.
+
+    digest : of its machine and readings; begun : ISO 8601, UTC; renewed : axes that a note after its last reading names
+    """
 
     file: Path
     digest: str
     begun: str
     description: CampaignDescription
     readings: tuple[Reading, ...]
+    renewed: tuple[str, ...] = ()
 
     @property
     def serial(self) -> str:
@@ -81,7 +88,15 @@ def _read(file: Path) -> MachineRecord:
         raise RecordError("it has no readings", "Measure the machine", file)
     read = sorted(encode(Recorded(replace(reading, number=None)))[1] for reading in state.readings)
     text = json.dumps([description.machine.text, read])
-    return MachineRecord(file, hashlib.sha256(text.encode()).hexdigest(), first.at, description, state.readings)
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    later = [note.text for note in state.notes if note.after >= len(state.readings)]
+    return MachineRecord(file, digest, first.at, description, state.readings, renewed_axes(later))
+
+
+def renewed_axes(notes: Iterable[str]) -> tuple[str, ...]:
+    """Return the axes that notes say were renewed."""
+    found = (RENEWED.search(note) for note in notes)
+    return tuple(dict.fromkeys(axis for each in found if each for axis in each.group(1).split(", ")))
 
 
 def usual_machine(records: Sequence[MachineRecord]) -> Machine:

@@ -1,0 +1,112 @@
+"""`axiscal due`."""
+
+from __future__ import annotations
+
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import Json
+from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.texts import count_text, micrometres
+from axiscal.exceptions import RecordError, TargetError
+from axiscal.fleet.calendar_file import calendar
+from axiscal.fleet.due_dates import DueMachine, Shop, due_dates
+from axiscal.record.durable import write_whole
+from axiscal.units import parse_quantity, to_unit
+
+
+def due(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of records, files *.axiscal.")],
+    target: Annotated[
+        str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
+    ] = None,
+    today: Annotated[str | None, typer.Option(metavar="YYYY-MM-DD", help="Another day than today.")] = None,
+    calendar_file: Annotated[
+        Path | None, typer.Option("--calendar", metavar="FILE.ics", help="Write the days as a calendar.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Say when each machine is due: how far off it is by now with the tables of its last campaign, and until when.
+
+    How much a machine changes, at once and with the years, is learnt from machines that were measured again: records
+    with the same `serial` in machine.toml. Where none was, nine tenths are taken to be kept, and as much in a year.
+
+    \b
+    Examples:
+      axiscal due records
+      axiscal due records --target "4 um" --calendar due.ics
+    """
+    wanted = None if target is None else parse_quantity(target, "length")
+    if wanted is not None and wanted <= 0:
+        raise TargetError(f'"{target}" is not above zero', "Give an RMS above zero")
+    if not folder.is_dir():
+        raise RecordError("This is no folder", "Name the folder that holds the records", folder)
+    found = due_dates(sorted(folder.glob("*.axiscal")), _day(today), wanted, tell)
+    if calendar_file is not None:
+        write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
+    if json:
+        say_document(_document(found))
+        return
+    for line in _lines(found):
+        say(line)
+    if calendar_file is not None:
+        say(f"Written: {calendar_file}")
+
+
+def _day(text: str | None) -> date:
+    if text is None:
+        return datetime.now(UTC).date()
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        raise typer.BadParameter(f'"{text}" is no day such as 2026-03-01', param_hint="--today") from None
+
+
+def _lines(found: Shop) -> list[str]:
+    name = max(len(machine.name) for machine in found.machines)
+    lines = [f"{'machine':{name}}  {'last':10}  {'RMS now':>9}  {'target':>9}  due"]
+    lines += [_line(machine, name) for machine in found.machines]
+    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
+    pairs = count_text(found.aging.pairs, "pair")
+    source = f"learnt from {pairs} of campaigns" if found.aging.pairs else "assumed: no machine was measured again"
+    lines.append(
+        f"Kept at once {once:.2f} ± {once_std:.2f}, and in a year {year:.2f} ± {year_std:.2f} of it: {source}."
+    )
+    return lines + [f"Left out: {each.file}: {each.left_out}." for each in found.left_out]
+
+
+def _line(machine: DueMachine, width: int) -> str:
+    day = "not within 20 years" if machine.due is None else machine.due.isoformat()
+    if machine.due == machine.last:
+        day = "at once: its last campaign was not as good"
+    renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
+    rms, target = micrometres(machine.now), micrometres(machine.target)
+    said = f"{machine.name:{width}}  {machine.last}  {rms:>9}  {target:>9}  {day}"
+    return f"{said} ({machine.minutes:.0f} min the last time{renewed})"
+
+
+def _document(found: Shop) -> dict[str, object]:
+    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
+    return {
+        "schema": "axiscal-due/1",
+        "machines": [
+            {
+                "machine": each.name,
+                "record": each.record.name,
+                "last": each.last.isoformat(),
+                "minutes": each.minutes,
+                "target_um": to_unit(each.target, "um"),
+                "rms_um": to_unit(each.now, "um"),
+                "due": None if each.due is None else each.due.isoformat(),
+                "renewed": list(each.renewed),
+            }
+            for each in found.machines
+        ],
+        "kept_at_once": {"mean": once, "std": once_std},
+        "kept_in_a_year": {"mean": year, "std": year_std},
+        "pairs": found.aging.pairs,
+        "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
+    }

@@ -1,0 +1,48 @@
+"""Dates at which machines are due as a calendar (iCalendar, RFC 5545)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+from axiscal.fleet.due_dates import DueMachine
+from axiscal.units import to_unit
+
+_LONGEST = 75
+"""Octets of a line (RFC 5545 3.1)."""
+
+
+def calendar(machines: Sequence[DueMachine], now: datetime) -> str:
+    """Return the calendar, a day for each machine that is due; the same machine keeps its entry."""
+    lines = ["BEGIN:VCALENDAR", "VERSION:2.0", "PRODID:-//axiscal//due//EN"]
+    for machine in machines:
+        if machine.due is None:
+            continue
+        said = f"RMS passes {to_unit(machine.target, 'um'):.3g} um; last measured {machine.last}, {machine.record.name}"
+        lines += [
+            "BEGIN:VEVENT",
+            f"UID:{machine.digest[:32]}@axiscal",
+            f"DTSTAMP:{now.astimezone(UTC):%Y%m%dT%H%M%SZ}",
+            f"DTSTART;VALUE=DATE:{machine.due:%Y%m%d}",
+            f"SUMMARY:{_escaped(f'{machine.name} is due for calibration')}",
+            f"DESCRIPTION:{_escaped(said)}",
+            "END:VEVENT",
+        ]
+    return "".join(f"{_folded(line)}\r\n" for line in [*lines, "END:VCALENDAR"])
+
+
+def _escaped(text: str) -> str:
+    for sign in "\\;,":
+        text = text.replace(sign, f"\\{sign}")
+    return text.replace("\n", "\\n")
+
+
+def _folded(line: str) -> str:
+    """Return a line in pieces that are short enough, none of which cuts a letter."""
+    pieces, piece = list[str](), ""
+    for letter in line:
+        if len((piece + letter).encode()) > _LONGEST:
+            pieces.append(piece)
+            piece = " "
+        piece += letter
+    return "\r\n".join([*pieces, piece])

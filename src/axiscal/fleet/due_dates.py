@@ -1,0 +1,169 @@
+"""When each machine of a shop is due: how far off its tables are by now, and when that passes the target.
+
+With the tables of the last mean m in the control, what is left after Δt has the mean square over the volume
+
+    r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
+
+For errors of an axis that was renewed since, ρ = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, date, datetime, timedelta
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.type_prior import SisterRecord
+from axiscal.exceptions import RecordError, TargetError
+from axiscal.fleet.aging import YEAR, Aging, Pair, aging
+from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records
+from axiscal.numerics.threads import one_thread
+
+_HORIZON = 20.0
+"""Years: nobody plans farther."""
+_DAY = 86400.0 / YEAR
+"""Years; dates are days."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DueMachine:
+    """One machine and its last campaign.
+
+    name : of machine and serial number; record : of that campaign; last : its day; minutes : of machine time it took
+    target : m; now : RMS of what is left today with its tables, m; due : the day it passes the target, None for never
+    renewed : the axes that were renewed since
+    """
+
+    name: str
+    record: Path
+    digest: str
+    last: date
+    minutes: float
+    target: float
+    now: float
+    due: date | None
+    renewed: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shop:
+    """machines : those first that are due first; aging : how machines change; left_out : records that do not count"""
+
+    machines: tuple[DueMachine, ...]
+    aging: Aging
+    left_out: tuple[SisterRecord, ...]
+
+
+@one_thread()
+def due_dates(
+    files: Iterable[Path], today: date, target: float | None = None, told: Callable[[str], None] = lambda said: None
+) -> Shop:
+    """Return when the machines of records are due.
+
+    target : RMS, m, instead of that of each campaign; told : called with what is being done
+    Raises RecordError where no record can be read, TargetError where a campaign has no target of RMS.
+    """
+    found, left = read_records(files)
+    records = [record for record in found if not record.description.compensation_active]
+    left += [_with_tables(record) for record in found if record.description.compensation_active]
+    if not records:
+        whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
+        raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
+    known, histories = dict[str, Estimation](), _histories(records)
+    for record in records:
+        told(f"{record.file.name} ...")
+        plain = replace(record.description, prior_text="", sisters=None, doubt=None)
+        known[record.digest] = concluded(Case(plain), record.readings)
+    learnt = aging([pair for history in histories for pair in _pairs(history, known)])
+    machines = [_due(history[-1], known[history[-1].digest], learnt, today, target) for history in histories]
+    order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
+    return Shop(tuple(order), learnt, tuple(left))
+
+
+def _with_tables(record: MachineRecord) -> SisterRecord:
+    why = "a compensation was active: it shows what that left, not the machine"
+    return SisterRecord(record.file.name, record.digest, len(record.readings), why)
+
+
+def _histories(records: Sequence[MachineRecord]) -> list[list[MachineRecord]]:
+    """Return the records of each machine in the order of time; one without a serial number is a machine of its own."""
+    machines = dict[str, list[MachineRecord]]()
+    for record in sorted(records, key=lambda each: (each.begun, each.digest)):
+        machines.setdefault(f"serial {record.serial}" if record.serial else record.digest, []).append(record)
+    return list(machines.values())
+
+
+def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation]) -> Iterable[Pair]:
+    for before, after in pairwise(history):
+        if before.renewed or other_machine(after.description.machine, before.description.machine):
+            continue
+        first = known[before.digest]
+        errors = first.case.errors
+        factor = first.whole.factor[: errors.size]
+        found = Inherited(first.whole.mean[: errors.size], factor @ factor.T)
+        years = (_moment(after.begun) - _moment(before.begun)).total_seconds() / YEAR
+        yield Pair(years, found, equation_of(after, errors), errors.prior_covariance())
+
+
+def _moment(text: str) -> datetime:
+    at = datetime.fromisoformat(text)
+    return at if at.tzinfo else at.replace(tzinfo=UTC)
+
+
+def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, target: float | None) -> DueMachine:
+    wanted = target if target is not None else record.description.target.rms
+    if wanted is None:
+        raise TargetError(
+            f"the campaign of {record.file.name} has no rms to be kept", 'Say it for all: --target "4 um"', record.file
+        )
+    last = _moment(record.begun).date()
+    left = rms_left(known, learnt, record.renewed)
+    days = _first_day(lambda day: left(day * _DAY) > wanted)
+    due = None if days is None else last + timedelta(days=days)
+    name = record.description.machine.name + (f" {record.serial}" if record.serial else "")
+    now = left(max((today - last).days, 0) * _DAY)
+    return DueMachine(
+        name, record.file, record.digest, last, known.seconds / 60.0, wanted, now, due, record.renewed
+    )  # fmt: skip
+
+
+def _first_day(passed: Callable[[int], bool]) -> int | None:
+    """Return the first day on which it is passed, by bisection; None where it is not within the horizon."""
+    low, high = -1, int(_HORIZON / _DAY)
+    if not passed(high):
+        return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if passed(middle) else (middle, high)
+    return high
+
+
+def rms_left(known: Estimation, learnt: Aging, renewed: Sequence[str] = ()) -> Callable[[float], float]:
+    """Return what is left after a time in years with the tables of this estimate, RMS over the volume, m.
+
+    renewed : axes of which nothing is kept
+    """
+    errors, root = known.case.errors, known.case.yardstick.root
+    fresh = np.zeros(errors.size, dtype=bool)
+    for term in errors.terms:
+        axes = term.axes
+        fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in axes)
+    stated, mean = errors.prior_root(), known.whole.mean[: errors.size]
+    same, new = (root.value(stated * mask[:, None]) for mask in (~fresh, fresh))
+    known_well = root.value(known.whole.factor[: errors.size] * ~fresh[:, None])
+    kept, gone = root.matrix @ (mean * ~fresh), root.matrix @ (mean * fresh)
+
+    def left(years: float) -> float:
+        rho, square = learnt.kept(years)
+        moved = (1 - 2 * rho + square) * kept @ kept + 2 * (1 - rho) * kept @ gone + gone @ gone
+        total = square * known_well + (1 - square) * same + new + moved
+        return known.case.yardstick.rms_of(float(total))
+
+    return left

@@ -1,0 +1,130 @@
+"""When machines are due: how they change is learnt from pairs of campaigns, and what is left is what drifts leave."""
+
+from __future__ import annotations
+
+import json
+from datetime import UTC, date, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.estimate import concluded
+from axiscal.exceptions import RecordError
+from axiscal.fleet.aging import Aging, Pair, aging
+from axiscal.fleet.calendar_file import calendar
+from axiscal.fleet.due_dates import due_dates, rms_left
+from axiscal.inference.sisters.data_equation import DataEquation
+from axiscal.numerics import Array
+from tests.generators.sisters import read_on, slide, write_record
+
+DAY = date(2030, 1, 1)
+
+
+def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inherited, DataEquation]:
+    """Return what one campaign of a made-up machine comes to know, and what its readings say."""
+    rows = 3.0 * rng.standard_normal((40, len(truth)))
+    read = DataEquation(rows, rows @ truth + rng.standard_normal(40))
+    gain = stated @ rows.T @ np.linalg.inv(rows @ stated @ rows.T + np.eye(40))
+    return Inherited(gain @ read.values, stated - gain @ rows @ stated), read
+
+
+@pytest.mark.parametrize(("once", "yearly"), [(0.9, 1.0), (0.97, 0.95)])
+def test_what_is_kept_is_learnt_from_pairs(once: float, yearly: float) -> None:
+    rng, stated, pairs = np.random.default_rng(8), np.eye(30), list[Pair]()
+    for _ in range(10):
+        years = float(rng.uniform(0.5, 2.0))
+        kept = once * yearly**years
+        before = rng.standard_normal(30)
+        after = kept * before + np.sqrt(1 - kept**2) * rng.standard_normal(30)
+        pairs.append(Pair(years, _known(rng, before, stated)[0], _known(rng, after, stated)[1], stated))
+    found, _ = aging(pairs).kept(1.0)
+    assert abs(found - once * yearly) < 0.03
+
+
+def test_without_pairs_it_is_what_is_believed_beforehand() -> None:
+    found = aging([])
+    assert found.pairs == 0
+    np.testing.assert_allclose(found.at_once[0], 0.9, atol=0.01)  # the mean of a Beta(9, 1), from 0.5 on
+    np.testing.assert_allclose(found.kept(0.0)[0], found.at_once[0])
+
+
+def _certain(share: float) -> Aging:
+    weights = np.zeros((50, 50))
+    weights[round((share - 0.505) / 0.01), -1] = 1.0
+    return Aging(weights, 1)
+
+
+@pytest.mark.parametrize("renewed", [(), ("X",)])
+def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...]) -> None:
+    known = concluded(Case(slide()), read_on(1))
+    errors, kept = known.case.errors, 0.905 * 0.995
+    rng, size = np.random.default_rng(9), errors.size
+    mean, factor = known.whole.mean[:size], known.whole.factor[:size]
+    rho = 0.0 if renewed else kept
+    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
+    fresh = errors.prior_root() @ rng.standard_normal((size, 4000))
+    left = rho * then + np.sqrt(1 - rho**2) * fresh - mean[:, None]
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
+    rows = errors.rows(poses, sides)[:, 0]
+    shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
+    true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
+    np.testing.assert_allclose(rms_left(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_record(tmp_path / "a-1.axiscal", slide(serial="A"), read_on(1))
+    write_record(tmp_path / "a-2.axiscal", slide(serial="A"), read_on(1, again=1))
+    write_record(tmp_path / "b.axiscal", slide(serial="B"), read_on(2))
+    return tmp_path
+
+
+def test_the_last_campaign_of_each_machine_counts(folder: Path) -> None:
+    found = due_dates(folder.glob("*.axiscal"), DAY, target=15e-6)
+    assert sorted(machine.record.name for machine in found.machines) == ["a-2.axiscal", "b.axiscal"]
+    assert found.aging.pairs == 1
+    for machine in found.machines:
+        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, target=15e-6)
+        now = next(each.now for each in later.machines if each.record == machine.record)
+        assert (now > 15e-6) == (machine.due is not None)
+    with pytest.raises(RecordError, match="No record can be read"):
+        due_dates([], DAY)
+
+
+def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = due_dates(folder.glob("b.axiscal"), DAY, target=15e-6).machines[0]
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "Q"]) == 1
+    assert "no axis" in capsys.readouterr().err
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
+    after = due_dates(folder.glob("b.axiscal"), DAY, target=15e-6).machines[0]
+    assert after.renewed == ("X",)
+    assert after.now > 1.2 * before.now
+    with Campaign.open(folder / "b.axiscal", write=False) as campaign:
+        assert campaign.state.notes[-1].text == "new ball screw (renewed: X)"
+
+
+def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "torn.axiscal").write_text("no record")
+    days, command = folder / "due.ics", ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
+    assert run([*command, "--calendar", str(days), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [each["file"] for each in document["left_out"]] == ["torn.axiscal"]
+    due = sorted(each["due"] for each in document["machines"] if each["due"])
+    lines = days.read_bytes().decode().split("\r\n")
+    starts = sorted(line.removeprefix("DTSTART;VALUE=DATE:") for line in lines if line.startswith("DTSTART"))
+    assert [day.replace("-", "") for day in due] == starts != []
+    assert max(len(line.encode()) for line in lines) <= 75
+    assert run(command) == 0
+    assert "learnt from 1 pair of campaigns" in capsys.readouterr().out
+    assert run(["due", str(folder / "nowhere")]) == 1
+    assert run([*command[:-1], "4 mrad"]) == 1
+
+
+def test_a_calendar_without_dates_is_empty() -> None:
+    assert calendar([], datetime(2030, 1, 1, tzinfo=UTC)).splitlines()[0] == "BEGIN:VCALENDAR"
+    assert "VEVENT" not in calendar([], datetime(2030, 1, 1, tzinfo=UTC))
