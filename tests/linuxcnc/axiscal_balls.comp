@@ -4,7 +4,7 @@ pin in float tool "length, mm";
 pin in float ay; pin in float az; pin in float cx; pin in float cy "where the axis lines really are, mm";
 pin in float bx#[3]; pin in float by#[3]; pin in float bz#[3] "spheres on the workpiece, mm";
 pin in float radius = 15.5;
-pin in bit stuck; pin in bit deaf;
+pin in bit stuck; pin in bit deaf; pin in bit sticky "once touched, it stays so";
 pin out bit touched;
 option singleton yes;
 function _ fp;
@@ -22,5 +22,5 @@ FUNCTION(_) {
         far = sqrt((p[0] - bx(i)) * (p[0] - bx(i)) + (p[1] - by(i)) * (p[1] - by(i)) + (p[2] - bz(i)) * (p[2] - bz(i)));
         if (far <= radius) hit = 1;
     }
-    touched = stuck || (hit && !deaf);
+    touched = stuck || (hit && !deaf) || (sticky && touched);
 }

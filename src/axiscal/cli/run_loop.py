@@ -33,7 +33,8 @@ def run_loop(
         str,
         typer.Option(
             metavar="SOURCE",
-            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND, moonraker:HOST, duet:HOST or linuxcnc.",
+            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND, moonraker:HOST, duet:HOST, linuxcnc or "
+            "linuxcnc-live:HOST.",
         ),
     ],
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
@@ -57,9 +58,10 @@ def run_loop(
     mend(out)
     with ExitStack() as stack:
         opened = _kept_campaign(out / RECORD, description, resume)
+        active = bool(description.compensation_active)
         taken = 0 if opened is None else len(stack.enter_context(opened).state.readings)
         if opened is None or opened.state.finished is None:
-            readings = open_source(source, Simulator(description.machine, description.setups), seconds, taken=taken)
+            readings = open_source(source, Simulator(description.machine, description.setups), seconds, taken, active)
             stack.callback(readings.close)
             if opened is None:  # a source that cannot be opened has left nothing behind
                 out.mkdir(parents=True, exist_ok=True)

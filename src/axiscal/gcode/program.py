@@ -121,7 +121,7 @@ class _Writer:
         self._machine, self._dialect, self._setup = machine, dialect, setup
         self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
         self._groups = groups(machine, setup.driving)
-        self._clearance = _clearance(machine, self._scales, setup)
+        self._clearance = clearance_of(machine, self._scales, setup)
         self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
 
     def draft(self, places: Sequence[tuple[int, Place]]) -> _Draft:
@@ -330,7 +330,7 @@ def _turns(setup: Setup, machine: Machine) -> bool:
     return any(machine.axes[k].rotary for k in setup.moves)
 
 
-def _clearance(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
+def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
     """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
 
     Where balls stand on the table that is the axis Z at its upper end, unless another is said.

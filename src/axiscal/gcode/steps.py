@@ -164,20 +164,36 @@ def run_through(
         yield from (Remark(text), Halt())
         yield from to_the_start(standing, scales, groups, clearance, targets[0].position if slow else None)
     for target in targets:
-        clear = cleared(standing, clearance)
-        turning = target.turning if target is targets[0] else target.way_in(standing)
-        stops = [turning, target.position]
-        if _others_move(standing, turning, clearance):
-            turning = target.way_in(clear)
-            stops = [clear, cleared(turning, clearance), turning, target.position]
-        for stop in stops:
-            yield from moves(standing, stop, scales, groups, target.position)
-            standing = stop
+        yield from way_to(target, standing, scales, groups, clearance, first=target is targets[0])
+        standing = target.position
         yield Remark(f"READING {target.number}")
         yield Arrival(target)
         yield from dwells(settle)
         yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
     yield from moves(standing, cleared(standing, clearance), scales, groups)
+
+
+def way_to(
+    target: ReadingTarget,
+    standing: Decimals,
+    scales: Sequence[AxisScale],
+    groups: Sequence[Group],
+    clearance: Clearance | None,
+    first: bool = False,
+) -> Iterator[Move]:
+    """Yield the way to a reading from where the axes stand, over where they are clear if others move.
+
+    first : they stand where its last way begins
+    """
+    clear = cleared(standing, clearance)
+    turning = target.turning if first else target.way_in(standing)
+    stops = [turning, target.position]
+    if _others_move(standing, turning, clearance):
+        turning = target.way_in(clear)
+        stops = [clear, cleared(turning, clearance), turning, target.position]
+    for stop in stops:
+        yield from moves(standing, stop, scales, groups, target.position)
+        standing = stop
 
 
 def to_the_start(

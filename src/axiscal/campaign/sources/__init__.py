@@ -1,7 +1,7 @@
 """Where readings come from.
 
 `sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc[:SEED|:FILE]`,
-`moonraker:HOST`, `duet:HOST`.
+`linuxcnc-live[:HOST]`, `moonraker:HOST`, `duet:HOST`.
 """
 
 from __future__ import annotations
@@ -21,17 +21,25 @@ TRUTH_SEED = 0
 """Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
 
 
-def open_source(text: str, simulator: Simulator, timeout: float | None = None, taken: int = 0) -> Source:
+def open_source(
+    text: str, simulator: Simulator, timeout: float | None = None, taken: int = 0, active: bool = False
+) -> Source:
     """Return the source that `text` names.
 
     simulator : makes the virtual machines of `sim` and `truth`
     timeout : s that an `exec` command may take over one reading
     taken : number of readings that an earlier run has had from this source
+    active : whether a compensation is to be in force on a control that runs
     Raises SourceError for an unknown kind, InputError for a file that cannot be used.
     """
     kind, colon, rest = text.partition(":")
     if kind == "sim":
         return _simulated(simulator, rest, bool(colon))
+    if kind == "linuxcnc-live":
+        from axiscal.campaign.sources.linuxcnc_live import LiveSource
+        from axiscal.campaign.sources.linuxcnc_live.connection import Connection, command
+
+        return LiveSource(Connection(command(rest)), simulator.machine, active, begun=taken > 0)
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():
@@ -58,8 +66,8 @@ def open_source(text: str, simulator: Simulator, timeout: float | None = None, t
 
 
 _KINDS = (
-    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc:SEED with LinuxCNC, and "
-    "moonraker:HOST and duet:HOST with a printer"
+    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc:SEED with LinuxCNC, "
+    "linuxcnc-live:HOST with one that runs, and moonraker:HOST and duet:HOST with a printer"
 )
 
 

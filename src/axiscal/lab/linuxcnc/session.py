@@ -113,6 +113,11 @@ class Session:
         """Return a file that LinuxCNC has written into the folder from which it was started."""
         return (self._work / name).read_text(encoding="utf-8")
 
+    @property
+    def process_id(self) -> int:
+        """That of the first process of the run, in whose namespaces, or its child's, LinuxCNC is."""
+        return self._process.pid
+
     def close(self) -> None:
         """Stop LinuxCNC; may be called twice."""
         self._stack.close()

@@ -1,0 +1,171 @@
+"""The line to the agent beside LinuxCNC: a process here, or over ssh, that is sent its program and then JSON lines."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import shlex
+import subprocess
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from queue import Empty, Queue
+from typing import IO, Any
+
+from axiscal.exceptions import SourceError
+
+_AGENT = Path(__file__).with_name("agent.py")
+_FIRST = (
+    "import json,sys; exec(compile(json.loads(sys.stdin.readline()),'axiscal-agent','exec'),{'__name__':'__main__'})"
+)
+_PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
+_HOST = re.compile(r"(?:[A-Za-z0-9_][\w.-]{0,63}@)?[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?")
+_ALIVE = 1.0
+"""s between signs of life; the agent waits five times as long."""
+_BEGIN = 30.0
+"""s for ssh to ask its keys and for LinuxCNC to answer."""
+_SLOW = 600.0
+"""s: a long way at a small feed, or with the feed override low."""
+_AGAIN = "Look at the machine; go on with --resume"
+
+
+def command(host: str) -> tuple[str, ...]:
+    """Return what starts the agent: here, or on another computer.  Raises SourceError for what is no host."""
+    if not host:
+        return _PYTHON
+    if not _HOST.fullmatch(host):
+        raise SourceError(
+            f"{host[:60]!r} is no name of a computer", "Write linuxcnc-live:mill.local or user@mill.local"
+        )
+    return (
+        "ssh",
+        "-o",
+        "BatchMode=yes",
+        "-o",
+        "ConnectTimeout=10",
+        "-o",
+        "ServerAliveInterval=2",
+        host,
+        shlex.join(_PYTHON),
+    )
+
+
+class Connection:
+    """An agent that answers; raises SourceError when it cannot be reached, does not answer, or says why it cannot."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        self._lines: Queue[str] = Queue()
+        self._sending, self._closed = threading.Lock(), False
+        try:
+            self._process = subprocess.Popen(
+                words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+            )
+        except OSError as error:
+            raise SourceError(
+                f"{words[0]} cannot be started: {error.strerror}", "Install it, or start it here"
+            ) from None
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+        try:
+            self._send(_AGENT.read_text(encoding="utf-8"))
+            threading.Thread(target=self._keep_alive, daemon=True).start()
+            self._answer(_BEGIN)
+        except BaseException:
+            self.close()
+            raise
+
+    def status(self) -> dict[str, Any]:
+        """Return how the machine stands."""
+        status: dict[str, Any] = self._ask({"do": "status"})["status"]
+        return status
+
+    def watched(self, seconds: float) -> str:
+        """Wait until the probe was pressed by hand; returns what was missing, or nothing."""
+        return str(self._ask({"do": "probe", "seconds": seconds})["probe"])
+
+    def line(self, code: str) -> dict[str, Any]:
+        """Execute a line and return where the probe tripped, if it did."""
+        return self._ask({"do": "line", "code": code})
+
+    def stop(self) -> None:
+        """Stop whatever moves; nothing can be asked any more."""
+        with contextlib.suppress(SourceError):
+            self._send({"do": "stop"})
+        self._end()
+
+    def close(self) -> None:
+        """Let go; may be called twice.  The agent stops what moves when its line is closed."""
+        if not self._closed:
+            with contextlib.suppress(SourceError):
+                self._send({"do": "bye"})
+        self._end()
+
+    def _ask(self, message: object) -> dict[str, Any]:
+        try:
+            self._send(message)
+            return self._answer(_SLOW)
+        except BaseException:  # Ctrl-C among them: nothing may go on moving
+            self.stop()
+            raise
+
+    def _send(self, message: object) -> None:
+        try:
+            with self._sending:
+                stream = _pipe(self._process.stdin)
+                stream.write(json.dumps(message) + "\n")
+                stream.flush()
+        except (OSError, ValueError):
+            raise self._lost() from None
+
+    def _answer(self, seconds: float) -> dict[str, Any]:
+        end = time.monotonic() + seconds
+        line = None
+        while line is None:
+            with contextlib.suppress(Empty):
+                line = self._lines.get(timeout=0.1)
+            if line is None and time.monotonic() > end:
+                raise SourceError(f"LinuxCNC has not answered within {seconds:g} s", _AGAIN)
+        try:
+            answer = json.loads(line) if line else None
+        except ValueError:
+            raise SourceError(f"what answers in LinuxCNC's place says {line[:80]!r}", _AGAIN) from None
+        if not isinstance(answer, dict):
+            raise self._lost()
+        if "failure" in answer:
+            raise SourceError(f"LinuxCNC: {answer['failure']}", _AGAIN)
+        return answer
+
+    def _lost(self) -> SourceError:
+        return SourceError("the line to LinuxCNC was cut; what moved has been stopped there", _AGAIN)
+
+    def _listen(self) -> None:
+        with contextlib.suppress(OSError, ValueError):
+            for line in _pipe(self._process.stdout):
+                self._lines.put(line)
+        self._lines.put("")
+
+    def _keep_alive(self) -> None:
+        while not self._closed and self._process.poll() is None:
+            with contextlib.suppress(SourceError):
+                self._send({"do": "alive"})
+            time.sleep(_ALIVE)
+
+    def _end(self) -> None:
+        self._closed = True
+        with contextlib.suppress(OSError, ValueError):
+            _pipe(self._process.stdin).close()
+        try:
+            self._process.wait(15)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._listener.join(1)
+        with contextlib.suppress(OSError, ValueError):
+            _pipe(self._process.stdout).close()
+
+
+def _pipe(stream: IO[str] | None) -> IO[str]:
+    assert stream is not None  # both were asked for
+    return stream
