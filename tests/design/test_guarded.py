@@ -22,7 +22,7 @@ from axiscal.design.plan.watch import Watch, retimed, watch, way_shares
 from axiscal.estimation.defence import EffectMap
 from axiscal.measurement.departures import IN_PLANS, departures
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.ties import ALIKE
+from axiscal.numerics.ties import ALIKE, first_best
 from tests.design.test_out_and_back import one_axis
 from tests.design.test_three_values import mixed
 from tests.generators.designs import levered
@@ -84,6 +84,23 @@ def test_gains_losses_and_exchanges_are_differences_of_the_objective() -> None:
     without = left.objective
     left.enter(500, 3)
     assert without - left.objective == pytest.approx(others[500], rel=1e-6)
+
+
+@pytest.mark.parametrize("squarings", [2, 4])
+@pytest.mark.parametrize("task", [mixed(150), levered(150)], ids=["three values", "one value"])
+def test_ruling_out_from_below_finds_the_candidate_that_looking_at_all_finds(task: Task, squarings: int) -> None:
+    watched = watched_in(task)
+    scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick, squarings)
+    scores.enter_all(task.lattice.within(slice(0, None, 13)))
+    allowed = np.random.default_rng(squarings).random(len(scores.pool)) < 0.8
+    for slot in range(len(scores.members)):
+        gains, own = scores.without(slot)
+        best = first_best(np.where(allowed, gains, -np.inf), ALIKE)
+        found = scores.replacement(slot, allowed)
+        assert found.candidate == best
+        assert found.gain == pytest.approx(gains[best], rel=1e-9, abs=1e-12 * scores.objective)
+        assert found.own == pytest.approx(own, rel=1e-12)
+    assert scores.replacement(0, np.zeros(len(scores.pool), dtype=bool)).gain == -np.inf
 
 
 def test_a_machine_with_levers_and_rests_keeps_its_damages() -> None:

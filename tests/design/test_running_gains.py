@@ -8,7 +8,9 @@ import pytest
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.running_gains import Scores
+from axiscal.design.plan.task import Task
 from axiscal.measurement.place import Places
+from tests.design.test_three_values import mixed
 from tests.generators.designs import levered, random_poses, read, splines
 
 
@@ -69,10 +71,28 @@ def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     row, variance = rows[0], float(variances[0])
     value = state.value
     for _ in range(80):
-        state = state.after(row, variance, state.change(row, variance))
-        state = state.after(row, variance, state.change(row, variance, leaving=True))
+        state = state.changed(row[None], np.array([variance]))[0]
+        state = state.changed(row[None], np.array([variance]), leaving=True)[0]
     assert state.factor.shape[1] <= state.factor.shape[0] + 48
     assert state.value == pytest.approx(value, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "asked", [levered(150), mixed(150), splines(1, 4, 0.1, 60)], ids=["levers", "three values", "fewer unknowns"]
+)
+def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Task) -> None:
+    one, together = (Scores(Pool(asked.observation, asked.lattice), asked.state) for _ in range(2))
+    together.follow()
+    places = asked.lattice.within(np.arange(0, 50, 5))
+    gains = sum(one.enter(places.at(index)) for index in range(len(places)))
+    assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
+    np.testing.assert_allclose(together.gains, one.gains, rtol=1e-7)
+    np.testing.assert_allclose(together.losses(), one.losses(), rtol=1e-6)
+    (expected, own), (found, same) = one.without(3), together.without(3)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    assert same == pytest.approx(own, rel=1e-6)
+    assert together.state.factor.shape == one.state.factor.shape
+    assert together.enter_all(places.within(slice(0, 0))) == 0.0
 
 
 def test_columns_made_anew_are_those_of_the_tables() -> None:

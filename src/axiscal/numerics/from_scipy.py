@@ -62,6 +62,12 @@ def back_solution(lower: Array, right: Array) -> Array:
     return solved
 
 
+def solution_of_product(lower: Array, right: Array) -> Array:
+    """Return (L Lᵀ)⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
+    solved: Array = _function("scipy.linalg", "cho_solve")((lower, True), right, check_finite=False)
+    return solved
+
+
 def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
     shares: Array = _function("scipy.special", "log_ndtr")(below)

@@ -51,10 +51,11 @@ def alternatives(
     all set-ups together could see as the yardstick, and each as the best for its model.
     """
     progress(PLANNED)
-    found = [_of_plan(case, PLANNED, proposed(case, limits, how, guard=False).plan)]
+    plan = proposed(case, limits, how, guard=False).plan
+    found = [_of_plan(case, PLANNED, plan)]
     for name, only in _choices(case):
         progress(name)
-        alone = _alone(case, only, limits, how)
+        alone = plan if tuple(only) == plan.among else _alone(case, only, limits, how)
         found += [] if alone is None else [_of_plan(case, name, alone)]
     progress(TRADITIONAL)
     return (*found, traditional(case, found[0].readings))

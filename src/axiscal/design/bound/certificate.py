@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.design.bound.open_zeros import Zeros
-from axiscal.design.gains.covariance import Covariance
+from axiscal.design.gains.covariance import Covariance, unexplained
 from axiscal.numerics import Array
 
 _MARGIN = 1e-12
@@ -47,12 +47,9 @@ class Dual:
         target = state.weighted
         if not len(scaled):
             return cls(state, target)
-        basis, inner = np.linalg.qr(scaled.T)
-        turned, values, _ = np.linalg.svd(inner, full_matrices=False)
-        seen = basis @ turned
-        return cls(state, target - (target @ seen) * (values**2 / (1 + values**2)) @ seen.T)
+        return cls(state, unexplained(target, scaled))
 
-    @property
+    @cached_property
     def reach(self) -> Array:
         """F Zᵀ (n, w): a row g of noise σ has |Z b|² = |gᵀ F Zᵀ|²/σ²."""
         reach: Array = self.state.factor @ self.z.T

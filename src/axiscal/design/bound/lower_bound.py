@@ -24,6 +24,10 @@ from axiscal.numerics import Array
 _ROUNDS = 60
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
 _CLOSE = 2e-3
+_ROUGHLY, _CLOSELY, _OF_GAP = 1e-2, 1e-5, 0.03
+"""Share of J by which weights may be off at first and at last, and of the gap between: of time, any round proves."""
+_NOUGHT = 1e-300
+"""No division by nought."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,17 +91,26 @@ class Round(NamedTuple):
 
 def settling(relaxation: Relaxation) -> Iterator[Round]:
     """Bring the weights to the optimum over all candidates, step by step."""
-    closed, reached = 0.0, np.inf
+    closed, reached, close = 0.0, np.inf, _ROUGHLY
     for number in range(1, _ROUNDS + 1):
-        dual = relaxation.solved()
-        slopes = relaxation.slopes(dual)
-        spent = relaxation.limit * float((slopes / relaxation.costs).max())
+        dual = relaxation.solved(close)
+        slopes, spent = _slopes(relaxation, dual)
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
         near = reached <= closed * (1 + _CLOSE) or number == _ROUNDS
         last = near or not relaxation.grow(slopes) or relaxation.largest
+        if last and close > _CLOSELY:
+            dual = relaxation.solved(_CLOSELY)
+            _, spent = _slopes(relaxation, dual)
         yield Round(dual, spent, last)
         if last:
             return
+        close = min(max(_OF_GAP * (reached / max(closed, _NOUGHT) - 1), _CLOSELY), _ROUGHLY)
+
+
+def _slopes(relaxation: Relaxation, dual: Dual) -> tuple[Array, float]:
+    """Return the slopes of all candidates, and what Σ |Z b|² of a plan comes to at most."""
+    slopes = relaxation.slopes(dual)
+    return slopes, relaxation.limit * float((slopes / relaxation.costs).max())
 
 
 def most_numbers(state: Covariance, setups: Iterable[int], readings: int) -> int:

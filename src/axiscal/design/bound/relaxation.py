@@ -13,16 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.bound.certificate import Dual
-from axiscal.design.bound.optimal_weights import optimal_weights
+from axiscal.design.bound.optimal_weights import CLOSE, optimal_weights
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 
-_ADDED = 40
-"""Candidates that enter at once: more make fewer, longer rounds to the same weights."""
+_ADDED, _PART = 40, 2
+"""So many candidates enter at once, or this part of the support: more make fewer, longer rounds to the same weights."""
 _GONE = 1e-7
 """A weight of this share is none; it can enter again."""
+_IDLE = 20.0
+"""A weight of so many times what a loose optimum leaves to the idle ones is one of them; it can enter again too."""
 _FIRST = 200
 """Candidates that begin with a weight; the others enter where they are worth it."""
 _LARGEST = 500
@@ -41,6 +43,7 @@ class Relaxation:
     ) -> None:
         self.rests = rests
         self.pool, self.state, self.costs, self.limit = pool, state, costs, limit
+        self._close = CLOSE
         self.places, self.everything = places, Places.joined([pool.lattice, places])
         self.noise = np.array([setup.noise**2 for setup in state.observation.setups])[self.everything.setups]
         count = len(places)
@@ -82,10 +85,11 @@ class Relaxation:
         """The set-up of each candidate of the support."""
         return self.everything.setups[self.support]
 
-    def solved(self) -> Dual:
-        """Bring the weights to the optimum on the support."""
+    def solved(self, close: float = CLOSE) -> Dual:
+        """Bring the weights to the optimum on the support.  close : share of J by which they may be off"""
         state, along, owner = self._rows()
-        self.weights = optimal_weights(along, owner, state.weighted, self.weights, self.costs[self.support], self.limit)
+        costs, self._close = self.costs[self.support], close
+        self.weights = optimal_weights(along, owner, state.weighted, self.weights, costs, self.limit, close)
         return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
 
     def value_if(self, shares: Array) -> float:
@@ -110,7 +114,8 @@ class Relaxation:
 
     def grow(self, slopes: Array) -> bool:
         """Drop what has no weight, add the worst violators that stand apart; return whether any was added."""
-        kept = self.weights * self.costs[self.support] > _GONE * self.limit
+        gone = max(_GONE, _IDLE * self._close / len(self.support))
+        kept = self.weights * self.costs[self.support] > gone * self.limit
         level = float((slopes[self.support] @ self.weights) / self.limit)
         added = self._violators(slopes / self.costs, level, self.support[kept])
         start = np.full(len(added), 1e-3 * self.limit) / np.maximum(self.costs[added], 1e-300) / max(len(added), 1)
@@ -121,16 +126,17 @@ class Relaxation:
         return len(added) > 0
 
     def _violators(self, slopes: Array, level: float, support: NDArray[np.intp]) -> NDArray[np.intp]:
-        order = np.argsort(-slopes, kind="stable")[: 20 * _ADDED]
+        order = np.argsort(-slopes, kind="stable")[: 20 * max(_ADDED, len(support) // _PART)]
         order = order[(slopes[order] > level * (1 + 1e-6)) & ~np.isin(order, support) & (order < len(self.pool))]
         lattice = self.pool.lattice
         spans = np.array([axis.length for axis in self.state.observation.machine.axes])
         chosen: list[int] = []
+        most = max(_ADDED, len(support) // _PART)
         for i in order:
             here = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]
             near = np.abs(lattice.poses[here] - lattice.poses[i]) / spans <= self._apart
             alike = np.all(lattice.approaches[here] == lattice.approaches[i], axis=1)
-            if len(chosen) < _ADDED and not np.any(np.all(near, axis=1) & alike):
+            if len(chosen) < most and not np.any(np.all(near, axis=1) & alike):
                 chosen.append(int(i))
         return np.array(chosen, dtype=np.intp)
 

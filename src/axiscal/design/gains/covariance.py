@@ -1,8 +1,8 @@
 """What would be known after some readings: a factor of the covariance that readings enter and leave.
 
-A reading enters by Potter's update of F, C − hhᵀ/s with h = Cg and s = σ² + gᵀCg; it leaves by one more column,
-C + hhᵀ/e with e = σ² − gᵀCg. Both keep C = F Fᵀ positive semidefinite. No values are needed: the covariance of linear
-Gaussian readings does not depend on them.
+Readings enter by Potter's update of F, of all their numbers at once, C − H M⁻¹ Hᵀ with H = C Gᵀ and M = R + G C Gᵀ;
+they leave by the same with −(R − G C Gᵀ)⁻¹. Both keep C = F Fᵀ positive semidefinite. No values are needed: the
+covariance of linear Gaussian readings does not depend on them.
 """
 
 from __future__ import annotations
@@ -21,30 +21,37 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution
+from axiscal.numerics.from_scipy import solution, solution_of_product
 from axiscal.numerics.gaussian import lower_root
 
 _MODERATE = 1e13
 """By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
-_SPARE = 48
-"""How many columns a factor may have beyond its rows before it is made square again."""
+_OPEN = 1e-9
+"""Share of a number's noise: what is known better than that without a reading is not told apart from rounding."""
+_NOUGHT = 1e-300
+"""No division by nought."""
 
 
-class RankOne(NamedTuple):
-    """A covariance changes by −η h hᵀ.
+class LowRank(NamedTuple):
+    """A covariance changes by −H η Hᵀ, where readings enter or leave, of k numbers together.
 
-    eta : 1/s where a reading enters, −1/e where it leaves; h : C g; z : C W h; omega : hᵀ W h
+    The numbers are turned, T G, such that their noise is one and what they tell has nothing in common: one that tells
+    all of a zero would else drown what the others tell in its rounding.
+    eta : (k, k) diagonal, (I + T G C Gᵀ Tᵀ)⁻¹ where they enter, −(I − T G C Gᵀ Tᵀ)⁻¹ where they leave
+    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H; turn : T (k, k); back : T⁻¹
     """
 
-    eta: float
+    eta: Array
     h: Array
     z: Array
-    omega: float
+    omega: Array
+    turn: Array
+    back: Array
 
     @property
     def gain(self) -> float:
         """By how much J = tr(W C) falls."""
-        return self.eta * self.omega
+        return float(np.sum(self.eta * self.omega))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -89,33 +96,38 @@ class Covariance:
         """Return rows and variances of all numbers of readings; cells without columns count as noise."""
         return rows_at(self.observation, places)
 
-    def entered(self, places: Places) -> tuple[Covariance, tuple[RankOne, ...]]:
-        """Return the state after readings, and what their numbers changed, one after another."""
-        state, changes = self.opened(places), list[RankOne]()
+    def entered(self, places: Places) -> tuple[Covariance, LowRank]:
+        """Return the state after readings, and what all their numbers changed."""
+        state = self.opened(places)
         rows, variances, _ = state.rows(places)
-        for row, variance in zip(rows, variances.tolist(), strict=True):
-            changes.append(state.change(row, variance))
-            state = state.after(row, variance, changes[-1])
-        return state, tuple(changes)
+        return state.changed(rows, variances)
 
-    def change(self, row: Array, variance: float, leaving: bool = False) -> RankOne:
-        """Return what a reading with this row does when it enters, or leaves."""
-        h: Array = self.factor @ (row @ self.factor)
+    def changed(self, rows: Array, variances: Array, leaving: bool = False) -> tuple[Covariance, LowRank]:
+        """Return the state after readings have entered or left, and what they changed.  rows : (k, n); variances : (k,)
+
+        With Fᵀ Gᵀ R^-½ = U σ Qᵀ they make of F, F − F U (1 − 1/√(1 + σ²)) Uᵀ, and F + F U (√(1 + σ²/e) − 1) Uᵀ where
+        they leave, e = 1 − σ².
+        """
+        sizes = np.sqrt(variances)
+        basis, values, turn = _singular((rows / sizes[:, None] @ self.factor).T)
+        if leaving:
+            left = np.maximum(1.0 - values**2, _OPEN)
+            weights, shrink = -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left)
+        else:
+            weights, shrink = 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values)
+        seen = self.factor @ basis
+        h: Array = seen * values
+        z, omega = self.weighed(h)
+        taken = (seen * shrink) @ basis.T
+        np.subtract(self.factor, taken, out=taken)
+        change = LowRank(np.diag(weights), h, z, omega, turn / sizes, sizes[:, None] * turn.T)
+        return replace(self, factor=taken), change
+
+    def weighed(self, h: Array) -> tuple[Array, Array]:
+        """Return C W H (n, k) and Hᵀ W H (k, k).  h : H (n, k)"""
         reach = self.root.of(h)
-        z: Array = self.factor @ ((self.root.matrix.T @ reach) @ self.factor[: self.root.size])
-        spread = float(row @ h)
-        eta = -1.0 / max(variance - spread, 1e-9 * variance) if leaving else 1.0 / (variance + spread)
-        return RankOne(eta, h, z, float(reach @ reach))
-
-    def after(self, row: Array, variance: float, change: RankOne) -> Covariance:
-        """Return the state after a reading has entered (Potter) or left."""
-        if change.eta < 0:
-            widened = np.column_stack([self.factor, change.h * np.sqrt(-change.eta)])
-            size, rank = widened.shape
-            return replace(self, factor=np.linalg.qr(widened.T).R.T if rank > size + _SPARE else widened)
-        along = row @ self.factor
-        scale = change.eta / (1.0 + np.sqrt(variance * change.eta))
-        return replace(self, factor=self.factor - np.outer(change.h, along * scale))
+        z: Array = self.factor @ ((self.root.matrix.T @ reach).T @ self.factor[: self.root.size]).T
+        return z, reach.T @ reach
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
@@ -135,6 +147,20 @@ class Covariance:
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
 
 
+def _singular(matrix: Array) -> tuple[Array, Array, Array]:
+    """Return U (r, k), σ (k,), Qᵀ (k, k) of a matrix (r, k); of one column by its length, which is all there is.
+
+    Where k is more than r, columns of U that belong to no σ are no unit vectors.
+    """
+    if matrix.shape[1] == 1:
+        length = np.sqrt(np.sum(matrix**2, axis=0))
+        return matrix / np.maximum(length, _NOUGHT), length, np.ones((1, 1))
+    if len(matrix) < matrix.shape[1]:  # numbers that have nothing to tell keep their noise
+        basis, values, turn = np.linalg.svd(np.pad(matrix, ((0, matrix.shape[1] - len(matrix)), (0, 0))))
+        return basis[: len(matrix)], values, turn
+    return np.linalg.svd(matrix, full_matrices=False)
+
+
 def informed(factor: Array, scaled: Array) -> Array:
     """Return F T with T Tᵀ = (I + BᵀB)⁻¹: the factor after readings.  scaled : B = R^-½ G F, (m, r).
 
@@ -142,8 +168,22 @@ def informed(factor: Array, scaled: Array) -> Array:
     forming BᵀB would lose it.
     """
     if np.sum(scaled**2) < _MODERATE:
-        information = np.eye(scaled.shape[1]) + scaled.T @ scaled
-        return solution(lower_root(information), factor.T).T
+        return solution(lower_root(_information(scaled)), factor.T).T
     _, values, right = np.linalg.svd(scaled, full_matrices=False)
     shrink = 1.0 - 1.0 / np.hypot(1.0, values)
     return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
+
+
+def unexplained(target: Array, scaled: Array) -> Array:
+    """Return Φ (I + BᵀB)⁻¹, (w, r), what readings leave of Φ = V F; as `informed` otherwise.  scaled : B (m, r)"""
+    if np.sum(scaled**2) < _MODERATE:
+        return solution_of_product(lower_root(_information(scaled)), target.T).T
+    _, values, right = np.linalg.svd(scaled, full_matrices=False)
+    return np.asarray(target - (target @ right.T * (values**2 / (1 + values**2))) @ right, dtype=np.float64)
+
+
+def _information(scaled: Array) -> Array:
+    """Return I + BᵀB, (r, r)."""
+    information: Array = scaled.T @ scaled
+    information[np.diag_indices(len(information))] += 1.0
+    return information

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.design.gains.covariance import RankOne
+from axiscal.design.gains.covariance import LowRank
 from axiscal.numerics import Array
 
 
@@ -24,13 +24,12 @@ class RunningAccuracy:
         """Return the accuracy of a covariance C = F Fᵀ.  factor : F (n, r)."""
         return cls(yardstick, yardstick.root.value(factor), yardstick.variances(factor))
 
-    def after(self, *changes: RankOne) -> RunningAccuracy:
-        """Return the accuracy after changes C ← C − η h hᵀ."""
+    def after(self, change: LowRank) -> RunningAccuracy:
+        """Return the accuracy after a change C ← C − H η Hᵀ."""
         root, rows = self.yardstick.root, self.yardstick.rows
-        total, variances = self.total, self.variances
-        for change in changes:
-            total -= change.eta * root.value(change.h)
-            variances = variances - change.eta * np.sum((rows @ change.h[: rows.shape[2]]) ** 2, axis=1)
+        reach, seen = root.of(change.h), rows @ change.h[: rows.shape[2]]
+        total = self.total - float(np.sum(reach @ change.eta * reach))
+        variances = self.variances - np.sum(seen @ change.eta * seen, axis=(1, 2))
         return RunningAccuracy(self.yardstick, total, variances)
 
     @property

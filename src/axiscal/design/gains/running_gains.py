@@ -1,10 +1,10 @@
 """Gains of a whole lattice, kept up to date while readings enter and leave: O(M N) per change, bound by memory traffic.
 
-With k = G h and t = G z for a change C ← C − η h hᵀ, the diagonals of G C Gᵀ and of G C W C Gᵀ follow as
-gᵀCg − η k² and gᵀCWCg − 2 η k t + η² ω k². The same holds for the columns G C g_l and G C W C g_l of the readings in
-the plan, which make taking one of them out, and looking at what would replace it best, cost O(M).
+With K = G H and T = G Z for a change C ← C − H η Hᵀ, S = K η and U = T − S Ω/2, the diagonals of G C Gᵀ and of
+G C W C Gᵀ follow as gᵀCg − s·k and gᵀCWCg − 2 s·u. The same holds for the columns G C g_l and G C W C g_l of the
+readings in the plan, which make taking one of them out, and looking at what would replace it best, cost O(M).
 
-A reading of several numbers enters and leaves number by number; its gain, and what leaving changes, are those of all.
+A reading enters and leaves with all its numbers at once, and so do many readings.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, RankOne
+from axiscal.design.gains.covariance import Covariance, LowRank
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best
 
 _NEAR = 32768
 """Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
@@ -33,20 +35,28 @@ class Member:
     variance: float
 
 
-class _Left(NamedTuple):
+class LeftOver(NamedTuple):
     """What a reading leaves that is not taken.
 
-    above, below, joint : as of `Scores`; grown, omega : E and Ω of its numbers, (k, k)
-    cross, reach : (k, numbers) G C Hᵀ and G C W C Hᵀ with its rows H
+    above, below, joint : as of `Scores`; eta, omega : (k, k) of the change of the covariance
+    cross, reach : (numbers, k) G_c C Hᵀ and G_c C W C Hᵀ with its rows H
     """
 
     above: Array
     below: Array
     joint: SharedReadings
-    grown: Array
+    eta: Array
     omega: Array
     cross: Array
     reach: Array
+
+
+class Replacement(NamedTuple):
+    """The best candidate for a slot, what it gains, and what the reading gains that holds the slot."""
+
+    candidate: int
+    gain: float
+    own: float
 
 
 class Scores:
@@ -55,10 +65,10 @@ class Scores:
     above, below : (numbers,) numerator and denominator for those of the candidates, then of the readings of the plan
     joint : what the numbers of one candidate have in common
     places : of the readings of the plan, slot by slot; members : what else is known of each
-    last : the last changes of the covariance; begun : what was known before the first reading of the plan
+    last : the last change of the covariance; begun : what was known before the first reading of the plan
     """
 
-    last: tuple[RankOne, ...]
+    last: LowRank
 
     def __init__(self, pool: Pool, state: Covariance) -> None:
         self.pool, self.state, self.begun = pool, state, state
@@ -102,38 +112,59 @@ class Scores:
         place = what if isinstance(what, Places) else self.pool.lattice.at(what)
         self.state = self.state.opened(place)
         rows, variance = self._looked_at(what)
-        variance /= bundle
         slot = len(self.members) if slot is None else slot
-        self._place(slot, place, Member(rows, variance))
-        self.last = tuple(self._entered(self._numbers(slot).start + i, row, variance) for i, row in enumerate(rows))
-        return sum(change.gain for change in self.last)
+        self._place(slot, place, Member(rows, variance / bundle))
+        return self._taken(place, rows, self._numbers(slot), variance / bundle)
 
-    def _entered(self, here: int, row: Array, variance: float) -> RankOne:
-        """Take one number in.  here : its index"""
-        change, count = self.state.change(row, variance), self.pool.count
-        cross, reach = self._products(np.column_stack([change.h, change.z])).T
-        self.above[here], self.below[here] = change.omega, variance + cross[here]
+    def enter_all(self, places: Places) -> float:
+        """Take readings into the plan together, after those that it has, and return by how much J falls."""
+        if not len(places):
+            return 0.0
+        self.state = self.state.opened(places)
+        rows, variances, owner = self.state.rows(places)
+        start = self.pool.count + sum(len(member.rows) for member in self.members)
+        for index in range(len(places)):
+            mine = np.flatnonzero(owner == index)
+            self.members.append(Member(rows[mine], float(variances[mine[0]])))
+        self._rows, self.places = None, Places.joined([self.places, places])
+        here = slice(start, start + len(rows))
+        self._room(here)
+        return self._taken(places, rows, here, self._noises[here.start - self.pool.count :])
+
+    @property
+    def _noises(self) -> Array:
+        """The variance of the noise of every number of the plan."""
+        counts = [len(member.rows) for member in self.members]
+        return np.repeat([member.variance for member in self.members], counts)
+
+    def _taken(self, places: Places, rows: Array, here: slice, variances: float | Array) -> float:
+        """Take numbers in.  rows : (k, n); here : where they stand; variances : of their noise"""
+        noise = np.broadcast_to(variances, len(rows))
+        state, change = self.state.changed(rows, noise)
+        seen, count = self._products(np.hstack([change.h, change.z])), self.pool.count
+        cross, reach = seen[:, : len(rows)], seen[:, len(rows) :]
+        back = change.back.T
+        self.above[here] = np.diagonal(back.T @ change.omega @ back)
+        self.below[here] = noise + np.einsum("ij,ji->i", cross[here], back)
         if self._cross is not None and self._reach is not None:
-            self._cross[:, here - count], self._reach[:, here - count] = cross, reach
-            self._cross[here], self._reach[here] = cross[count:], reach[count:]
-        self._changed(here, change, cross.copy(), reach.copy())
-        self.state = self.state.after(row, variance, change)
-        return change
+            own = slice(here.start - count, here.stop - count)
+            self._cross[:, own], self._reach[:, own] = cross @ back, reach @ back
+            self._cross[here], self._reach[here] = self._cross[count:, own].T, self._reach[count:, own].T
+        self._changed(here, change, cross, reach)
+        self.state, self.last = state, change
+        return change.gain
 
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
         member, numbers = self.members[slot], self._numbers(slot)
         rows = self._padded(member)
-        pairs = list(zip(range(numbers.start, numbers.stop), rows, strict=True))
-        self.last = tuple(self._left(here, row, member.variance) for here, row in reversed(pairs))
-        return -sum(change.gain for change in self.last)
-
-    def _left(self, here: int, row: Array, variance: float) -> RankOne:
-        change = self.state.change(row, variance, leaving=True)
-        cross, reach = self._columns(here)
-        self._changed(here, change._replace(omega=float(self.above[here])), cross, reach)
-        self.state = self.state.after(row, variance, change)
-        return change
+        state, change = self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
+        cross, reach = (column @ change.turn.T for column in self._columns(slot))
+        here = change.turn @ reach[numbers]
+        change = change._replace(omega=(here + here.T) / 2)
+        self._changed(numbers, change, cross, reach)
+        self.state, self.last = state, change
+        return -change.gain
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
@@ -145,31 +176,29 @@ class Scores:
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
         left = self._had_left(slot)
-        return self.pool.gains(left.above, left.below, left.joint), float(np.sum(left.grown * left.omega))
+        return self.pool.gains(left.above, left.below, left.joint), -float(np.sum(left.eta * left.omega))
 
-    def _had_left(self, slot: int) -> _Left:
+    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
+        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
+        gains, own = self.without(slot)
+        gains = np.where(allowed, gains, -np.inf)
+        best = first_best(gains, ALIKE)
+        return Replacement(best, float(gains[best]), own)
+
+    def _had_left(self, slot: int) -> LeftOver:
         """Return numerators and denominators of all numbers were a reading not taken."""
-        numbers = self._numbers(slot)
         grown, omega = self._leaving(slot)
-        columns = [self._columns(here) for here in range(numbers.start, numbers.stop)]
-        cross, reach = [c for c, _ in columns], [r for _, r in columns]
-        lifted = [sum(grown[i, j] * cross[j] for j in range(len(cross))) for i in range(len(cross))]
-        turned = [2 * reach[i] + sum(omega[i, j] * lifted[j] for j in range(len(cross))) for i in range(len(cross))]
-        above, below, joint = self.above.copy(), self.below.copy(), self.joint
-        for near, far, column in zip(lifted, turned, cross, strict=True):
-            above += near * far
-            below += near * column
-        if not self.pool.scalar:
-            joint = self._joint_without(cross, lifted, turned)
-        return _Left(above, below, joint, grown, omega, np.array(cross), np.array(reach))
+        cross, reach = self._columns(slot)
+        above, below, joint = self._after(-grown, omega, cross, reach)
+        return LeftOver(above, below, joint, -grown, omega, cross, reach)
 
-    def _joint_without(self, cross: list[Array], lifted: list[Array], turned: list[Array]) -> SharedReadings:
-        joint = self.joint.copy()
-        for near, far, column in zip(lifted, turned, cross, strict=True):
-            (near_a, near_b), (far_a, far_b) = joint.ends(near), joint.ends(far)
-            joint.above += (near_a * far_b + far_a * near_b) / 2
-            joint.below += near_a * joint.ends(column)[1]
-        return joint
+    def _after(self, eta: Array, omega: Array, cross: Array, reach: Array) -> tuple[Array, Array, SharedReadings]:
+        """Return numerators, denominators and what they have in common after C ← C − H η Hᵀ; as of `_changed`."""
+        scaled = cross @ eta
+        half = reach - scaled @ (omega / 2)
+        above = self.above - 2 * np.einsum("ik,ik->i", scaled, half)
+        below = self.below - np.einsum("ik,ik->i", scaled, cross)
+        return above, below, self.joint if self.pool.scalar else self.joint.after(scaled, half, cross)
 
     def losses(self) -> Array:
         """Return by how much J would rise were each reading of the plan not taken, (m,)."""
@@ -191,18 +220,19 @@ class Scores:
         grown: Array = vectors / np.maximum(values, 1e-9 * noise) @ vectors.T
         return grown, reached[numbers, own]
 
-    def _columns(self, here: int) -> tuple[Array, Array]:
-        """Return rows times C g and times C W C g of a reading of the plan, each (numbers,).  here : its index
+    def _columns(self, slot: int) -> tuple[Array, Array]:
+        """Return rows times C Gᵀ and times C W C Gᵀ of a reading of the plan, each (numbers, k).
 
         From tables, 40 m k bytes to bring up to date at every change, or made anew, 8 m n bytes, where rows are short.
         """
-        column = here - self.pool.count
+        numbers = self._numbers(slot)
         if self._cross is None and self.pool.scalar and self.state.observation.size <= len(self.members):
-            change = self.state.change(self._padded(self.members[column])[0], 1.0)
-            cross, reach = self._products(np.column_stack([change.h, change.z])).T
-            return cross.copy(), reach.copy()
+            h = self.state.factor @ (self._padded(self.members[slot]) @ self.state.factor).T
+            seen = self._products(np.hstack([h, self.state.weighed(h)[0]]))
+            return seen[:, :1], seen[:, 1:]
         crossed, reached = self.follow()
-        return crossed[:, column].copy(), reached[:, column].copy()
+        own = slice(numbers.start - self.pool.count, numbers.stop - self.pool.count)
+        return crossed[:, own].copy(), reached[:, own].copy()
 
     def _looked_at(self, what: int | Places) -> tuple[Array, float]:
         """Return the rows (k, n) of a reading whose cells have columns, and the variance of its noise."""
@@ -263,26 +293,21 @@ class Scores:
         rows[:, : member.rows.shape[1]] = member.rows
         return rows
 
-    def _changed(self, here: int, change: RankOne, cross: Array, reach: Array) -> None:
-        """Bring everything up to date after C ← C − η h hᵀ, by the number whose index is `here`.
+    def _changed(self, here: slice, change: LowRank, cross: Array, reach: Array) -> None:
+        """Bring everything up to date after C ← C − H η Hᵀ, by the numbers that stand `here`.
 
-        cross : rows times h = C g; reach : times z = C W h
+        cross : rows times H = C Gᵀ, (numbers, k); reach : times Z = C W H
         """
-        eta, omega = change.eta, change.omega
-        self.above += -2 * eta * cross * reach + eta**2 * omega * cross**2
-        self.below -= eta * cross**2
-        if not self.pool.scalar:
-            (cross_a, cross_b), (reach_a, reach_b) = self.joint.ends(cross), self.joint.ends(reach)
-            both = cross_a * cross_b
-            self.joint.above += -eta * (cross_a * reach_b + reach_a * cross_b) + eta**2 * omega * both
-            self.joint.below -= eta * both
+        self.above, self.below, self.joint = self._after(change.eta, change.omega, cross, reach)
         if self._cross is not None and self._reach is not None:
-            near, far = cross[self.pool.count :], reach[self.pool.count :]
-            _take_off(self._reach, eta * np.column_stack([cross, reach]), np.stack([far - eta * omega * near, near]))
-            _take_off(self._cross, eta * cross[:, None], near[None])
+            scaled = cross @ change.eta
+            half = reach - scaled @ (change.omega / 2)
+            mine = slice(self.pool.count, None)
+            take_off(self._reach, np.hstack([scaled, half]), np.hstack([half[mine], scaled[mine]]).T)
+            take_off(self._cross, scaled, cross[mine].T)
 
 
-def _take_off(table: Array, left: Array, right: Array) -> None:
+def take_off(table: Array, left: Array, right: Array) -> None:
     """Subtract a product of low rank in place, (m, k) −= (m, j) (j, k): 2 m k j operations, 16 m k bytes.
 
     A few rows at a time, so that the product is taken off while it is near.

@@ -78,6 +78,18 @@ class SharedReadings:
             return cls(np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros((0, 3)))
         return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("first", "above", "below")))
 
+    def after(self, scaled: Array, half: Array, cross: Array) -> SharedReadings:
+        """Return the same after a change of the covariance; the arguments, (numbers, k), are as in `Scores`."""
+        other = copy(self)
+        (near_a, near_b), (far_a, far_b) = self.ends(scaled), self.ends(half)
+        other.above = self.above - np.sum(near_a * far_b, axis=2) - np.sum(far_a * near_b, axis=2)
+        other.below = self.below - np.sum(near_a * self.ends(cross)[1], axis=2)
+        return other
+
+    def within(self, kept: NDArray[np.intp]) -> SharedReadings:
+        """Return the same of some of the readings."""
+        return SharedReadings(self.first[kept], self.above[kept], self.below[kept])
+
     def copy(self) -> SharedReadings:
         """Return a copy that goes its own way."""
         other = copy(self)
@@ -100,5 +112,5 @@ class SharedReadings:
         return result
 
     def ends(self, values: Array) -> tuple[Array, Array]:
-        """Return values (numbers,) of the first and the second number of every pair, each (t, 3)."""
-        return values.take(self._pairs[0]), values.take(self._pairs[1])
+        """Return values (numbers, k) of the first and the second number of every pair, each (t, 3, k)."""
+        return values.take(self._pairs[0], axis=0), values.take(self._pairs[1], axis=0)

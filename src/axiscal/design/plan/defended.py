@@ -1,7 +1,5 @@
 """The gains of a lattice when a plan is to minimise what its readings can vouch for, not its promise alone.
 
-    objective = (P^p + Σ_h w_h D_h^{2p})^{1/p},  P the promised variance, D the damage of each departure, p = 4
-
 Beside what `Scores` keeps, each departure column b has β = b − gᵀx and π = eᵀ V C g of every candidate, the information
 I = bᵀK⁻¹b and the error e = V φ − V x, x what the estimate makes of b. A reading with v = σ² + gᵀCg and N = |V C g|²
 that enters makes of them
@@ -9,6 +7,9 @@ that enters makes of them
     I + β βᵀ/v,   |e|² − 2βπ/v + β²N/v²,   β_c − (g_cᵀ C g) β/v,   e − V C g β/v
 
 and a reading that leaves the same with v = gᵀCg − σ². Of a reading of several numbers v is the matrix R + G C Gᵀ.
+
+The best candidate is found from below: the promise with the few departures that do most is less than the objective, and
+only candidates that this does not rule out are looked at in full.
 """
 
 from __future__ import annotations
@@ -16,34 +17,53 @@ from __future__ import annotations
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.accuracy.damage import KAPPA, needed
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance, RankOne
-from axiscal.design.gains.running_gains import Scores
+from axiscal.design.gains.covariance import Covariance, LowRank
+from axiscal.design.gains.running_gains import Replacement, Scores, take_off
 from axiscal.design.gains.three_values import SharedReadings
+from axiscal.design.plan.objective import Objective, Standing
 from axiscal.design.plan.watch import Watch
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best
 
-_SMALLEST = 1e-300
-"""No division by nought."""
-_HOPELESS = 1e200
-"""Of a power, so that sums of many stay below the largest float; a curve of millimetres went beyond it."""
+_HEAVIEST = 16
+"""Departures by which candidates are ruled out: of time. Of a demo's 3,011 they leave eleven or fewer."""
+_AT_ONCE = 64
+"""Candidates that are looked at in full together: of time."""
+_ROUNDING = 1e-10
+"""Share of the objective by which a floor may be above it."""
+_NEAR = 16384
+"""Entries of a table that stay in the cache: of speed, not of the result."""
 
 
-class Standing(NamedTuple):
-    """What readings show of each departure; of one plan, or of many at once.
+class _Looked(NamedTuple):
+    """What candidates are looked at with, perhaps without a reading.
 
-    promise : P, m²; own : (..., k) information; across : (..., pairs) between the columns of a pair
-    wrong : (..., k) |e|², m²
+    standing : before a candidate; above, below, joint : as of `Scores`
+    cross, reach : (numbers, r) as of `LeftOver`; pulled, turned : (r, k)
+    β is `beta` with cross times pulled added, π is `pi` with cross times turned and reach times pulled
     """
 
-    promise: Array
-    own: Array
-    across: Array
-    wrong: Array
+    standing: Standing
+    above: Array
+    below: Array
+    joint: SharedReadings
+    cross: Array
+    reach: Array
+    pulled: Array
+    turned: Array
+
+
+class _Counted(NamedTuple):
+    """The departures that count, all or some.  standing : of these; columns : theirs, None for all"""
+
+    goal: Objective
+    standing: Standing
+    columns: NDArray[np.intp] | None
 
 
 class DefendedScores(Scores):
@@ -55,7 +75,7 @@ class DefendedScores(Scores):
 
     def __init__(self, pool: Pool, state: Covariance, watched: Watch, yardstick: Yardstick, squarings: int = 2) -> None:
         super().__init__(pool, state)
-        self._squarings, self.watched = squarings, watched
+        self._goal, self.watched = Objective.of(watched, squarings), watched
         self._beyond = yardstick.rms_of(state.value) ** 2 - state.value
         self.beta = watched.columns(pool.lattice)
         self.x = np.zeros((state.observation.size, watched.count))
@@ -77,84 +97,105 @@ class DefendedScores(Scores):
     @property
     def objective(self) -> float:
         """What the readings of the plan make of the objective, m²."""
-        return float(self._objective(self.standing))
+        return float(self._goal.value(self.standing))
 
     @property
     def gains(self) -> Array:
         """By how much every candidate would lower the objective, (M,)."""
-        return self.objective - self._with_each(self.standing, self.above, self.below, self.joint, self.beta, self.pi)
+        none = np.zeros((len(self.above), 0)), np.zeros((0, self.watched.count))
+        looked = _Looked(self.standing, self.above, self.below, self.joint, none[0], none[0], none[1], none[1])
+        return self.objective - self._with_each(looked, np.arange(len(self.pool)))
 
     def losses(self) -> Array:
         """By how much the objective would rise were each reading of the plan not taken, (m,)."""
         if not self.pool.scalar:
             left = [self._standing_without(slot, *self._leaving(slot)) for slot in range(len(self.members))]
-            return np.array([float(self._objective(each)) for each in left]) - self.objective
+            return np.array([float(self._goal.value(each)) for each in left]) - self.objective
         mine = slice(self.pool.count, None)
         noise = np.array([member.variance for member in self.members])
         lost = np.minimum(self.below[mine] - 2 * noise, -1e-9 * noise)
-        return self._after(self.standing, lost, self.above[mine], self.beta[mine], self.pi[mine]) - self.objective
+        after = self._goal.after_one(self.standing, lost, self.above[mine], self.beta[mine], self.pi[mine])
+        return after - self.objective
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return by how much each candidate lowers the objective without a reading, (M,), and the reading itself."""
-        left, mine, count = self._had_left(slot), self._numbers(slot), self.pool.count
-        pulled = left.grown @ self.beta[mine]
-        cross, reach = left.cross[:, :count], left.reach[:, :count]
-        betas = self.beta[:count] + cross.T @ pulled
-        pis = self.pi[:count] + cross.T @ (left.grown @ (self.pi[mine] + left.omega @ pulled)) + reach.T @ pulled
-        other = self._standing_without(slot, left.grown, left.omega)
-        before = float(self._objective(other))
-        return before - self._with_each(other, left.above, left.below, left.joint, betas, pis), before - self.objective
+        looked = self._looked_without(slot)
+        before = float(self._goal.value(looked.standing))
+        return before - self._with_each(looked, np.arange(len(self.pool))), before - self.objective
+
+    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
+        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
+        looked, those = self._looked_without(slot), np.flatnonzero(allowed)
+        before, gains = float(self._goal.value(looked.standing)), np.full(len(self.pool), -np.inf)
+        floors = self._with_each(looked, those, self._goal.heaviest(looked.standing, _HEAVIEST))
+        most, best = before - floors + _ROUNDING * before, -np.inf
+        order = np.argsort(-most, kind="stable")
+        for start in range(0, len(order), _AT_ONCE):
+            part = order[start : start + _AT_ONCE]
+            if most[part[0]] < best - ALIKE * abs(best):
+                break
+            gains[those[part]] = before - self._with_each(looked, those[part])
+            best = float(gains.max())
+        index = first_best(gains, ALIKE)
+        return Replacement(index, float(gains[index]), before - self.objective)
+
+    def _looked_without(self, slot: int) -> _Looked:
+        left, mine = self._had_left(slot), self._numbers(slot)
+        pulled = -left.eta @ self.beta[mine]
+        turned = -left.eta @ (self.pi[mine] + left.omega @ pulled)
+        standing = self._standing_without(slot, -left.eta, left.omega)
+        return _Looked(standing, left.above, left.below, left.joint, left.cross, left.reach, pulled, turned)
 
     def _standing_without(self, slot: int, grown: Array, omega: Array) -> Standing:
         mine = self._numbers(slot)
-        return self._with_numbers(self.standing, -grown, omega, self.beta[mine], self.pi[mine])
+        return self._goal.after_several(self.standing, -grown, omega, self.beta[mine], self.pi[mine])
 
-    def _with_each(
-        self, standing: Standing, above: Array, below: Array, joint: SharedReadings, beta: Array, pi: Array
-    ) -> Array:
-        """Return the objective with each candidate, (M,).  above, below, beta, pi : of all their numbers, and more"""
-        count, pool = self.pool.count, self.pool
-        if pool.scalar:
-            return self._after(standing, below[:count], above[:count], beta[:count], pi[:count])
-        result, single = np.empty(len(pool)), pool.values == 1
-        alone = pool.first[single]
-        if len(alone):
-            result[single] = self._after(standing, below[alone], above[alone], beta[alone], pi[alone])
-        near, spread = joint.matrices(above, below)
-        three = joint.first[:, None] + np.arange(3)
-        inverse: Array = np.asarray(np.linalg.inv(spread), dtype=np.float64)
-        together = self._with_numbers(standing, inverse, near, beta[three], pi[three])
-        result[~single] = self._objective(together)
+    def _with_each(self, looked: _Looked, candidates: NDArray[np.intp], only: NDArray[np.intp] | None = None) -> Array:
+        """Return the objective with each of some candidates, (m,), or a floor of it, by some departures only."""
+        part = _Counted(self._goal, looked.standing, None)
+        if only is not None:
+            columns, pairs = self._goal.columns(only)
+            part = _Counted(self._goal.within(only), looked.standing.within(columns, pairs), columns)
+        result, several = np.empty(len(candidates)), self.pool.values[candidates] > 1
+        for which, objective in ((~several, self._with_one), (several, self._with_three)):
+            mine = np.flatnonzero(which)
+            for start in range(0, len(mine), height := max(1, _NEAR // len(part.goal.beside))):
+                block = mine[start : start + height]
+                result[block] = objective(looked, part, candidates[block])
         return result
 
-    def _with_numbers(self, standing: Standing, inverse: Array, above: Array, beta: Array, pi: Array) -> Standing:
-        """Return what readings show after one of several numbers, or after each of many.
+    def _with_one(self, looked: _Looked, part: _Counted, candidates: NDArray[np.intp]) -> Array:
+        """Return the objective with each of candidates of one number, (m,)."""
+        numbers = self.pool.first[candidates]
+        tables = self._tables(looked, part, numbers)
+        return part.goal.after_one(part.standing, looked.below[numbers], looked.above[numbers], *tables)
 
-        inverse : (..., r, r) M⁻¹, with M = R + G C Gᵀ; -M of one that leaves; above : (..., r, r) G C W C Gᵀ
-        beta, pi : (..., r, k)
-        """
-        solved = inverse @ beta
-        across = np.sum(self._pair(beta)[0] * self._pair(solved)[1], axis=-2)
-        wrong = standing.wrong - 2 * np.sum(solved * pi, axis=-2) + np.sum(solved * (above @ solved), axis=-2)
-        return Standing(
-            standing.promise - np.sum(inverse * above, axis=(-2, -1)),
-            standing.own + np.sum(beta * solved, axis=-2),
-            standing.across + across,
-            np.maximum(wrong, self.watched.beside),
-        )
+    def _with_three(self, looked: _Looked, part: _Counted, candidates: NDArray[np.intp]) -> Array:
+        """Return the objective with each of candidates of three numbers, (m,)."""
+        joint = looked.joint.within(np.searchsorted(looked.joint.first, self.pool.first[candidates]))
+        above, below = joint.matrices(looked.above, looked.below)
+        inverse: Array = np.asarray(np.linalg.inv(below), dtype=np.float64)
+        numbers = (joint.first[:, None] + np.arange(3)).ravel()
+        beta, pi = (table.reshape(len(joint.first), 3, -1) for table in self._tables(looked, part, numbers))
+        return part.goal.value(part.goal.after_several(part.standing, inverse, above, beta, pi))
 
-    def _entered(self, here: int, row: Array, variance: float) -> RankOne:
+    def _tables(self, looked: _Looked, part: _Counted, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return β and π of numbers (m,), each (m, k), of the departures that count."""
+        cross, reach, pulled, turned = looked.cross[numbers], looked.reach[numbers], looked.pulled, looked.turned
+        if part.columns is None:
+            beta, pi = self.beta[numbers], self.pi[numbers]
+        else:
+            beta, pi = (table[numbers[:, None], part.columns] for table in (self.beta, self.pi))
+            pulled, turned = pulled[:, part.columns], turned[:, part.columns]
+        return beta + cross @ pulled, pi + cross @ turned + reach @ pulled
+
+    def _taken(self, places: Places, rows: Array, here: slice, variances: float | Array) -> float:
+        """Take numbers in, and with them what departures do to them; arguments as of `Scores`."""
         self._pad()
-        reach = self.state.root.of(self.state.factor @ (row @ self.state.factor))
-        self.beta[here] = next(self._coming) - row @ self.x
-        self.pi[here] = reach @ self.left
-        return super()._entered(here, row, variance)
-
-    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
-        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
-        place = what if isinstance(what, Places) else self.pool.lattice.at(what)
-        self._coming = iter(self.watched.columns(place))
-        return super().enter(what, slot, bundle)
+        h = self.state.factor @ (rows @ self.state.factor).T
+        self.beta[here] = self.watched.columns(places) - rows @ self.x
+        self.pi[here] = self.state.root.of(h).T @ self.left
+        return super()._taken(places, rows, here, variances)
 
     def _pad(self) -> None:
         """Give the unknowns that came with cells a row of nothing in x."""
@@ -172,78 +213,13 @@ class DefendedScores(Scores):
         at = np.arange(numbers.start, numbers.stop)
         self.beta, self.pi = (np.delete(table, at, axis=0) for table in (self.beta, self.pi))
 
-    def _changed(self, here: int, change: RankOne, cross: Array, reach: Array) -> None:
-        beta, pi = self.beta[here].copy(), self.pi[here].copy()
-        eta, omega = change.eta, change.omega
-        self.beta, self.pi = self._moved(self.beta, self.pi, cross, reach, eta, omega, beta, pi)
-        self.left = self.left - eta * np.outer(self.state.root.of(change.h), beta)
-        self.x = self.x + eta * np.outer(change.h, beta)
-        self.standing = self._entering(self.standing, eta, omega, beta, pi)
+    def _changed(self, here: slice, change: LowRank, cross: Array, reach: Array) -> None:
+        beta, pi = change.turn @ self.beta[here], change.turn @ self.pi[here]
+        pulled = change.eta @ beta
+        turned = change.eta @ (pi - change.omega @ pulled)
+        take_off(self.beta, cross, pulled)
+        take_off(self.pi, np.hstack([cross, reach]), np.vstack([turned, pulled]))
+        self.left = self.left - self.state.root.of(change.h) @ pulled
+        self.x = self.x + change.h @ pulled
+        self.standing = self._goal.after_several(self.standing, change.eta, change.omega, beta, pi)
         super()._changed(here, change, cross, reach)
-
-    @staticmethod
-    def _moved(
-        betas: Array, pis: Array, cross: Array, reach: Array, eta: float, omega: float, beta: Array, pi: Array
-    ) -> tuple[Array, Array]:
-        """Return β and π of all numbers after a reading.  cross : (numbers,) g_cᵀ C g; reach : g_cᵀ C W C g"""
-        pis = pis - eta * np.outer(cross, pi) + np.outer(eta**2 * omega * cross - eta * reach, beta)
-        return betas - eta * np.outer(cross, beta), pis
-
-    def _entering(self, standing: Standing, eta: float, omega: float, beta: Array, pi: Array) -> Standing:
-        first, second = self._pair(beta)
-        return Standing(
-            standing.promise - eta * omega,
-            standing.own + eta * beta**2,
-            standing.across + eta * first * second,
-            np.maximum(standing.wrong - 2 * eta * beta * pi + eta**2 * omega * beta**2, self.watched.beside),
-        )
-
-    def _after(self, standing: Standing, below: Array, above: Array, beta: Array, pi: Array) -> Array:
-        """Return the objective after each of many readings, (m,).  below : v; above : N; beta, pi : (m, k)"""
-        eta = (1.0 / below)[:, None]
-        first, second = self._pair(beta)
-        scaled = eta * beta
-        wrong = scaled * above[:, None]  # in place from here: these tables are what a search spends its time on
-        wrong -= 2 * pi
-        wrong *= scaled
-        wrong += standing.wrong
-        np.maximum(wrong, self.watched.beside, out=wrong)
-        across = standing.across + eta * first * second
-        scaled *= beta
-        scaled += standing.own
-        return self._objective(Standing(standing.promise - above / below, scaled, across, wrong))
-
-    def _pair(self, beta: Array) -> tuple[Array, Array]:
-        """Return the first and the second columns of departures that have two."""
-        pairs = beta[..., self.watched.single :]
-        return pairs[..., 0::2], pairs[..., 1::2]
-
-    def _objective(self, at: Standing) -> Array:
-        singles, pairs = slice(0, self.watched.single), slice(self.watched.single, None)
-        one = self._damage(at.own[..., singles], at.wrong[..., singles], singles, 1)
-        (own, other), (near, far) = self._pair(at.own), self._pair(at.wrong)
-        least = (own + other) / 2 - np.sqrt(((own - other) / 2) ** 2 + at.across**2)
-        two = self._damage(np.maximum(least, 0.0), (near + far) / 2, pairs, 2)
-        scale = max(float(np.min(at.promise)), _SMALLEST)
-        summed = self._raised(np.maximum(at.promise, _SMALLEST) / scale)
-        for damages, which in ((one, singles), (two, pairs)):
-            with np.errstate(over="ignore"):  # against a promise of nothing: hopeless
-                shares = damages / scale
-            summed = summed + self._raised(shares) @ self.watched.weights[which]
-        total: Array = scale * summed ** (0.5**self._squarings)
-        return total
-
-    def _damage(self, information: Array, wrong: Array, which: slice, degrees: int) -> Array:
-        """Return D² of departures.  information, wrong : (..., h), of those of one column or of two"""
-        damages = needed(degrees) / (KAPPA**2 - 1) / np.maximum(information, _SMALLEST)
-        np.minimum(damages, self.watched.most[which] ** 2, out=damages)
-        damages *= wrong
-        result: Array = damages
-        return result
-
-    def _raised(self, values: Array) -> Array:
-        """Return values to the power p; hopeless ones are as hopeless as a float can say."""
-        values = np.minimum(values, _HOPELESS ** (0.5**self._squarings))
-        for _ in range(self._squarings):
-            values = np.square(values)
-        return values

@@ -64,10 +64,8 @@ def _work_of_change(scores: Scores) -> float:
 
 
 def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
-    gains, own = scores.without(slot)
-    gains = np.where(allowed(scores, slot), gains, -np.inf)
-    best = first_best(gains, ALIKE)
-    if not gains[best] > own * (1 + better):
+    best, gain, own = scores.replacement(slot, allowed(scores, slot))
+    if not gain > own * (1 + better):
         return False
     scores.leave(slot)
     scores.enter(best, slot)
@@ -110,7 +108,7 @@ def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
     old = scores.places.at(slot)
     own = scores.leave(slot)
     found = _climbed(scores, gains, old)
-    gain = sum(change.gain for change in scores.state.entered(found)[1])
+    gain = scores.state.entered(found)[1].gain
     scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
 
 

@@ -124,7 +124,7 @@ def filled(
     allowed = np.isin(of, setups)
     for index in openings(scores, setups, limits.readings or _MOST):
         scores.enter(index, bundle=bundle)
-        meter, spent = meter.after(*scores.last), spent + float(cost[index])
+        meter, spent = meter.after(scores.last), spent + float(cost[index])
     start = scores.state.value
     picks = 0
     while not (met := limits.met(meter.accuracy)) and bundle * len(scores.members) < (limits.readings or _MOST):
@@ -137,7 +137,7 @@ def filled(
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
         gain = scores.enter(best, bundle=bundle)
-        meter, spent = meter.after(*scores.last), spent + float(cost[best])
+        meter, spent = meter.after(scores.last), spent + float(cost[best])
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
             break
     return Trial(scores, setups, spent, met)

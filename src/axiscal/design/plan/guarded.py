@@ -197,8 +197,7 @@ class _Guarding:
 
     def _entered(self, places: Places, watched: Watch, how: _How) -> DefendedScores:
         scores = DefendedScores(self._trial.scores.pool, self._task.state, watched, self._task.yardstick, how.squarings)
-        for index in range(len(places)):
-            scores.enter(places.at(index))
+        scores.enter_all(places)
         return scores
 
     def closed(self, order: Places) -> Iterator[Places]:
@@ -218,8 +217,7 @@ class _Guarding:
     def scored(self, places: Places) -> Scores:
         """Return plain scores of readings, which count the promise alone."""
         scores = Scores(self._trial.scores.pool, self._task.state)
-        for index in range(len(places)):
-            scores.enter(places.at(index))
+        scores.enter_all(places)
         return scores
 
 

@@ -56,6 +56,7 @@ class Plan:
     places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now; met : whether the accuracy asked for is reached
     bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
+    among : the set-ups that were worth their mounting, of which it was chosen
     """
 
     places: Places
@@ -65,6 +66,7 @@ class Plan:
     met: bool
     bound: Bound | None
     candidates: int
+    among: Setups
 
     @property
     def accuracy(self) -> Accuracy:
@@ -138,8 +140,7 @@ def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setu
     trials = [greedy]
     for begun in (evenly_spaced(task, counts), space_filling(task, counts)):
         scores = base.fork()
-        for i in range(len(begun)):
-            scores.enter(begun.at(i))
+        scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))
     for trial in trials:
         exchange(trial.scores, affordable(times, setups, limits.slack))
@@ -164,8 +165,10 @@ def _plan(task: Task, limits: Limits, trial: Trial, bound: Bound | None, candida
     meter = RunningAccuracy.of(task.yardstick, state.factor)
     start, readings = meter.accuracy, list[PlannedReading]()
     for i, seconds in enumerate(np.cumsum(seconds_each(task, order)).tolist()):
-        state, changes = state.entered(order.at(i))
-        meter = meter.after(*changes)
+        state, change = state.entered(order.at(i))
+        meter = meter.after(change)
         readings.append(PlannedReading(state.value, meter.accuracy, seconds))
     places = replace(order, approaches=arriving(task, order))
-    return Plan(places, tuple(readings), state.value, start, limits.met(meter.accuracy), bound, candidates)
+    return Plan(
+        places, tuple(readings), state.value, start, limits.met(meter.accuracy), bound, candidates, trial.setups
+    )

@@ -80,8 +80,7 @@ def _setups(task: Task, left: Places) -> Setups:
 def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: Places) -> Trial:
     """Return the plan that is left, of no more readings than there may be."""
     scores = Scores(pool, task.state)
-    for i in range(len(left)):
-        scores.enter(left.at(i))
+    scores.enter_all(left)
     while limits.readings is not None and len(scores.members) > limits.readings:
         drop(scores, times)
     return Trial(scores, setups, 0.0, met=False)
