@@ -21,15 +21,16 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
-from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures, shape
+from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures, joint_shape, shape
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
 from axiscal.numerics.remembered import remembered
+from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 
-COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump"})
+COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump", "together"})
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
@@ -39,6 +40,8 @@ _LARGEST_PITCH = 5e-6
 """m or rad: a ground screw of usual make goes wrong by less in a turn (an assumption)."""
 _REVERSALS = 2.0
 """Standard deviations of a reversal by which it may vary along its axis."""
+_TOGETHER = 0.5
+"""Standard deviations of the curves of two axes by which they may act together where no error of both is described."""
 _MOST = 400
 """Readings that are looked at, spread over all: fewer show less, so that nothing is promised that is not held."""
 _FEWEST = 3
@@ -178,7 +181,21 @@ class EffectMap:
 
 def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
     """Return V φ (w, r), φ as far as splines follow it, and the mean square over the volume of what they do not, m²."""
+    if departure.pair is not None:
+        return _joint_field(yardstick, departure.place, departure.function or 0, departure.pair)
     return _field(yardstick, departure.family, departure.place, departure.function or 0)
+
+
+@remembered
+def _joint_field(yardstick: Yardstick, place: float, index: int, pair: tuple[int, int]) -> tuple[Array, float]:
+    """Return no part that splines follow, and the mean square of what two axes do together."""
+    columns, axes = yardstick.errors.functions[index].columns, yardstick.errors.machine.axes
+    lever = yardstick.moments.gram[columns, columns].sum()
+    poses = np.zeros((_POINTS, len(axes)))
+    low, high = np.array([yardstick.box[k] for k in pair]).T
+    poses[:, list(pair)] = low + (high - low) * even_points(_POINTS, 2)
+    square = float(np.mean(joint_shape(place, pair, axes, poses) ** 2))
+    return np.zeros((len(yardstick.root.matrix), 1)), float(lever) * square
 
 
 @remembered
@@ -200,6 +217,8 @@ def largest(errors: ErrorModel, departure: Departure) -> float:
     entry = errors.machine.errors[departure.function]
     if departure.family == "reversal":
         return _REVERSALS * entry.std
+    if departure.family == "together":
+        return _TOGETHER * entry.std
     return min(entry.std, _LARGEST_PITCH) if departure.family == "pitch" else entry.std
 
 

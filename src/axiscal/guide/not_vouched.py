@@ -51,6 +51,7 @@ def cause_words(found: Explanation) -> str:
         "bump": said("{owner} has a detail that its knots do not follow", owner=found.owner),
         "reversal": said("{owner} is not the same everywhere", owner=found.owner),
         "scale": said("{owner} is linear, as by temperature or a wrong scale", owner=found.owner),
+        "together": said("{owner}: two axes do together what no sum of their curves holds", owner=found.owner),
         "bad": said('one reading of "{owner}" is wrong', owner=found.owner),
     }
     return words[found.family]

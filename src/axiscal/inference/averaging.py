@@ -87,7 +87,8 @@ def average(evidence: Evidence, possible: Sequence[Departure], terms: Sequence[T
     priors = prior_sizes(evidence, chosen, unit)
     parts = [_told(evidence, chosen, spread, each.logs, unit, priors) for each in terms]
     weights = _weights(terms, parts, shares)
-    left = [(each.owner, field.left) for each, field in zip(chosen, fields, strict=True)]
+    owners = ["" if each.function is None else evidence.functions[each.function].name for each in chosen]
+    left = [(owner, field.left) for owner, field in zip(owners, fields, strict=True)]
     return _gathered(parts, weights, left)
 
 

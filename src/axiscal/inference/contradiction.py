@@ -40,6 +40,7 @@ PRIOR: Mapping[Family, float] = MappingProxyType(
         "reversal": 0.05,
         "bad": 0.06,
         "scale": 0.02,
+        "together": 0.05,
     }
 )
 """How probable each family is beside the model's 0.40 before any reading; shared evenly over its places."""

@@ -9,6 +9,7 @@ with places has one column for each place that it may be at.
     bump              exp(−(t − c)²/w²) times the lever
     reversal varies   ±½ exp(−(t − c)²/w²), w a quarter of the travel, times the lever
     scale             (t − middle)/travel times the lever (thermal growth, a wrong scale)
+    together          twist u v of two linear axes, or sag of both, u, v their shares of the travel, times the lever
     bad reading       1 for one reading
 """
 
@@ -16,18 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.model import ErrorFunction
+from axiscal.error_model.model import ErrorFunction, ErrorModel
 from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
-Family = Literal["drift", "levelling", "step", "pitch", "bump", "reversal", "scale", "bad"]
+Family = Literal["drift", "levelling", "step", "pitch", "bump", "reversal", "scale", "together", "bad"]
 
 _HOUR, _LEVELLING = 3600.0, 1200.0
 """s: a drift is counted by the hour, and a machine that stood levels out in twenty minutes, or about."""
@@ -43,6 +45,10 @@ _FELT = 1e-12
 """m/rad, 1, or rad/rad: rounding of a lever."""
 _POINTS = 400
 """Points of an axis: a step is met to a four-hundredth of the travel."""
+TWIST, SAG = 0.0, 1.0
+"""Places of what two axes do together: no places, but shapes."""
+_SIDE = 41
+"""Points along each side of a plane: a mean square of two waves is exact to a thousandth."""
 _A_LINE = 3
 """So many readings tell a rate from a zero."""
 
@@ -73,6 +79,7 @@ class Departure:
     columns : (m, r) b; its size has the unit of what `columns` are per: m, rad, or per hour of drift
     owner : the set-up, or the error whose curve departs; place : where, m or rad; the pitch, or the index of a reading
     function : index of that error; None where only the readings suffer
+    pair : the two axes that act together, of which the error is one component; None for what one axis does
     """
 
     family: Family
@@ -80,6 +87,7 @@ class Departure:
     columns: Array
     place: float = 0.0
     function: int | None = None
+    pair: tuple[int, int] | None = None
 
 
 class Followed(NamedTuple):
@@ -117,6 +125,7 @@ def departures(
     for index in range(len(observation.errors.functions)):
         if np.any(np.abs(seen.effects[index]) > _FELT):
             yield from _of_error(observation, seen, index, search)
+    yield from _together(observation, seen)
     for index in range(len(readings)):
         yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
 
@@ -154,6 +163,41 @@ def _of_error(observation: Observation, seen: _Numbers, index: int, search: Sear
     for family, place in _possible(observation, function, axis, len(seen.time), search):
         along = shape(family, place, function, axis, seen.poses[:, function.axis])
         yield Departure(family, function.name, seen.effects[index][:, None] * along, place, index)
+
+
+def _together(observation: Observation, seen: _Numbers) -> Iterator[Departure]:
+    """Yield what two linear axes that one set-up moves may do together, where no error of both is described."""
+    axes, errors = observation.machine.axes, observation.errors
+    for pair in combinations((k for k, axis in enumerate(axes) if not axis.rotary), 2):
+        mine = np.array([set(pair) <= set(setup.moves) for setup in observation.setups])[seen.setup]
+        if not np.any(mine) or np.any(np.ptp(seen.poses[mine][:, list(pair)], axis=0) == 0):
+            continue
+        for component in range(3):
+            carrier = _carrier(errors, pair, component)
+            if carrier is None or not np.any(np.abs(seen.effects[carrier]) > _FELT):
+                continue
+            name = f"E{'XYZ'[component]}{''.join(axes[k].name for k in pair)}"
+            for place in (TWIST, SAG):
+                shown = seen.effects[carrier][:, None] * joint_shape(place, pair, axes, seen.poses)
+                yield Departure("together", name, shown, place, carrier, pair)
+
+
+def _carrier(errors: ErrorModel, pair: tuple[int, int], component: int) -> int | None:
+    """Return the curve along one direction of the later axis of two, else of the earlier; None where both hold more."""
+    if any(set(plane.axes) == set(pair) and plane.component == component for plane in errors.planes):
+        return None
+    curves = [n for n, f in enumerate(errors.functions) if f.kind == "motion" and f.basis.size > 1]
+    found = [n for n in curves if errors.functions[n].axis in pair and errors.functions[n].component == component]
+    return max(found, key=lambda n: errors.functions[n].axis, default=None)
+
+
+def joint_shape(place: float, pair: tuple[int, int], axes: Sequence[Axis], poses: Array) -> Array:
+    """Return what a departure of two axes of size 1 adds at poses (m, q), (m, 1), less what curves of each can hold."""
+    lows, highs = np.array([axes[k].travel for k in pair]).T
+    shares = 2 * (poses[:, list(pair)] - lows) / (highs - lows) - 1
+    sides = shares if place == TWIST else np.cos(np.pi / 2 * shares) - 2 / np.pi
+    shape: Array = np.prod(sides, axis=1)[:, None]
+    return shape
 
 
 def _possible(
@@ -195,12 +239,23 @@ def followed(departure: Departure, functions: Sequence[ErrorFunction], axes: Seq
     if departure.function is None:
         return Followed(None, None, None)
     function = functions[departure.function]
+    if departure.pair is not None:
+        square = np.mean(joint_shape(departure.place, departure.pair, axes, _grid(departure.pair, axes)) ** 2)
+        return Followed(None, None, np.array([[square]]))
     axis = axes[function.axis]
     at = axis.travel[0] + axis.length * (np.arange(_POINTS) + 0.5) / _POINTS
     values, rows = shape(departure.family, departure.place, function, axis, at), function.basis.rows(at)
     coefficients: Array = np.asarray(np.linalg.lstsq(rows, values, rcond=None)[0])
     left = values - rows @ coefficients
     return Followed(function.columns, coefficients, left.T @ left / _POINTS)
+
+
+def _grid(pair: tuple[int, int], axes: Sequence[Axis]) -> Array:
+    """Return poses evenly over two axes, (m, q)."""
+    poses = np.zeros((_SIDE**2, len(axes)))
+    lines = [np.linspace(*axes[k].travel, _SIDE) for k in pair]
+    poses[:, list(pair)] = np.stack([each.ravel() for each in np.meshgrid(*lines)], axis=1)
+    return poses
 
 
 def _spacing(function: ErrorFunction, axis: Axis) -> float:

@@ -28,6 +28,7 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
         "pitch": "an error of {} within a turn of its screw",
         "bump": "a detail of {}",
         "reversal": "a reversal that varies, {},",
+        "together": "what two axes do together, {},",
     }
 )
 
@@ -140,4 +141,6 @@ def _unit(case: Case, each: Departed) -> str:
     names = {setup.name: INSTRUMENTS[setup.instrument].reads for setup in case.description.setups}
     if each.owner in names and each.family in ("drift", "levelling"):
         return "um" if names[each.owner] == "length" else "urad"
+    if each.family == "together":
+        return "um"
     return "urad" if case.errors.names[each.owner].angular else "um"

@@ -9,6 +9,7 @@ from axiscal.error_model.iso230 import words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruling_of
 from axiscal.inference.contradiction import SURE, Comparison, Explanation
+from axiscal.measurement.departures import TWIST
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding
@@ -54,6 +55,11 @@ def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     """Return in words what may be, and what to do about it."""
     if each.family in ("drift", "levelling", "bad"):
         return _of_setup(each, estimation)
+    if each.family == "together":
+        size = f"{abs(to_unit(each.size, 'um')):.2g} ± {2 * to_unit(each.std, 'um'):.2g} um"
+        shape = "twist" if each.place == TWIST else "sag"
+        what = f"two axes seem to act together beyond the sum of their curves, a {shape} of {size} ({each.owner})"
+        return what, f'describe {each.owner} = {{ std = "…", knots = [9, 9] }}'
     return _of_error(each, estimation)
 
 

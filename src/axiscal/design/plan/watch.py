@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.plan.out_and_back import returns
 from axiscal.estimation.defence import COUNTED, field, largest
-from axiscal.measurement.departures import IN_PLANS, Departure, departures, shape
+from axiscal.measurement.departures import IN_PLANS, Departure, departures, joint_shape, shape
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
@@ -99,6 +99,9 @@ class Watch:
         for each in self.departures:
             if each.function is None:
                 parts.append(self._drift(each, places.setups[numbers.owner], numbers.which, shares))
+            elif each.pair is not None:
+                along = joint_shape(each.place, each.pair, self.observation.machine.axes, poses)
+                parts.append(effects[each.function][:, None] * along)
             else:
                 function = self.observation.errors.functions[each.function]
                 axis = self.observation.machine.axes[function.axis]
