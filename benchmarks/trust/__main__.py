@@ -102,10 +102,12 @@ a plan asks for readings; *even* and *random* places as well. *Learnt*: `scales 
 of true to promised RMS (geometric mean), the share of the volume that is no farther off than the U that is promised,
 the share of machines under the verdict `holds`, and the share of **silent** ones with its 95 % limits (Clopper and
 Pearson): truth above 1.5 times the promise under the verdict `holds`. "Refused": the file is, every time. What turns
-the sign of all readings no reading can show; `axiscal verify` must. Axis lines are stated to 15 µm, the tool is not:
-its length is then known to 100 µm. Where the rotary axes carry the workpiece a longer tool looks like an axis line that
-lies elsewhere, and no reading of the spheres can tell the two apart: the promise holds both. Whoever states the tool to
-5 µm while it is 50 µm longer is not told.
+the sign of all readings no reading can show; `axiscal verify` must. Axis lines are stated to 15 µm and the tool
+to 5 µm, but where it is too long: there it is not measured, and known to 100 µm as the program takes it. Where rotary
+axes carry the workpiece a longer tool looks like an axis line that lies elsewhere, and no reading of the spheres can
+tell the two apart: the promise then holds both, and most of it is that one unknown, which is above 1.5 times the
+promise in 13% of machines where everything is right. Whoever states the tool to 5 µm while it is 50 µm longer is not
+told. Twenty-four readings of a metre may all miss a bump of 30 mm.
 (`make trust PART=attacks MACHINES={machines}`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |

@@ -43,14 +43,16 @@ def _as_stated(machine: Machine) -> Machine:
 
 @dataclass(frozen=True, slots=True)
 class Attack:
-    """words : what is wrong; truth : what is not as stated; field : besides, along the first direction that is read
+    """words : what is wrong; stated : what is stated otherwise; truth : what is not as stated
 
+    field : besides, along the first direction that is read
     shown : what becomes of the readings; count : of readings, that of the bench unless said
     tool : another tool than stated, just so much, which is no error of the machine; chain : other axis lines, which are
     """
 
     words: str
     truth: Changes = ()
+    stated: Changes = ()
     field: Field = lambda x, side, place: 0.0 * side
     shown: Shown = lambda values, along, rng: values
     bench: Name = "axis"
@@ -135,7 +137,7 @@ ATTACKS = (
     Attack("two axes: twist, 20 µm", field=lambda x, side, c: 20 * _twist(x), bench="plate"),
     Attack("two axes: sag, 20 µm", field=lambda x, side, c: 20 * _sag(x), bench="plate"),
     Attack("five axes: nothing", bench="five axes"),
-    Attack("five axes: tool 50 µm too long", bench="five axes", tool=_longer),
+    Attack("five axes: tool 50 µm too long", bench="five axes", tool=_longer, stated=(("TOOL", "100 um"),)),
     Attack("five axes: pivot of B 50 µm aside", bench="five axes", chain=_elsewhere("B")),
     Attack("five axes: drift, 10 µm", shown=_drifting(lambda t: t), bench="five axes"),
     Attack("five axes: one bad reading, 8 µm", shown=_bad(1), bench="five axes"),
@@ -169,8 +171,8 @@ class Outcome:
 @one_thread()
 def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     """Return what one machine's readings promise, and what is true."""
-    stated = case_of(attack.bench, scales)
-    actual = case_of(attack.bench, scales, attack.truth).description
+    stated = case_of(attack.bench, scales, attack.stated)
+    actual = case_of(attack.bench, scales, (*attack.truth, *attack.stated)).description
     machine, rng = Simulator(actual.machine, actual.setups).drawn(seed), np.random.default_rng((seed, 4))
     machine = replace(machine, offsets=_with_tool(attack, machine.offsets))
     own, column = float(rng.uniform(0.2, 0.8)), 2 if attack.bench == "plate" else 0

@@ -32,12 +32,14 @@ class Bench:
     """machine, setup : texts; readings : how many are taken unless an attack says otherwise
 
     candidates : among which a plan chooses; as many as the program takes where that costs seconds
+    head : what stands at the top of the campaign
     """
 
     machine: str
     setup: str
     readings: int
     candidates: int
+    head: str = ""
 
 
 _AXIS = """
@@ -134,9 +136,9 @@ drift = "0 um/h"
 BENCHES = {
     "axis": Bench(_AXIS, _LASER, 24, 4000),
     "plate": Bench(_PLATE, _PROBE, 24, 400),
-    "five axes": Bench(_FIVE, _NEST, 24, 400),
+    "five axes": Bench(_FIVE, _NEST, 24, 400, 'tool_length = "TOOL"\n'),
 }
-_USUAL: Changes = (("STD", "10 um"), ("LENGTH", "200 mm"), ("NOISE", "0.5 um"))
+_USUAL: Changes = (("STD", "10 um"), ("LENGTH", "200 mm"), ("NOISE", "0.5 um"), ("TOOL", "5 um"))
 
 
 @cache
@@ -144,7 +146,7 @@ def case_of(name: Name, scales: str, changes: Changes = ()) -> Case:
     """Return what is calibrated, as stated or with changes."""
     bench = BENCHES[name]
     machine, setup = bench.machine, bench.setup
-    text = f'machine = "m"\nscales = "{scales}"\n[target]\nreadings = {bench.readings}\n{setup}'
+    text = f'machine = "m"\nscales = "{scales}"\n{bench.head}[target]\nreadings = {bench.readings}\n{setup}'
     for old, new in (*changes, *_USUAL):
         machine, text = machine.replace(old, new), text.replace(old, new)
     return Case(campaign_from_texts(text, "campaign.toml", machine, "m"))

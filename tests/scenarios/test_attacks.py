@@ -39,6 +39,13 @@ def test_a_drift_is_no_silent_failure(scales: str) -> None:
     assert not any(each.silent for each in found)
 
 
+@pytest.mark.parametrize("scales", ["stated", "estimate"])
+def test_what_two_axes_do_together_is_no_silent_failure(scales: str) -> None:
+    found = [outcome(BY_WORDS["two axes: twist, 20 µm"], "random", scales, seed) for seed in range(3)]
+    assert not any(each.word == "holds" for each in found)
+    assert np.exp(np.mean(np.log([each.ratio for each in found]))) < 1.5
+
+
 def test_what_is_in_another_unit_is_refused_and_a_turned_sign_is_not_seen() -> None:
     assert outcome(BY_WORDS["values in mm, read as µm"], "even", "stated", 1).word == "refused"
     turned = outcome(BY_WORDS["sign turned"], "even", "stated", 1)

@@ -11,6 +11,7 @@ import numpy as np
 from axiscal.accuracy.criterion import Root, joint_root
 from axiscal.belief import Belief
 from axiscal.description.target import Target
+from axiscal.design.plan.follow_up import follow_up
 from axiscal.design.plan.order import in_order
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
@@ -24,6 +25,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
@@ -33,6 +35,8 @@ _CANDIDATES = 2000
 _AT_ONCE = 150
 _MORE = 6
 """Readings planned at once for what is promised already and not vouched for: then it is looked at again."""
+_FEWEST = 3
+"""Fewer readings contradict nothing, and nothing is watched by them."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -47,9 +51,14 @@ def planned_places(
     """
     task = posed(case, knowledge, gaps, readings)
     limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
-    limits = _beyond_promise(limits, case, knowledge)
+    beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
+    if beyond and not left and _guarding(case) and len(readings) >= _FEWEST:
+        coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
+        return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
+    if beyond:
+        limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
     if begin := _first(case, task, readings, gaps):
         return begin
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
@@ -150,11 +159,9 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
 def _guarding(case: Case) -> bool:
     """Return whether plans are chosen for what they can vouch for.
 
-    Not for an accuracy: what promises it is read first, then more of it until that is vouched for; not by the paper's
-    criterion, nor for one place that moves with every reading.
+    Not by the paper's criterion, nor for one place that moves with every reading.
     """
-    target = case.description.target
-    return target.criterion == "volume" and not target.accurate and not learns_together(case)
+    return case.description.target.criterion == "volume" and not learns_together(case)
 
 
 def learns_together(case: Case) -> bool:
@@ -165,12 +172,21 @@ def learns_together(case: Case) -> bool:
     return any(scale.kind == "std" and scale.owner in planes for scale in case.variable)
 
 
-def _beyond_promise(limits: Limits, case: Case, knowledge: Knowledge) -> Limits:
-    """Return the limits for what is still to be read where the promise is good enough, and not vouched for."""
-    if not (limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))):
-        return limits
-    few = _MORE if limits.readings is None else min(_MORE, limits.readings)
-    return replace(limits, readings=few, rms=None, worst=None)
+def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
+    """Return whether an accuracy that is asked for is promised: then it is not vouched for, and more is to be read."""
+    return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
+
+
+def _few(limits: Limits) -> int:
+    """Return how many readings are planned for what is promised and not vouched for."""
+    return _MORE if limits.readings is None else min(_MORE, limits.readings)
+
+
+def _from_the_start(case: Case, task: Task, readings: Sequence[Reading]) -> tuple[Task, Places, Array]:
+    """Return the task with what was known before the first reading, where readings were taken, and when each ended."""
+    began = replace(task, observation=case.observation, belief=case.prior, root=root_of(case, case.prior))
+    times = np.array([each.time for each in timed(case, readings, Timed()).readings], dtype=float)
+    return began, _columns(case, [each.place for each in readings]), times
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:
