@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -20,8 +20,9 @@ help:
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part)"
-	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours; PYTHONS=...: other interpreters too)"
+	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
+	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
@@ -80,10 +81,13 @@ certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART))
 
 reliability: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability $(if $(LONG),--long) $(PYTHONS:%=--python %)
+	$(BIN)/python -m tests.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(PYTHONS:%=--python %)
 
 fuzz: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES))
+	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(KIND),--kind $(KIND))
+
+fuzz-coverage: .venv/dev.stamp .venv-fuzz/stamp
+	.venv-fuzz/bin/python -m tests.reliability.guided $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
 requests: .venv/dev.stamp
 	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q tests/web/test_conformance.py
@@ -102,7 +106,7 @@ clean:
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-docs .venv-peers src/*.egg-info
+	rm -rf .venv .venv-docs .venv-fuzz .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -122,6 +126,15 @@ distclean: clean
 	@$(BIN)/python -m venv .venv-peers/$*
 	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
 	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
+
+# atheris has wheels for Linux and few versions of Python, so it has an environment of its own beside .venv.
+.venv-fuzz/stamp: requirements/fuzz.txt requirements/dev.txt | .venv/bin/pip
+	@echo "axiscal: installing atheris and the test tools into .venv-fuzz"
+	@$(BIN)/python -m venv .venv-fuzz
+	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
+	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/fuzz.txt
+	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
+	@touch $@
 
 .venv-docs/stamp: requirements/docs.txt | .venv/bin/pip
 	@echo "axiscal: installing the tools of the documentation into .venv-docs"

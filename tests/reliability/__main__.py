@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from functools import partial
+from typing import Any
 
+from tests.certify.kept import Kept
 from tests.reliability import (
     bad_files,
     changed,
@@ -45,17 +50,33 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
 def main(words: Sequence[str]) -> int:
     """Print the table as it grows; return 1 if anything was lost."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--long", action="store_true", help="as often as before a release; an hour or two")
+    parser.add_argument(
+        "--long",
+        action="store_true",
+        help="for a release: hours; rows that are done are kept",
+    )
+    parser.add_argument("--again", action="store_true", help="also what was tried on these sources before")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="no new row is begun after so many")
     parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
     args = parser.parse_args(words)
     print("| what was tried | how many | lost | |\n|---|---|---|---|", flush=True)
-    begin, lost = time.monotonic(), 0
-    for tried in trials(args.long, args.python):
-        trial = tried()
+    begin, lost, kept = time.monotonic(), 0, Kept("reliability-long" if args.long else "reliability")
+    for number, tried in enumerate(trials(args.long, args.python)):
+        if time.monotonic() - begin > 60 * args.minutes:
+            print("The same command goes on here.", flush=True)
+            break
+        find = partial(_dated, tried)
+        found = find() if args.again or not args.long else kept.get(f"{number} {args.python}", find)
+        trial = Trial(**found)
         lost += trial.lost
         print(f"| {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)
     print(f"\n{time.monotonic() - begin:.0f} s", flush=True)
     return 1 if lost else 0
+
+
+def _dated(tried: Callable[[], Trial]) -> dict[str, Any]:
+    """Return a trial as JSON can hold it."""
+    return asdict(tried())
 
 
 if __name__ == "__main__":

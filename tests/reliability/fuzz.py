@@ -67,8 +67,12 @@ def main(words: Sequence[str]) -> int:
     """Fuzz every reader and print how often."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--examples", type=int, default=5000, help="files of each kind")
-    examples = parser.parse_args(words).examples
+    parser.add_argument("--kind", choices=[kind.name for kind in KINDS], help="only files of this kind")
+    args = parser.parse_args(words)
+    examples = args.examples
     for kind in KINDS:
+        if args.kind not in (None, kind.name):
+            continue
         begin = time.monotonic()
         fuzzed(kind, examples)
         sys.stdout.write(f"{kind.name}: {examples:,} files, no failure, {time.monotonic() - begin:.0f} s\n")
