@@ -10,6 +10,7 @@ from hypothesis import settings
 
 from tests import shapes
 
+os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True)
 settings.register_profile("explore", deadline=None, max_examples=2000)

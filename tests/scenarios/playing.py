@@ -47,6 +47,7 @@ def environment(sources: str) -> dict[str, str]:
     sources : as PYTHONPATH, from the present folder; empty: the package that is installed
     """
     fixed = {"COLUMNS": "120", "NO_COLOR": "1", "TERM": "dumb", "TZ": "UTC"}
+    fixed["AXISCAL_PROGRESS"] = "off"  # on a slow computer more stages would be said than on a fast one
     fixed["PYTHONDONTWRITEBYTECODE"] = ""  # compiled once, not with every command
     folders = [str(Path(folder).resolve()) for folder in sources.split(os.pathsep) if folder]
     tools = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])

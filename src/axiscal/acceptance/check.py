@@ -36,6 +36,7 @@ from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
 from axiscal.simulation import Simulator
 from axiscal.units import parse_quantity, to_unit
 
@@ -65,6 +66,7 @@ class Check:
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
+    @stage("places to check")
     def planned(self, count: int | None = None) -> Places:
         """Return where to read, places that were not read before; raises ReadingError when there are not as many.
 

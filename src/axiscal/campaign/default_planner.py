@@ -9,9 +9,11 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.stages import stage
 from axiscal.record.events import Gap
 
 
+@stage("the plan of the readings to come")
 def plan_ahead(
     case: Case,
     known: Knowledge,

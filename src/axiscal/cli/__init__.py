@@ -12,14 +12,32 @@ def main() -> int:
 
         sys.stdout.write(f"axiscal {__version__}\n")
         return 0
+    status = 1
     try:  # a signal may come while the program is still being loaded
         from axiscal.cli.app import run
+        from axiscal.cli.stages import shown_stages
 
-        return run(sys.argv[1:])
+        with shown_stages():
+            status = run(sys.argv[1:])
     except KeyboardInterrupt:
         sys.stderr.write("axiscal: Stopped by Ctrl-C before anything was done.\n")
-        return 1
     finally:  # what is to be said has been said: a signal that comes now changes nothing
         import signal
 
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if status == 1:
+        _leave(status)
+    return status
+
+
+def _leave(status: int) -> None:
+    """End the process here with its status.
+
+    Where Ctrl-C met code that was made while loading (`exec` of a text, as dataclasses do), Python would otherwise end
+    the process by the signal once more, although it has been answered.
+    """
+    import os
+
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)

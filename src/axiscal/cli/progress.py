@@ -14,6 +14,7 @@ from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
 from axiscal.machine.questions import questions
+from axiscal.numerics.stages import listening
 from axiscal.planning.feasibility import out_of_reach
 from axiscal.units import to_unit
 
@@ -22,13 +23,14 @@ from axiscal.units import to_unit
 def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
     """Yield what is to be told of every reading."""
     if not sys.stderr.isatty():
-        yield lambda milestone: tell(progress_line(milestone, target))
+        with listening(None):
+            yield lambda milestone: tell(progress_line(milestone, target))
         return
     from rich.console import Console
     from rich.live import Live
     from rich.text import Text
 
-    with Live(console=Console(stderr=True), refresh_per_second=8, redirect_stdout=False) as live:
+    with listening(None), Live(console=Console(stderr=True), refresh_per_second=8, redirect_stdout=False) as live:
         yield lambda milestone: live.update(Text(progress_line(milestone, target)))
 
 

@@ -17,6 +17,7 @@ from axiscal.document import nearest, shown
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, TableError
 from axiscal.machine.description import Machine
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 
 _ABSURD = 1.0
@@ -55,6 +56,7 @@ IMPORTERS = {
 
 
 @one_thread()
+@stage("tables")
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)

@@ -24,10 +24,12 @@ from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.timed import Timed, timed
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 
 
 @one_thread()
+@stage("what the readings make known")
 def estimated(stated: Case, readings: Sequence[Reading], before: Estimation | None = None) -> Estimation:
     """Return what readings make known while others are to follow: bad ones as they show, scales as readings grow.
 
@@ -71,12 +73,16 @@ def concluded(stated: Case, readings: Sequence[Reading]) -> Estimation:
 
 def _finished(case: Case, readings: Sequence[Reading]) -> Stages:
     """Return the stages of readings if none is to follow."""
-    times = timed(case, readings, Timed())
-    plausible = judged_at_once(case, times.readings)
-    scales = learnt(case, times.readings, plausible.implausible)
-    known = located(scales, times.readings, plausible.implausible)
-    known = bent(known, times.readings, plausible.implausible)
-    refuse_mirrors(known, times.readings, [*plausible.implausible])
+    with stage("which readings can be", 1, 4):
+        times = timed(case, readings, Timed())
+        plausible = judged_at_once(case, times.readings)
+    with stage("what the priors are", 2, 4):
+        scales = learnt(case, times.readings, plausible.implausible)
+    with stage("what the readings make known", 3, 4):
+        known = located(scales, times.readings, plausible.implausible)
+    with stage("what first order leaves out", 4, 4):
+        known = bent(known, times.readings, plausible.implausible)
+        refuse_mirrors(known, times.readings, [*plausible.implausible])
     return Stages(times, plausible, scales, known)
 
 

@@ -15,6 +15,7 @@ from axiscal.estimation.learnt import counts_to_learn_from, learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.updating import blocks
 from axiscal.inference.fit import Fit
+from axiscal.numerics.stages import counted
 from axiscal.numerics.threads import one_thread
 
 
@@ -37,7 +38,8 @@ def path(final: Estimation) -> list[Moment]:
     known, fit = Absorbed.nothing(final.stated, final.stages.absorbed.verdict), None
     found: list[_Known] = [(_accuracy(known, fit), None)]
     readings, implausible, last = final.readings, final.stages.judged.implausible, _before_the_last(final)
-    for due in counts_to_learn_from(final.stated, last):
+    dues = list(counts_to_learn_from(final.stated, last))
+    for due in counted("how it went, reading by reading", dues, len(dues)):
         found += _together(final, known, fit, due - 1)
         scales = learnt(final.stated, readings[:due], implausible)
         known, fit = located(scales, readings[:due], implausible), scales.fit

@@ -34,6 +34,7 @@ from axiscal.inference.widening import posterior
 from axiscal.measurement.departures import departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 
 GROSS = 5.0
@@ -52,6 +53,7 @@ def ruling_of(known: Estimation) -> Ruling:
 
 
 @one_thread()
+@stage("whether the readings contradict the model")
 def ruled(known: Estimation) -> Estimation:
     """Return what is known with the verdict, and where that is `widened` with means and bands of the mixture."""
     if known.ruling is not None:

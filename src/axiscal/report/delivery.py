@@ -23,6 +23,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
 from axiscal.report.calibration_certificate import certificate
@@ -55,13 +56,16 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         if live is None:
             campaign.copy(folder / RECORD)
         wanted = dict.fromkeys((*campaign.description.controls, _ALWAYS))
-        written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
+        with stage("tables", 1, 3):
+            written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
         summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
         summary = replace(summary, volume=_as_left(estimation, summary, [found for _, found in written_for if found]))
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
-        write_report(summary, folder / "report.html")
-        write_report(summary, folder / "report.pdf")
+        with stage("the report as a page", 2, 3):
+            write_report(summary, folder / "report.html")
+        with stage("the report on paper", 3, 3):
+            write_report(summary, folder / "report.pdf")
         write_whole(folder / "certificate.xml", certificate(summary))
         (folder / "data").mkdir()
         for name, text in data_files(summary).items():

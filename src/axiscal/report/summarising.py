@@ -29,6 +29,7 @@ from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics.stages import stage
 from axiscal.planning.vouched import vouched_of
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
@@ -77,6 +78,7 @@ class Extras:
     warnings: Sequence[Finding] = ()
 
 
+@stage("the summary")
 def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
     """Return the summary of a campaign.
 

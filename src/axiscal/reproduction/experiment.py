@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
 from axiscal.reproduction.stack import GreedyPlan, greedy, one_joint, three_joints
 
 SCHEMA = "axiscal-reproduce/1"
@@ -83,6 +84,7 @@ class Experiment:
         return _LATTICE_SINGLE, _LATTICE_STACKED**3
 
 
+@stage("the readings of the paper's figures")
 def run() -> Experiment:
     """Return the experiment with its readings chosen."""
     one, three = one_joint(), three_joints()

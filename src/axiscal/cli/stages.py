@@ -1,0 +1,118 @@
+"""What a command is doing, on stderr, from its second second on: one line that changes, or a line for each stage."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from axiscal.numerics.stages import Stage, listening
+
+_QUIET = 2.0
+"""Seconds in which nobody needs to be told; anything that feels like waiting would do."""
+_LOOK = 0.25
+"""Seconds between two looks; a matter of taste."""
+
+
+class StageLine:
+    """Listens to the work, and shows where it is.
+
+    now : seconds, of any clock
+    """
+
+    def __init__(self) -> None:
+        self._lock, self._stack = threading.Lock(), list[tuple[Stage, float]]()
+        self._start, self._done = time.monotonic(), threading.Event()
+        self._line, self._told = "", ""
+
+    def begun(self, stage: Stage) -> None:
+        """A stage begins."""
+        with self._lock:
+            self._stack.append((stage, time.monotonic()))
+
+    def moved(self, number: int) -> None:
+        """So many things of the last stage are done."""
+        with self._lock:
+            stage, since = self._stack[-1]
+            self._stack[-1] = stage._replace(number=number), since
+
+    def ended(self) -> None:
+        """The last stage ends; what stands of it on the screen goes."""
+        with self._lock:
+            self._stack.pop()
+            if not self._stack:
+                self._wipe()
+
+    def show(self, now: float) -> None:
+        """Show the stage that lasts, once the command has taken long enough."""
+        with self._lock:
+            if not self._stack or now - self._start < _QUIET:
+                return
+            stage, since = self._stack[-1]
+            if sys.stderr.isatty():
+                self._rewrite(f"{stage_text(stage, now - since)}, {now - self._start:.0f} s so far")
+            elif self._told != stage.name:
+                self._told = stage.name
+                sys.stderr.write(f"{stage_text(stage, now - since)} ...\n")
+                sys.stderr.flush()
+
+    def watch(self) -> None:
+        """Look again and again, in a thread of its own, until the end."""
+        while not self._done.wait(_LOOK):
+            self.show(time.monotonic())
+
+    def end(self) -> None:
+        """Show nothing more."""
+        self._done.set()
+        with self._lock:
+            self._wipe()
+
+    def _rewrite(self, line: str) -> None:
+        self._line, before = line, self._line
+        sys.stderr.write(f"\r{line.ljust(len(before))}")
+        sys.stderr.flush()
+
+    def _wipe(self) -> None:
+        if self._line:
+            sys.stderr.write(f"\r{' ' * len(self._line)}\r")
+            sys.stderr.flush()
+            self._line = ""
+
+
+def stage_text(stage: Stage, seconds: float) -> str:
+    """Return a stage in words: which of how many, and how many seconds are left where things are counted."""
+    if not stage.of:
+        return stage.name
+    text = f"{stage.name}, {stage.number} of {stage.of}"
+    if stage.number and stage.of > _COUNTED:
+        text += f", about {seconds_left(stage, seconds):.0f} s left"
+    return text
+
+
+_COUNTED = 12
+"""More are things of one kind, which take alike; fewer are stages, which do not."""
+
+
+def seconds_left(stage: Stage, seconds: float) -> float:
+    """Return how long the rest takes if it goes on as it has."""
+    return seconds * (stage.of - stage.number) / stage.number
+
+
+@contextmanager
+def shown_stages() -> Iterator[None]:
+    """Show what is done in this block, unless AXISCAL_PROGRESS is "off": else what is said would hang on time."""
+    if os.environ.get("AXISCAL_PROGRESS") == "off":
+        yield
+        return
+    stages = StageLine()
+    watcher = threading.Thread(target=stages.watch, daemon=True)
+    watcher.start()
+    try:
+        with listening(stages):
+            yield
+    finally:
+        stages.end()
+        watcher.join()

@@ -1,0 +1,72 @@
+"""What is being done at the moment, for whoever wants to show it: long work says its stages, and nothing depends on it.
+
+with stage("scales of the errors", 2, 4):
+    ...
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import NamedTuple, Protocol, TypeVar
+
+Thing = TypeVar("Thing")
+
+
+class Stage(NamedTuple):
+    """One piece of work.  number, of : which of how many, or how many things of how many are done; 0 where unknown"""
+
+    name: str
+    number: int = 0
+    of: int = 0
+
+
+class Listener(Protocol):
+    """Who wants to know."""
+
+    def begun(self, stage: Stage) -> None:
+        """A stage begins, inside the one before."""
+
+    def moved(self, number: int) -> None:
+        """So many things of the last stage are done."""
+
+    def ended(self) -> None:
+        """The last stage that was begun ends."""
+
+
+_LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def listening(listener: Listener | None) -> Iterator[None]:
+    """Let somebody, or nobody, know of the stages in this block, of this thread alone."""
+    before = _LISTENER.set(listener)
+    try:
+        yield
+    finally:
+        _LISTENER.reset(before)
+
+
+@contextmanager
+def stage(name: str, number: int = 0, of: int = 0) -> Iterator[None]:
+    """Say what is done in a `with` or, as a decorator, in a function."""
+    listener = _LISTENER.get()
+    if listener is None:
+        yield
+        return
+    listener.begun(Stage(name, number, of))
+    try:
+        yield
+    finally:
+        listener.ended()
+
+
+def counted(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
+    """Yield things, and say of how many each is which."""
+    listener = _LISTENER.get()
+    with stage(name, 0, of):
+        for number, thing in enumerate(things):
+            if listener is not None:
+                listener.moved(number)
+            yield thing

@@ -1,0 +1,116 @@
+"""What a command that takes long says of itself: on a terminal one line that changes, else a line for each stage."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from axiscal.cli import stages
+from axiscal.cli.stages import StageLine, stage_text
+from axiscal.numerics.stages import Stage, counted, listening, stage
+
+
+class Terminal(io.StringIO):
+    """A stderr that a person looks at."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("of", "seconds", "said"),
+    [
+        (Stage("tables"), 3.0, "tables"),
+        (Stage("tables", 1, 3), 3.0, "tables, 1 of 3"),
+        (Stage("readings", 0, 100), 3.0, "readings, 0 of 100"),
+        (Stage("readings", 25, 100), 4.0, "readings, 25 of 100, about 12 s left"),
+    ],
+)
+def test_a_stage_in_words(of: Stage, seconds: float, said: str) -> None:
+    assert stage_text(of, seconds) == said
+
+
+def test_nothing_is_said_in_the_first_seconds_and_a_line_for_each_stage_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    err = io.StringIO()
+    monkeypatch.setattr("sys.stderr", err)
+    shown = StageLine()
+    begin = shown._start
+    with listening(shown), stage("one"):
+        shown.show(begin + 1.0)
+        assert err.getvalue() == ""
+        shown.show(begin + 2.5)
+        shown.show(begin + 2.7)
+        with stage("two", 2, 3):
+            shown.show(begin + 3.0)
+    shown.show(begin + 9.0)
+    assert err.getvalue() == "one ...\ntwo, 2 of 3 ...\n"
+
+
+def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    err = Terminal()
+    monkeypatch.setattr("sys.stderr", err)
+    shown = StageLine()
+    with listening(shown):
+        for _ in counted("readings", "abcdefghijklmnopqrst", 20):
+            shown.show(shown._start + 4.0)
+    said = [line for line in err.getvalue().split("\r") if line.strip()]
+    assert said[0] == "readings, 0 of 20, 4 s so far"
+    assert said[10].startswith("readings, 10 of 20, about ")
+    assert "left, 4 s so far" in said[10]
+    assert err.getvalue().split("\r")[-2].isspace()
+
+
+def test_work_in_another_thread_says_nothing() -> None:
+    shown, heard = StageLine(), list[int]()
+
+    def work() -> None:
+        with stage("elsewhere"):
+            heard.append(len(shown._stack))
+
+    with listening(shown):
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+        with stage("here"):
+            heard.append(len(shown._stack))
+    assert heard == [0, 1]
+
+
+def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    err, looked = io.StringIO(), threading.Event()
+    monkeypatch.setattr("sys.stderr", err)
+    monkeypatch.setattr(stages, "_QUIET", 0.0)
+    monkeypatch.setattr(stages, "_LOOK", 0.001)
+    show = StageLine.show
+
+    def seen(self: StageLine, now: float) -> None:
+        show(self, now)
+        if err.getvalue():
+            looked.set()
+
+    monkeypatch.setattr(StageLine, "show", seen)
+    monkeypatch.delenv("AXISCAL_PROGRESS")
+    before = threading.active_count()
+    with stages.shown_stages(), stage("long work"):
+        assert looked.wait(20)
+    assert err.getvalue() == "long work ...\n"
+    assert threading.active_count() == before
+
+
+def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:
+    """Python itself ends a process by the signal where it met the code of a text, whoever caught it."""
+    program = (
+        "import axiscal.cli, axiscal.cli.app\n"
+        "def run(words):\n"
+        "    try:\n"
+        "        exec('import os, signal, time; os.kill(os.getpid(), signal.SIGINT); time.sleep(9)')\n"
+        "    except KeyboardInterrupt:\n"
+        "        return 1\n"
+        "axiscal.cli.app.run = run\n"
+        "raise SystemExit(axiscal.cli.main())\n"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
