@@ -12,13 +12,15 @@ from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, date, datetime
 from pathlib import Path
 
+import numpy as np
+
 from axiscal.numerics.threads import one_thread
 from benchmarks.trust.attack_table import FIRST, attack_rows, attacked, goal_lines, kept_outcomes, processes_here
 from benchmarks.trust.causes import cause_rows
 from benchmarks.trust.curves import CASES, DATA, iso_test
 from benchmarks.trust.displays import display_rows
 from benchmarks.trust.iso_tests import iso_rows
-from benchmarks.trust.measured import Outcome, iso_outcome, outcomes
+from benchmarks.trust.measured import ENOUGH, Outcome, iso_outcome, outcomes
 from benchmarks.trust.sources import version
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
 
@@ -54,11 +56,11 @@ A few readings of a curve or map that was measured densely; the rest of it is th
 not fitted, but chosen by somebody who knew the files; `scales = "estimate"` is on, and the bands average over all
 scales that the readings leave possible. On maps what two axes do together is no sum of their curves: what is learnt
 beyond the stated noise counts in the band there, a rule that was settled with these maps in view. *Missed* is the RMS
-of truth minus estimate, *band* the RMS of the printed standard deviation, *said* the warnings in the report. Random
-points: the mean of three draws.
+of truth minus estimate, *band* the RMS of the printed standard deviation, both as the verdict leaves them; *said* the
+warnings in the report. Random points: the mean of three draws, with all verdicts that they had.
 
-| curve | readings | points | in the band | missed | band | said |
-|---|---|---|---|---|---|---|
+| curve | readings | points | in the band | missed | band | verdict | said |
+|---|---|---|---|---|---|---|---|
 """
 
 _ISO = """
@@ -141,7 +143,8 @@ def _virtual_row(found: Coverage) -> str:
 def _measured_row(name: str, readings: int, outcome: Outcome, unit: str) -> str:
     sizes = f"{outcome.rms:.3g} {unit} | {outcome.std:.3g} {unit}"
     said = ", ".join(flag for flag in outcome.flags if flag != "unobservable") or "–"
-    return f"| {name} | {readings} | {outcome.design} | {outcome.share:.1%} | {sizes} | {said} |"
+    words = ", ".join(outcome.words)
+    return f"| {name} | {readings} | {outcome.design} | {outcome.share:.1%} | {sizes} | {words} | {said} |"
 
 
 def _gross_row(moved: Moved) -> str:
@@ -165,10 +168,17 @@ def _measured(_: argparse.Namespace) -> Iterator[str]:
     test = iso_test()
     outcome, _count = iso_outcome(test)
     yield _measured_row("X slide: ISO 230-2 test against dense passes", len(test.readings), outcome, "µm")
+    every = [outcome]
     for make in CASES:
         case = make()
         unit = "µrad" if case.unit == "urad" else "µm"
-        yield from (_measured_row(case.name, case.readings, outcome, unit) for outcome in outcomes(case))
+        mine = outcomes(case)
+        every += mine
+        yield from (_measured_row(case.name, case.readings, outcome, unit) for outcome in mine)
+    held, good = sum(each.share >= ENOUGH for each in every), sum(each.good for each in every)
+    wide = float(np.exp(np.mean([np.log(each.std / each.rms) for each in every])))
+    yield f"\nOf {len(every)} rows {held} have 90 % of the truth in the band, and {good} have it or say `holds` of no"
+    yield f"estimate. Band over missed, the geometric mean over all rows: {wide:.2f}."
 
 
 def _gross(args: argparse.Namespace) -> Iterator[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -124,13 +124,18 @@ def _map(name: str, steps: tuple[float, float], grid: Array, readings: int) -> M
         f'EAX = {{ std = "200 urad", knots = {nx}, length = "{lengths[0]:.4g} mm", rest = "estimate" }}',
     )
     text = machine.format(*size) + "[errors]\n" + "\n".join(errors) + "\n"
-    raster = f'raster = {{ X = "{dx:.9g} mm", Y = "{dy:.9g} mm" }}'
+    raster = f'raster = {{ X = "{dx:.9g} mm", Y = "{dy:.9g} mm" }}\n{_anywhere(size)}'
     campaign = CAMPAIGN.format(instrument="probe", direction="z", noise="5 um", raster=raster)
     x, y = np.meshgrid(np.arange(nx) * dx, np.arange(ny) * dy)
     known = np.isfinite(grid.ravel())
     places = np.column_stack([x.ravel(), y.ravel()])[known] * 1e-3
     values = grid.ravel()[known]
     return Measured(name, text, campaign, places, (values - values.mean()) * 1e-3, readings)
+
+
+def _anywhere(size: Sequence[float] | Array) -> str:
+    """Return the line of a set-up that can be read all over a plate.  size : mm"""
+    return f'reach = {{ X = ["0 mm", "{size[0]:.9g} mm"], Y = ["0 mm", "{size[1]:.9g} mm"] }}'
 
 
 def printer(index: int) -> Measured:
@@ -162,7 +167,7 @@ def plug_plate() -> Measured:
     )
     text += '[errors]\nEXX = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
     text += 'EXY = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
-    campaign = CAMPAIGN.format(instrument="probe", direction="x", noise="3 um", raster="")
+    campaign = CAMPAIGN.format(instrument="probe", direction="x", noise="3 um", raster=_anywhere(size))
     return Measured("plug plate, x error", text, campaign, places, left[: len(x)] * 1e-3, 40)
 
 

@@ -11,6 +11,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.planner import next_places
@@ -18,19 +19,28 @@ from axiscal.report.findings import findings
 from axiscal.units import to_unit
 from benchmarks.trust.curves import IsoTest, Measured
 
-BAND = 1.96
+BAND, ENOUGH = 1.96, 0.9
 _DRAWS = 3
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says; flags : codes said."""
+    """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says; flags : codes said
+
+    words : verdicts, of one estimate or of all draws
+    """
 
     design: str
     share: float
     rms: float
     std: float
     flags: tuple[str, ...]
+    words: tuple[str, ...]
+
+    @property
+    def good(self) -> bool:
+        """Whether the band holds 90 % of the truth, or no estimate is said to hold."""
+        return self.share >= ENOUGH or "holds" not in self.words
 
 
 def outcomes(case: Measured) -> list[Outcome]:
@@ -41,18 +51,19 @@ def outcomes(case: Measured) -> list[Outcome]:
     even = _judged("evenly spaced", case, problem, _nearest(case, _even(case, low, high)))
     draws = [_judged("random", case, problem, _random(case, low, high, seed)) for seed in range(_DRAWS)]
     share, rms, std = (float(np.mean(column)) for column in zip(*((d.share, d.rms, d.std) for d in draws), strict=True))
-    mean = Outcome("random", share, rms, std, tuple(sorted({flag for d in draws for flag in d.flags})))
+    flags, words = (tuple(sorted({each for d in draws for each in getattr(d, key)})) for key in ("flags", "words"))
+    mean = Outcome("random", share, rms, std, flags, words)
     return [_judged("planned", case, problem, None), even, mean]
 
 
 def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> Outcome:
-    known = concluded(problem, _planned(case, problem) if poses is None else _read(case, poses))
+    known = ruled(concluded(problem, _planned(case, problem) if poses is None else _read(case, poses)))
     mean, std = predicted(known, case.places, np.zeros_like(case.places))
     missed = case.truth - mean
     share = float(np.mean(np.abs(missed) <= BAND * std))
     flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), case.unit) for v in (missed, std))
-    return Outcome(design, share, rms, spread, flags)
+    return Outcome(design, share, rms, spread, flags, (ruling_of(known).verdict,))
 
 
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
@@ -109,13 +120,13 @@ def _nearest(case: Measured, poses: Array) -> Array:
 def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
     """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
     described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
-    known = concluded(Case(described), test.readings)
+    known = ruled(concluded(Case(described), test.readings))
     parts = [_pass(known, *test.passes[key], np.sign(key)) for key in test.passes]
     missed, std = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
     flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), "um") for v in (missed, std))
     share = float(np.mean(np.abs(missed) <= BAND * std))
-    return Outcome("as measured", share, rms, spread, flags), len(parts)
+    return Outcome("as measured", share, rms, spread, flags, (ruling_of(known).verdict,)), len(parts)
 
 
 def _pass(estimation: Estimation, x: Array, y: Array, direction: float) -> tuple[Array, Array]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.progressed import progressed
-from axiscal.inference.fit import Fit, fit
+from axiscal.inference.fit import Fit
 from axiscal.inference.outliers import FEWEST, Doubt, Verdict, verdict
+from axiscal.inference.slips_or_scales import fit_without_slips
 from axiscal.measurement.reading import Reading
 
 _GROWTH = 1.34
@@ -54,7 +55,8 @@ def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Do
     if not case.variable or plausible < FEWEST:
         return Learnt(case, found, None, len(readings))
     trusted = [reading for index, reading in enumerate(readings) if index not in doubtful]
-    scales = fit(case.observation, trusted, case.variable, case.inherited)
+    others = [readings[index] for index in sorted(doubtful - implausible.keys())]
+    scales = fit_without_slips(case.observation, trusted, others, case.variable, case.inherited)
     rescaled = case.rescaled(scales.scales)
     return Learnt(rescaled, weighed(rescaled, readings, implausible), scales, len(readings))
 
