@@ -151,9 +151,10 @@ def test_the_bed_is_probed_where_it_was_planned(printer: Server, kind: str, alon
 
 
 def test_a_side_is_come_from(printer: Server) -> None:
+    """Over the overrun for which the plan has left room within the travel."""
     opened("moonraker", printer).read(request(100.0, 50.0, (1, -1)))
     moves = [code for code in printer.told if code.startswith("G1 X")]
-    assert moves == ["G1 X98.000 Y52.000 F3000", "G1 X100.000 Y50.000 F3000"]
+    assert moves == ["G1 X99.000 Y51.000 F3000", "G1 X100.000 Y50.000 F3000"]
 
 
 NOT_READY = [
@@ -191,6 +192,24 @@ def test_a_probe_that_meets_something_else_ends_the_run(printer: Server, monkeyp
     monkeypatch.setattr(printer, "execute", lambda code: setattr(printer, "last", 7.5))
     with pytest.raises(SourceError, match=r"7\.500 mm off the bed's zero"):
         source.read(request(10, 10))
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_line_that_a_duet_does_not_execute_ends_the_run(
+    printer: Server, monkeypatch: pytest.MonkeyPatch, alone: bool
+) -> None:
+    printer.alone = alone
+    source = opened("duet", printer)
+    told, execute = list[str](), printer.execute
+
+    def refusing(code: str) -> str:
+        told.append(code)
+        return "Error: G0/G1: target position outside machine limits\n" if code.startswith("G1 X") else execute(code)
+
+    monkeypatch.setattr(printer, "execute", refusing)
+    with pytest.raises(SourceError, match="target position outside machine limits' to G1 X"):
+        source.read(request(10, 10))
+    assert "G30 S-1" not in told
 
 
 def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:

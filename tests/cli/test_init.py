@@ -132,6 +132,21 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(
     assert not (tmp_path / "other").exists()
 
 
+def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ini = INI.replace("XYZ", "XYZC") + "[AXIS_C]\nMIN_LIMIT = 0\nMAX_LIMIT = 180\n"
+    (tmp_path / "machine.ini").write_text(ini)
+    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
+    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-C'-Y'-b-X-Z-t"]) == 0
+    said = capsys.readouterr().out
+    assert "where the rotary axes lie" in said
+    assert "which axes carry the workpiece" not in said
+    text = (tmp_path / "mill" / "machine.toml").read_text()
+    assert "CHECK: a point on its line" in text
+    assert "from the pins of the kinematics" not in text
+
+
 def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -42,11 +42,11 @@ class Core:
         self._library.correct(count, *map(_at, (joints, ways, tool)), int(once), *map(_at, (out, fault, outside)))
         return out, fault, outside
 
-    def sides(self, at: Array, band: float, seconds: float, period: float) -> Array:
-        """Return the side of an axis at each position."""
-        out = np.zeros(len(at))
+    def sides(self, at: Array, band: float, seconds: float, period: float, powered: Array | None = None) -> Array:
+        """Return the side of an axis at each position.  powered : whether drives are on there"""
+        out, on = np.zeros(len(at)), np.ones(len(at)) if powered is None else powered
         numbers = (ctypes.c_double(each) for each in (band, seconds, period))
-        self._library.sides(len(at), _at(at), *numbers, _at(out))
+        self._library.sides(len(at), _at(at), _at(on), *numbers, _at(out))
         return out
 
     def gains(self, targets: Array, length: float, period: float) -> Array:

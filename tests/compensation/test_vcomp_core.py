@@ -198,6 +198,23 @@ def test_the_side_turns_when_the_axis_has_come_back_by_the_dead_band(core: Core)
     assert len(turned) == pytest.approx(seconds / 1e-3, abs=1)
 
 
+def test_without_drives_no_side_turns_however_the_feedback_trembles(core: Core) -> None:
+    """The drive sags by 2 mm and trembles; switched on again the side turns with the first motion the other way."""
+    forth, back = np.linspace(0, 0.1, 101), -1.9 - np.linspace(0, 0.05, 51)
+    sagging = 0.1 - np.linspace(0, 2.0, 400) + 0.01 * (-1.0) ** np.arange(400)
+    sagging[-1] = -1.9
+    at = np.concatenate([forth, np.full(30, 0.1), sagging, np.full(30, -1.9), back, np.full(60, -1.95)])
+    powered = np.ones(len(at))
+    powered[131:531] = 0.0
+    found = core.sides(at, 0.0005, 0.012, 1e-3, powered)
+    assert np.all(found[131:561] == 1.0)
+    assert found[-1] == -1.0
+    trembling = core.sides(at, 0.0005, 0.012, 1e-3)
+    assert np.count_nonzero(np.diff(np.sign(trembling[131:531]))) > 2  # which the pin is for
+    never = core.sides(at[131:531], 0.0005, 0.012, 1e-3, np.zeros(400))
+    assert np.all(never == 0.0)
+
+
 def test_a_side_that_turns_on_its_way_never_steps(core: Core) -> None:
     """An axis that swings faster than its side follows: the acceleration stays, and the side stays between its ends."""
     at = 0.01 * np.sin(np.arange(4000) * 1e-3 * 2 * np.pi * 31)

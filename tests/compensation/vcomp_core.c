@@ -30,12 +30,13 @@ void correct(int count, const double *joints, const double *ways, const double *
     }
 }
 
-/* the side of an axis along positions */
-void sides(int count, const double *at, double band, double seconds, double period, double *out) {
+/* the side of an axis along positions, with drives and without */
+void sides(int count, const double *at, const double *powered, double band, double seconds, double period, double *out) {
     vc_side side;
     int i;
     memset(&side, 0, sizeof side);
-    for (i = 0; i < count; i++) out[i] = vc_side_of(&side, at[i], band, seconds, period);
+    for (i = 0; i < count; i++)
+        out[i] = powered[i] ? vc_side_of(&side, at[i], band, seconds, period) : vc_side_kept(&side, at[i], period);
 }
 
 /* a gain that is sent to targets, each from its own step on */

@@ -56,8 +56,14 @@ def test_the_log_of_another_plan_is_refused(tmp_path: Path) -> None:
     campaign, _, log = logged("sinumerik", tmp_path)
     other = tmp_path / "other"
     write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "sinumerik", other, log=True)
-    assert "this is the log of plan" in refusal(log, other, campaign)
-    assert "the lists of the programs are not in" in refusal(log, tmp_path / "none", campaign)
+    assert "has no programs of that plan" in refusal(log, other, campaign)
+    assert "has no programs of that plan" in refusal(log, tmp_path / "none", campaign)
+    write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "heidenhain", tmp_path, log=True)
+    assert len(logged_readings(log, tmp_path, campaign).readings) == 3  # lists of other programs beside it
+    (own,) = tmp_path.glob("AXISCAL_01_SPHERES*.csv")
+    own.write_text(own.read_text().replace("C+", "C-"))
+    assert "have been changed" in refusal(log, tmp_path, campaign)
+    write_programs(campaign.machine, campaign.setups, table.places(campaign, 3), "sinumerik", tmp_path, log=True)
     joined = log.read_text().replace("END 3\n", "END 3\nAXISCAL LOG 1 PLAN 00000000 MM\n")
     log.write_text(joined)
     assert "here begins the log of plan 00000000" in refusal(log, tmp_path, campaign)

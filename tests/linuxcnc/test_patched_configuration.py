@@ -120,7 +120,7 @@ class TestPutIn:
         assert (theirs / "axiscal.vcomp").exists()
         again = script(ours, "apply.sh", theirs)
         assert again.returncode == 1
-        assert "not the one that was read" in again.stderr
+        assert "There is a backup already" in again.stderr
         (theirs / "z.hal").write_text((theirs / "z.hal").read_text() + "# changed\n")
         assert script(ours, "undo.sh", theirs).returncode == 1
         (theirs / "z.hal").write_text((ours / "z.hal").read_text())

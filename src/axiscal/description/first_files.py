@@ -59,7 +59,7 @@ def of_ini(
     """
     found = machine_of(read_ini(file), limits)
     if chain is not None:
-        found = replace(found, build=replace(found.build, chain=chain, sure=True))
+        found = replace(found, build=replace(found.build, chain=chain, said=True))
     text = machine_text(found, file.name)
     machine_from_text(text, file)
     return Beginning(text, _active(found, file, folder), tuple(unread(found)))

@@ -27,7 +27,7 @@ class IniBuild:
     """chain : ISO 10791-6; sure : whether the kinematics say so, and not only what such machines usually are
 
     reversed : axes that count against ISO 841; origins : of rotary axes, in the machine's unit; unit : mm or in
-    kinematics : name of the module
+    kinematics : name of the module; said : a person has said the chain, who says nothing of where axes turn by that
     """
 
     chain: str
@@ -36,6 +36,7 @@ class IniBuild:
     unit: str
     reversed: tuple[str, ...] = ()
     origins: Mapping[str, Point] = field(default_factory=dict)
+    said: bool = False
 
 
 def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit: str) -> IniBuild:

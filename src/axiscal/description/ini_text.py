@@ -43,7 +43,7 @@ def machine_text(machine: IniMachine, source: str) -> str:
 def unread(machine: IniMachine) -> list[str]:
     """Return in sentences what the INI file could not say and was supposed, for the person to look at."""
     found = ["the length of the tool"]
-    if not machine.build.sure:
+    if not (machine.build.sure or machine.build.said):
         found.append(f"which axes carry the workpiece (chain = {machine.build.chain!r} is supposed)")
     if any(axis.rotary for axis in machine.axes) and not machine.build.sure:
         found.append("where the rotary axes lie (origin)")
@@ -54,7 +54,7 @@ def unread(machine: IniMachine) -> list[str]:
 
 def _chain(machine: IniMachine) -> Iterator[str]:
     build = machine.build
-    if not build.sure:
+    if not (build.sure or build.said):
         yield "# CHECK: the INI does not say which axes carry the workpiece (primed, before b) and which the tool."
     yield f'chain = "{build.chain}"'
 

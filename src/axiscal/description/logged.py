@@ -16,11 +16,9 @@ from axiscal.measurement.csv_cells import unshielded
 from axiscal.measurement.readers.axes import read_approach, read_position
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table
-from axiscal.measurement.readers.touch_log import LoggedTouch, TouchLog, plan_code, read_touch_log
+from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.touched import TOUCHES, read_as
-
-LISTS = "AXISCAL_*.csv"
-"""The lists beside the programs, in the order of their names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,18 +70,16 @@ _AS_WRITTEN = "Give the file as the control wrote it"
 
 def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, ListedPlace]:
     """Return the readings of the lists in a folder by number; raises ReadingError unless they are of the log's plan."""
-    lists = sorted(folder.glob(LISTS))
-    if not lists:
-        what = f"the lists of the programs are not in {folder}"
-        raise ReadingError(what, "Say by --programs into which folder they were written", file)
-    try:
-        texts = {path: path.read_bytes().decode("utf-8") for path in lists}
-    except (OSError, UnicodeDecodeError) as error:
-        raise ReadingError(f"a list of the programs cannot be read: {error}", "Write them anew", folder) from None
-    code = plan_code([text.replace("\r\n", "\n") for text in texts.values()])
+    names = folder / LISTS.format(log.code)
+    if not names.is_file():
+        what = f"this is the log of plan {log.code}, and {folder} has no programs of that plan ({names.name})"
+        raise ReadingError(what, "Say by --programs into which folder plan --log wrote the programs", file)
+    lists = [folder / Path(name).name for name in read_text(names).lines if name.strip()]
+    texts = {path: "\n".join(read_text(path).lines) for path in lists}
+    code = plan_code(list(texts.values()))
     if code != log.code:
-        what = f"this is the log of plan {log.code}, and the programs in {folder} are those of plan {code}"
-        raise ReadingError(what, "Give the folder with the programs that wrote this log by --programs", file)
+        what = f"the lists of plan {log.code} have been changed, or written anew for another plan"
+        raise ReadingError(what, "Write the programs of that plan into a folder of their own", names)
     return {number: each for path, text in texts.items() for number, each in _rows(text, str(path))}
 
 

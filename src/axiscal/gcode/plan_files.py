@@ -10,6 +10,7 @@ from axiscal.gcode.listing import form
 from axiscal.gcode.program import Program, programs
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
+from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.setup import Setup
 from axiscal.record.durable import write_whole
 
@@ -28,6 +29,9 @@ def write_programs(
     """
     made = programs(machine, setups, places, dialect(controller), log)
     files = {name: text for program in made for name, text in _files(program).items()}
+    if log:
+        code = plan_code([program.listing for program in made])
+        files[LISTS.format(code)] = "".join(f"{program.name}.csv\n" for program in made)
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
     files["README.txt"] = _readme(made, controller)
     return [_written(Path(folder) / name, text) for name, text in files.items()]

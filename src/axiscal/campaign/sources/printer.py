@@ -26,11 +26,13 @@ TIMEOUT = 60.0
 _HOST = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?(?::[0-9]{1,5})?")
 _MOST = 2_000_000
 """Bytes of an answer; an object model has a hundred thousand."""
-_CLEAR, _LIFT, _TRAVEL, _ASIDE = 5.0, 600, 3000, 2.0
-"""mm over the bed on the way, mm/min up and across, mm by which a side is come from: gentle on any printer."""
+_CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
+"""mm over the bed on the way, mm/min up and across: gentle on any printer."""
 _FARTHEST = 5.0
 """mm off the bed's zero; a probe that triggers farther away has met something else, or nothing."""
 _FOUND = re.compile(r"[Ss]topped at height (-?\d+(?:\.\d+)?) ?mm")
+_AMISS = re.compile(r"^\s*Error:?\s*(.+)$", re.MULTILINE)
+"""How RepRapFirmware begins the reply to a line that it did not execute."""
 _POLL = 0.1
 """s between two looks for a reply."""
 
@@ -51,7 +53,8 @@ class PrinterSource:
         self._printer.refuse_unready()  # somebody may have started a print since
         at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
         side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
-        beside = {name: at[name] - _ASIDE * side[name] for name in "XY"}
+        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
+        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
         codes = ["G21", "G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
         if any(side[name] for name in "XY"):
             codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
@@ -194,6 +197,13 @@ class Duet(Printer):
         return self._height(float(found[1]))
 
     def _run(self, code: str, wait: bool = False) -> str:
+        """Execute a line and return its reply; raises SourceError where that is an error."""
+        said = self._reply(code, wait)
+        if (amiss := _AMISS.search(said)) is not None:
+            raise self._failed(f"answers {amiss[1].strip()[:200]!r} to {code}")
+        return said
+
+    def _reply(self, code: str, wait: bool) -> str:
         if not self._alone:
             return self._ask("/machine/code", body=code).decode(errors="replace")
         self._ask("/rr_gcode", {"gcode": code})

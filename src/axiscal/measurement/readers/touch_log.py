@@ -20,6 +20,8 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.text import read_text
 from axiscal.units import from_unit
 
+LISTS = "AXISCAL_PLAN_{}.txt"
+"""File beside the programs that names their lists, by the code of their plan."""
 _HEAD = re.compile(r"AXISCAL LOG 1 PLAN ([0-9A-F]{8}) MM")
 _WHOLE = r"(\d{1,7})(?:\.0*)?"
 _LENGTH = r"([+-]? *(?:\d{1,6}\.\d{0,15}|\d{1,6}|\.\d{1,15}))"

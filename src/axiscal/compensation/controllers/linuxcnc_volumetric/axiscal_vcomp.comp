@@ -12,6 +12,7 @@ pin out float feedback-#[9] "to joint.N.motor-pos-fb";
 pin in float backlash-#[9] "joint.N.backlash-corr: not zero, COMP_FILE or BACKLASH work as well, fault 3";
 pin out float correction-#[9] "what is added now";
 pin in bit homed "motion.is-all-homed";
+pin in bit powered = 1 "motion.motion-enabled: while it is false positions follow the drives, and no side turns";
 pin in bit enable = 0 "switch it on";
 pin in bit reset "a rising edge clears a fault and largest";
 pin in float tool-x "motion.tooloffset.x";
@@ -173,7 +174,8 @@ FUNCTION(cmd) {
         for (k = 0; k < machine.axes; k++) {
             vc_axis *a = &machine.axis[k];
             pose[k] = pos(a->joint[0]);
-            way[k] = vc_side_of(&side[k], pose[k], a->rotary ? band : band * length_unit(), a->seconds, dt);
+            way[k] = powered ? vc_side_of(&side[k], pose[k], a->rotary ? band : band * length_unit(), a->seconds, dt)
+                             : vc_side_kept(&side[k], pose[k], dt);
         }
         j = follow_tool(tool_x, tool_y, tool_z, tool_gauge, now == 0, dt);
         if (!j) j = vc_correction(&machine, pose, way, tip, out, &beyond);

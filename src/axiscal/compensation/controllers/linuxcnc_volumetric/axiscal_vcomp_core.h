@@ -471,4 +471,13 @@ static double vc_side_of(vc_side *s, double at, double band, double seconds, dou
     return vc_parabolas_at(&s->share, &rate);
 }
 
+/* Without drives a commanded position is that of the feedback, which trembles: the side stays, and is looked for from here. */
+static double vc_side_kept(vc_side *s, double at, double period) {
+    double rate;
+    if (!s->known) return 0;
+    s->furthest = at;
+    s->share.clock += period;
+    return vc_parabolas_at(&s->share, &rate);
+}
+
 #endif

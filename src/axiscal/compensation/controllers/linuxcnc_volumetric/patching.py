@@ -154,6 +154,7 @@ def _join(found: Configuration, joints: Sequence[int], thread: str) -> str:
         lines.append(f"net {known} => {own}" if known else f"net {signal} {pin} => {own}")
 
     read("vc-home", "motion.is-all-homed", "axiscal-vcomp.homed")
+    read("vc-on", "motion.motion-enabled", "axiscal-vcomp.powered")
     for n in joints:
         read(f"vc-pos-{n}", f"joint.{n}.pos-cmd", f"axiscal-vcomp.pos-{n}")
         read(f"vc-bl-{n}", f"joint.{n}.backlash-corr", f"axiscal-vcomp.backlash-{n}")
@@ -170,22 +171,32 @@ def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[st
     """
     changed = [name for name in before if before[name] != found.files[name]]
     added = [name for name in [*found.files, *beside] if name not in before]
-    kept = [f"{_digest(before[name])}  {name}" for name in changed]
-    now = [f"{_digest(found.files[name])}  {name}" for name in changed]
+    kept = [(name, (before[name],)) for name in changed]
+    either = [(name, (before[name], found.files[name])) for name in changed]
+    part, gone = f'"$to/{_BACKUP}.part"', f'"$to/{_BACKUP}.gone"'
     free = [f'[ ! -e "$to"/{q} ] || {_TAKEN}' for q in _quoted(added)]
-    copies = [f'mkdir "$to/{_BACKUP}"', *(f'cp -p "$to"/{q} "$to/{_BACKUP}"/{q}' for q in _quoted(changed))]
-    news = [f'cp "$from"/{q} "$to"/{q}' for q in _quoted([*changed, *added])]
-    backs = [f'cp -p "$to/{_BACKUP}"/{q} "$to"/{q}' for q in _quoted(changed)]
-    gone = [f'rm -f "$to"/{q}' for q in _quoted(added)]
+    copies = [f"rm -rf {part} {gone}", f"mkdir {part}", *(f'cp -p "$to"/{q} {part}/{q}' for q in _quoted(changed))]
+    copies += ["sync", f'mv {part} "$to/{_BACKUP}"']
+    news = [line for q in _quoted([*changed, *added]) for line in _put(f'"$from"/{q}', q)]
+    backs = [line for q in _quoted(changed) for line in _put(f'"$to/{_BACKUP}"/{q}', q)]
+    taken = [f'rm -f "$to"/{q}' for q in _quoted(added)]
+    there, lacking = f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', f'[ -d "$to/{_BACKUP}" ] || {_NONE}'
+    ends = ["sync", f'mv "$to/{_BACKUP}" {gone}', f"rm -rf {gone}"]
     return {
-        APPLY: _script(
-            "puts the component into", kept, [f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', *free, *copies, *news]
-        ),
-        UNDO: _script("takes the component out of", now, [*backs, *gone, f'rm -r "$to/{_BACKUP}"']),
+        APPLY: _script("puts the component into", [there], kept, [*free, *copies, *news, "sync"]),
+        UNDO: _script("takes the component out of", [lacking], either, [*backs, *taken, *ends]),
     }
 
 
+def _put(file: str, name: str) -> list[str]:
+    """Return what puts a file in the place of another, whole at any time.  file, name : quoted"""
+    return [f'cp -p {file} "$to"/{name}.part', f'mv "$to"/{name}.part "$to"/{name}']
+
+
 _THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
+
+
+_NONE = '{ echo "There is no backup: nothing was put in, or it is taken out already." >&2; exit 1; }'
 
 
 _TAKEN = (
@@ -204,18 +215,23 @@ def _quoted(names: Sequence[str]) -> list[str]:
     return [shlex.quote(name) for name in names]
 
 
-def _script(what: str, sums: Sequence[str], lines: Sequence[str]) -> str:
+def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence[str]]], lines: Sequence[str]) -> str:
+    """Return a script.  first : checks; files : by name, with the texts of which each must have one"""
     return "\n".join(
         [
             "#!/bin/sh",
             f"# Made by axiscal: {what} a LinuxCNC configuration. Stop LinuxCNC first.",
+            "# Whatever ends it half-way: undo.sh puts back what was there.",
             "set -eu",
             '[ $# = 1 ] || { echo "Usage: sh $0 FOLDER-OF-THE-INI-FILE" >&2; exit 2; }',
             'from=$(cd "$(dirname "$0")" && pwd)',
             'to=$(cd "$1" && pwd)',
-            f'(cd "$to" && sha256sum --quiet -c -) <<SUMS || {_OTHER}',
-            *sums,
-            "SUMS",
+            *first,
+            *(
+                f'case "$(sha256sum < "$to"/{shlex.quote(name)})" in '
+                f"{'|'.join(_digest(text) + '*' for text in texts)}) ;; *) {_OTHER} ;; esac"
+                for name, texts in files
+            ),
             *lines,
             "",
         ]

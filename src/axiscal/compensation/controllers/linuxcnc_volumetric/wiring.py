@@ -39,6 +39,7 @@ def text(joints: Sequence[int]) -> str:
         "addf axiscal-vcomp.fb servo-thread 1",
         "addf axiscal-vcomp.cmd servo-thread",
         "net vc-home motion.is-all-homed => axiscal-vcomp.homed",
+        "net vc-on motion.motion-enabled => axiscal-vcomp.powered",
     ]
     for joint in sorted(joints):
         lines += joint_lines(joint)
