@@ -9,10 +9,11 @@ import numpy as np
 
 from axiscal.compensation.effect import Control
 from axiscal.compensation.hats import Hats
-from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.model import ErrorFunction, ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.kinematics import frames
+from axiscal.machine.names import parse_error_name
 from axiscal.numerics import Array
 
 
@@ -27,9 +28,9 @@ class SampledError:
 def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, SampledError]:
     """Return the error motions and location errors by name; grids : positions of each axis.
 
-    Reversal values have no place among them.
+    What repeats with a period and what steps is part of its error motion. Reversal values have no place among them.
     """
-    found = {}
+    found = dict[str, SampledError]()
     for function in estimate.model.functions:
         control = estimate.mean[function.columns]
         if function.kind == "location":
@@ -38,7 +39,8 @@ def curves(estimate: Estimate, grids: Mapping[int, Array]) -> dict[str, SampledE
             at = grids[function.axis]
             closed = estimate.machine.axes[function.axis].cyclic
             hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
-            found[function.name] = SampledError(at, hats.best() @ (function.basis.rows(hats.nodes) @ control))
+            values, name = hats.best() @ (function.basis.rows(hats.nodes) @ control), _name(function)
+            found[name] = SampledError(at, values + found[name].values if name in found else values)
     return found
 
 
@@ -53,10 +55,10 @@ def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, 
         return result
     at_zero = _deviation(model, found, np.array([model.machine.zero]))[0]
     for direction, constant in enumerate(at_zero):
-        own = [f for f in model.functions if f.kind == "motion" and f.component == direction and f.name in found]
+        own = [f for f in model.functions if f.kind == "motion" and f.component == direction and _name(f) in found]
         for function in sorted(own, key=lambda f: f.name != model.machine.axes[f.axis].positioning_error)[:1]:
-            sign, curve = model.machine.axes[function.axis].sign, found[function.name]
-            result[function.name] = SampledError(curve.positions, curve.values - sign * constant)
+            sign, curve = model.machine.axes[function.axis].sign, found[_name(function)]
+            result[_name(function)] = SampledError(curve.positions, curve.values - sign * constant)
     return result
 
 
@@ -82,7 +84,8 @@ def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control
 
 def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Array) -> Array:
     """Return what the errors do to the TCP, (m, 3), m."""
-    chosen = [i for i, function in enumerate(model.functions) if function.name in found]
+    named = {_name(f): i for i, f in enumerate(model.functions) if f.kind != "reversal"}
+    chosen = [named[name] for name in found if name in named]
     values = np.stack([_value(model, i, found, poses) for i in chosen])
     deviation: Array = np.einsum("fmc,fm->mc", model.levers(poses)[chosen], values)
     return deviation
@@ -90,5 +93,10 @@ def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Arra
 
 def _value(model: ErrorModel, index: int, found: Mapping[str, SampledError], poses: Array) -> Array:
     function = model.functions[index]
-    curve = found[function.name]
+    curve = found[_name(function)]
     return np.interp(poses[:, function.axis], curve.positions, curve.values)
+
+
+def _name(function: ErrorFunction) -> str:
+    """Return the name of the error motion that a function is, or is part of."""
+    return parse_error_name(function.name).bare
