@@ -30,15 +30,14 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import TargetError
-from axiscal.measurement.csv_cells import csv_text
+from axiscal.measurement.blank_sheet import blank_sheet
 from axiscal.measurement.place import Places
-from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
 from axiscal.simulation import Simulator
-from axiscal.units import parse_quantity, to_unit
+from axiscal.units import parse_quantity
 
 _USUAL, _FEW = 12, 4
 """Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
@@ -137,13 +136,7 @@ class Check:
         setups, axes = self.description.setups, self.description.machine.axes
         counts = {len(row) for row in self.predicted(places)[0]}
         values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
-        rows = [["setup", *(f"{a.name}_{a.unit}" for a in axes), "approach", *values]]
-        columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
-        for s, pose, approach in zip(*columns, strict=True):
-            at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
-            empty = [""] * len(values)
-            rows.append([setups[s].name, *at, approach_text(axes, approach), *empty])
-        return csv_text(rows)
+        return blank_sheet(setups, axes, places, values)
 
 
 def _in_order(places: Places) -> Places:

@@ -39,6 +39,7 @@ _FILES = {
     "machine": "machine",
     "type": "type",
     "due": "due",
+    "check": "check",
 }
 """In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
 

@@ -116,11 +116,10 @@ def saving_words(saved: Saving) -> str:
     counts = (
         f"{len(stated.readings)} readings in {minutes[0]:.1f} min become {len(taught.readings)} in {minutes[1]:.1f}"
     )
+    said = f"{counts}: RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
     if saved.readings > 0 or saved.seconds > 0:
-        return f"{counts}: RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
-    if rms[1] < rms[0]:
-        return f"No reading is saved, and as many promise RMS {rms[1]:.3g} um for {rms[0]:.3g} um ({counts})."
-    return f"Nothing is saved ({counts}): RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
+        return said
+    return f"Nothing is saved. {said}" if rms[1] >= rms[0] else f"No reading is saved, but it is known better. {said}"
 
 
 def _files(given: Sequence[Path]) -> list[Path]:

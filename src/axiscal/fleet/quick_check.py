@@ -1,0 +1,97 @@
+"""A dozen readings that say whether a machine is still as its last campaign left it.
+
+The places are those that say most of a machine that has drifted since: a plan with ρ² C + (1 − ρ²) C₀ as the prior.
+Its readings z = R a + e have to fit N(ρ m, ·): χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import CampaignDescription
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.inheritance import drifted
+from axiscal.exceptions import RecordError
+from axiscal.inference.reading_set import ReadingSet
+from axiscal.inference.sisters.data_equation import data_equation
+from axiscal.measurement.blank_sheet import blank_sheet
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of
+from axiscal.numerics.from_scipy import chi_square_tail, solution
+from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.next_readings import placed
+from axiscal.planning.proposal import proposed
+
+READINGS = 12
+"""Six readings find a crash of three standard deviations in one of twenty cases, eight in four of five, twelve in all
+but one of fifty (trials of the method)."""
+CHANCE = 0.01
+"""How often a machine that is in order may be called out of order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What check readings say.
+
+    chance : how probable readings so far off are if the machine changed as is usual; count : of the numbers
+    """
+
+    chance: float
+    chi_square: float
+    count: int
+
+    @property
+    def in_order(self) -> bool:
+        """Whether it need not be measured again."""
+        return self.chance >= CHANCE
+
+
+class QuickCheck:
+    """The check of one machine.  kept : share ρ of each error that is as the last campaign found it"""
+
+    def __init__(self, description: CampaignDescription, last: Inherited, kept: float) -> None:
+        target = replace(description.target, readings=None, budget=None)
+        plain = replace(description, prior_text="", sisters=None, doubt=None, target=target, scales_estimated=False)
+        now = drifted(last, Case(plain).errors.prior_covariance(), kept)
+        self.last, self.case = last, Case(plain, now)
+
+    @classmethod
+    def of(cls, campaign: Campaign, kept: float) -> QuickCheck:
+        """Return the check of a campaign that has been measured; raises RecordError for one that has not."""
+        if not campaign.state.readings:
+            raise RecordError("The record has no readings", "Name a campaign that has been measured", campaign.path)
+        known = campaign.concluded()
+        size = known.case.errors.size
+        factor = known.whole.factor[:size]
+        return cls(campaign.description, Inherited(known.whole.mean[:size], factor @ factor.T), kept)
+
+    def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
+        """Return the places that say most; raises PlanError."""
+        return placed(self.case, proposed(self.case, Limits(count), progress=told, guard=False).plan)
+
+    def sheet(self, places: Sequence[Place]) -> str:
+        """Return the places as a file to fill in."""
+        described = self.case.description
+        setups, axes = described.setups, described.machine.axes
+        at = places_of(setups, [Reading(p.setup, p.pose, p.approach, 0.0) for p in places])
+        counts = set(numbers_of_setups(setups)[at.setups].tolist())
+        values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
+        return blank_sheet(setups, axes, at, values)
+
+    @one_thread()
+    def judged(self, readings: Sequence[Reading], tables: bool = False) -> Checked:
+        """Return what readings say.  tables : they were taken with the tables of the last campaign in the control"""
+        numbers, size = ReadingSet(self.case.observation, readings), self.case.errors.size
+        data = data_equation(numbers, np.ones(len(readings)), np.zeros((size, 0)))
+        now = self.case.inherited or self.last
+        expected = now.mean - self.last.mean if tables else now.mean
+        lower = lower_root(data.rows @ now.covariance @ data.rows.T + np.eye(len(data.values)))
+        off = solution(lower, data.values - data.rows @ expected)
+        return Checked(chi_square_tail(len(off), float(off @ off)), float(off @ off), len(off))
