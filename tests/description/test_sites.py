@@ -97,6 +97,14 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
             + TOUCHED,
             "balls and grid exclude one another",
         ),
+        (
+            SPHERES.split("balls")[0]
+            + 'grid = { origin = ["0 mm", "0 mm", "0 mm"], count = [1, 5], pitch = ["9 mm", "9 mm"], '
+            + 'along = ["x", "y"] }\n'
+            + TOUCHED,
+            "a grid of 1 by 5 balls",
+        ),
+        (SPHERES + TOUCHED + 'raster = { B = "500 deg" }\n', "has less than two places on B"),
         (BAR + 'plane = "xx"\n', "is not a plane"),
         (BAR + "plane = [[1, 0, 0], [2, 0, 0]]\n", "is not a plane"),
         (BAR + 'plane = "zx"\narc = ["0 deg", "360 deg"]\n', "at "),

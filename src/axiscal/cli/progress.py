@@ -13,6 +13,7 @@ from axiscal.cli.texts import accuracy_text
 from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
+from axiscal.description.unused import unused_artefacts
 from axiscal.machine.questions import questions
 from axiscal.numerics.stages import listening
 from axiscal.planning.feasibility import out_of_reach
@@ -49,8 +50,9 @@ def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
     for question in questions(description.machine):
         tell(f"Mind: {question}")
-    if question := unasked(description):
-        tell(f"Mind: {question}")
+    for said in (unasked(description), unused_artefacts(description)):
+        if said is not None:
+            tell(f"Mind: {said}")
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:

@@ -95,9 +95,9 @@ class _ArtefactReader:
             if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
                 remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
                 raise DescriptionError("a grid has two directions", remedy)
-            if min(grid.count) < 1 or not 2 <= grid.count[0] * grid.count[1] <= MOST_BALLS:
+            if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
                 what = f"a grid of {grid.count[0]} by {grid.count[1]} balls"
-                raise DescriptionError(what, f"Give 2 to {MOST_BALLS} balls")
+                raise DescriptionError(what, f"Give 2 to {MOST_BALLS} balls in rows of 2 and more, or a row as balls")
             pitch = [parse_quantity(text, "length") for text in grid.pitch]
             ways = [np.array(unit_vector(way)) for way in grid.along]
             if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:

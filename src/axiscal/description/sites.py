@@ -20,7 +20,7 @@ from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.balls import Balls
 from axiscal.measurement.charts.bar import Bar
-from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.chart import Chart, Coordinate
 from axiscal.measurement.charts.circle import Circle
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.line import Line
@@ -266,6 +266,7 @@ class SiteReader:
         with self._at("artefact"):
             self._refuse_no_turn(turning)
         steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
+        self._refuse_one_place(turning, steps)
         park, room = self._park(set(turning)), self._room(artefact)
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
@@ -347,6 +348,15 @@ class SiteReader:
             if value <= 0:
                 raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
             return value
+
+    def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
+        """Raise DescriptionError for a raster by which an axis that is to turn has one place only, or none."""
+        for axis, step in zip((self._machine.axes[k] for k in turning), steps, strict=True):
+            low, high = axis.travel
+            if step > 0 and len(Coordinate(low, high, step).values) < 2:
+                with self._at("raster", axis.name):
+                    what = f"a raster of {shown(self._table.raster[axis.name])} has less than two places on {axis.name}"
+                    raise DescriptionError(what, f"Give a smaller step, or leave {axis.name} out of moves")
 
     def _room(self, artefact: Artefact | None) -> Room:
         boxes = () if artefact is None else artefact.keep_out
