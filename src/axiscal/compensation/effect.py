@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.alignment import Alignment
 from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.volume import Box
 from axiscal.machine.description import Machine
@@ -25,21 +26,31 @@ Control = Callable[[Array, Array], Array]
 
 
 class Effect(NamedTuple):
-    """RMS of the TCP deviation over the volume, m, its constant part taken off, before and after the tables."""
+    """RMS of the TCP deviation over the volume, m, before and after the tables, less what no one counts (`rms`)."""
 
     before: float
     after: float
 
 
-def effect_of_control(machine: Machine, deviation: Deviation, control: Control, poses: Array, box: Box) -> Effect:
+def effect_of_control(
+    machine: Machine,
+    deviation: Deviation,
+    control: Control,
+    poses: Array,
+    box: Box,
+    alignment: Alignment | None = None,
+) -> Effect:
     """Return what a control leaves of a deviation.
 
     poses : (m, q) spread over the volume; each is approached from alternating directions
+    alignment : what probing the part takes off
     The axes go to where the control sends them, and the machine deviates there.
     """
     inside, approaches = tour(poses, box)
-    found = deviation(inside, approaches)
-    return Effect(rms(found), rms(left_by(machine, deviation, control, inside, approaches)))
+    found, left = deviation(inside, approaches), left_by(machine, deviation, control, inside, approaches)
+    if alignment is not None:
+        found, left = (alignment.left(inside, each) for each in (found, left))
+    return Effect(rms(found), rms(left))
 
 
 def tour(poses: Array, box: Box) -> tuple[Array, Array]:

@@ -54,7 +54,8 @@ class Export:
     """Files that may be loaded.
 
     effect : of the estimated deviation over the volume; readme : the text that goes beside them
-    unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off
+    unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
+    motion of an aligned part
     """
 
     controller: str
@@ -89,8 +90,12 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     if effect.after > min(meant.after, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
-    unknown = unknown_rms(estimate, poses, approaches)
     together = planes_left(estimate, draft.control, poses, approaches)
+    if estimate.sample is not None:
+        poses, approaches = tour(estimate.sample[:POSES], estimate.box)
+        counted = estimate.machine, estimate.deviation, draft.control, poses, estimate.box, estimate.alignment
+        effect = effect_of_control(*counted)
+    unknown = unknown_rms(estimate, poses, approaches)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
     readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
@@ -108,12 +113,14 @@ def _nothing_held(estimate: Estimate) -> str:
 
 
 def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
-    """Return the RMS of the standard deviation of the TCP at poses (m, q), their common shift taken off, m.
+    """Return the RMS of the standard deviation of the TCP at poses (m, q), less what nobody counts, m.
 
-    Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests.
+    Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests; where a part is aligned
+    what that takes off stands in place of the mean.
     """
     rows = estimate.model.rows(poses, approaches)
-    spread = (rows - rows.mean(axis=0)) @ estimate.factor
+    off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
+    spread = (rows - off) @ estimate.factor
     rest = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
 

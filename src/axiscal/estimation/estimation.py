@@ -89,7 +89,9 @@ class Estimation:
         description, wide = self.case.description, self.banded
         grid = map_grid(description.machine, description.setups, self.readings)
         rests = rest_means(wide.knowledge.observation, wide.knowledge.belief.mean)
-        return Estimate(wide.case.errors, wide.knowledge.belief, description.target.volume, grid, rests)
+        belief, yardstick = wide.knowledge.belief, wide.case.yardstick
+        place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment
+        return Estimate(wide.case.errors, belief, *place)
 
     def misfit(self) -> float:
         """Return how many times as much as the model says the readings scatter about their predictions.

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.alignment import Alignment
 from axiscal.belief import Belief
 from axiscal.error_model.actual import deviation_of
 from axiscal.error_model.model import ErrorModel
@@ -35,6 +36,7 @@ class Estimate:
     box : the volume over which tables shall be good, bounds per axis in chain order, m or rad
     rests : posterior mean of the rest of every cell, (cells,), m, of each displacement that has one, by its index
     grid : positions of X and of Y, m, on which the height was read as a map; None where it was not
+    sample : (m, q) poses spread over the part, where one is described; alignment : what probing it takes off
     """
 
     model: ErrorModel
@@ -42,6 +44,8 @@ class Estimate:
     box: Box
     grid: tuple[Array, Array] | None = None
     rests: Mapping[int, Array] = field(default_factory=lambda: MappingProxyType({}))
+    sample: Array | None = None
+    alignment: Alignment | None = None
 
     @property
     def machine(self) -> Machine:
