@@ -60,7 +60,7 @@ def main() -> int:
     lines = [_line(kind, count, rows) for kind in types() for count in COUNTS if only in (None, kind)]
     print(table := "\n".join([_COLUMNS, *lines]))
     if only is None:
-        PAGE.write_text(f"{_HEAD}{table}\n", encoding="utf-8")
+        PAGE.write_text(f"{_HEAD}{table}\n\n{_over_all(rows)}\n", encoding="utf-8")
     return 0
 
 
@@ -81,6 +81,25 @@ def _measure(kind: str) -> None:
             with KEPT.open("a", encoding="utf-8") as kept:
                 kept.write(json.dumps({"type": kind, "machine": machine.name, "found": ways}) + "\n")
             print(kind, machine.name, ways, flush=True)
+
+
+def _over_all(rows: dict[tuple[str, str], dict[str, Any]]) -> str:
+    """Return what all machines say together, and where a type is worse than stated by more than chance."""
+    held, said, worse = list[float](), list[str](), list[str]()
+    for count in COUNTS:
+        pairs = [(kind, row["found"][str(count)]) for (kind, _), row in rows.items()]
+        held += [found["type"][1] for _, found in pairs]
+        logs = {kind: [np.log(f["type"][0] / f["stated"][0]) for of, f in pairs if of == kind] for kind in types()}
+        every = np.concatenate(list(logs.values()))
+        said.append(f"{every.mean():+.3f} ± {every.std(ddof=1) / np.sqrt(len(every)):.3f} at {count} readings")
+        for kind, each in logs.items():
+            if np.mean(each) > 2 * np.std(each, ddof=1) / np.sqrt(len(each)):
+                worse.append(f"{kind} at {count}")
+    named = f"worse by two standard errors or more: {', '.join(worse)}" if worse else "worse nowhere by two"
+    return (
+        f"Over all {len(rows)} machines the difference to *stated* is {'; '.join(said)}; {100 * np.mean(held):.1f} % "
+        f"is held by *type*. Of {len(COUNTS) * len(types())} rows it is {named}."
+    )
 
 
 def _line(kind: str, count: int, rows: dict[tuple[str, str], dict[str, Any]]) -> str:
