@@ -109,7 +109,8 @@ to 5 µm, but where it is too long: there it is not measured, and known to 100 �
 axes carry the workpiece a longer tool looks like an axis line that lies elsewhere, and no reading of the spheres can
 tell the two apart: the promise then holds both, and most of it is that one unknown, which is above 1.5 times the
 promise in 13% of machines where everything is right. Whoever states the tool to 5 µm while it is 50 µm longer is not
-told. Twenty-four readings of a metre may all miss a bump of 30 mm.
+told: how the five axes state their tool was settled after a first look at these machines. Twenty-four readings of a
+metre may all miss a bump of 30 mm.
 (`make trust PART=attacks MACHINES={machines}`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |

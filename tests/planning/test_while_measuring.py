@@ -186,3 +186,17 @@ def test_where_a_zero_drifts_a_plan_rests_on_the_clock(drift: str, basis: list[s
     times: list[list[float]] = [[5.0], [5.0, 1900.0], []]
     taken = [[Reading("laser", (0.1,), (1,), 0.0, None, time=time) for time in each] for each in times]
     assert [plan_basis(case, readings, (), 0) for readings in taken] == basis
+
+
+def test_an_accuracy_is_vouched_for_by_few_readings_more_than_promise_it(tmp_path: Path) -> None:
+    """Fourteen promise it; chosen by their model alone it takes thirty-one until they vouch for it."""
+    (tmp_path / "c.toml").write_text(TEXT.replace("readings = 16", 'rms = "0.7 um"'))
+    description = read_campaign(tmp_path / "c.toml")
+    truth = Simulator(description.machine, description.setups).drawn(3)
+    with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
+        read(campaign, SimulatedSource(truth, 3), 20)
+        count = 20
+        while not isinstance(campaign.next(), Ended) and count < 27:
+            read(campaign, SimulatedSource(truth, count), 1)
+            count += 1
+        assert 20 < count < 27
