@@ -127,6 +127,14 @@ def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:
     assert json.dumps(error["mean"]) == "[1.23457, 0.0]"
 
 
+def test_where_an_axis_stood_is_written_to_far_below_a_nanometre() -> None:
+    stood = {"X": 120.12345678949, "C": -179.123456789}
+    document = result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position=stood)]))
+    assert document["history"][0]["position"] == {"X": 120.123456789, "C": -179.123456789}
+    with pytest.raises(SummaryError, match="position of X"):
+        result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position={"X": float("nan")})]))
+
+
 def test_same_summary_same_bytes_whatever_the_order_of_versions() -> None:
     other = replace(SUMMARY, versions=dict(reversed(list(SUMMARY.versions.items()))))
     assert json.dumps(result_json(SUMMARY)) == json.dumps(result_json(other))

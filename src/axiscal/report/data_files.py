@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.measurement.csv_cells import csv_text
-from axiscal.report.digits import number
+from axiscal.report.digits import coordinate, number
 from axiscal.report.sentences import axis_unit, standardised
 from axiscal.report.summary import CurveSummary, Summary
 
@@ -43,7 +43,7 @@ def _readings(summary: Summary) -> Rows:
     for row in summary.history:
         if row.position is None:
             continue
-        at = [_figure(row.position.get(axis)) for axis in axes]
+        at = [_place(row.position.get(axis)) for axis in axes]
         value, left, z = row.value_um, row.innovation, standardised(row)
         said = [row.approach, _figure(value), row.unit, _figure(left), _figure(z), "no" if row.rejected else "yes"]
         yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes)]
@@ -79,6 +79,10 @@ def _budget(summary: Summary) -> Rows:
     yield ["source", "rms_um", "share"]
     for row in summary.budget:
         yield [row.words, _figure(row.rms_um), _figure(row.share)]
+
+
+def _place(value: float | None) -> str:
+    return "" if value is None else f"{coordinate(value, 'a position in a CSV file'):.12g}"
 
 
 def _figure(value: float | None) -> str:

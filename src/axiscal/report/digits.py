@@ -11,6 +11,17 @@ _DIGITS = 6
 """Figures kept, so that the same campaign gives the same bytes on any processor."""
 
 
+_DECIMALS = 9
+"""Of a coordinate, mm or deg: what was commanded, as plans and programs have it, and far below a nanometre."""
+
+
+def coordinate(value: float, what: str) -> float:
+    """Return where an axis stood, at nine decimals; raises SummaryError if it is not finite."""
+    if not math.isfinite(value):
+        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
+    return round(value, _DECIMALS) + 0.0
+
+
 def number(value: float, what: str) -> float:
     """Return value at six significant digits; raises SummaryError if it is not finite."""
     if not math.isfinite(value):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from axiscal.accuracy.expanded import LEVEL
-from axiscal.report.digits import number, numbers
+from axiscal.report.digits import coordinate, number, numbers
 from axiscal.report.plane_summary import plane_json
 from axiscal.report.promises import CheckReadings, Linear
 from axiscal.report.summary import (
@@ -61,9 +61,9 @@ def _optional(value: float | None, what: str) -> float | None:
 
 
 def _position(position: Position | None) -> dict[str, float] | None:
-    return (
-        None if position is None else {axis: number(value, f"position of {axis}") for axis, value in position.items()}
-    )
+    if position is None:
+        return None
+    return {axis: coordinate(value, f"position of {axis}") for axis, value in position.items()}
 
 
 def _volume(volume: VolumeError) -> dict[str, Any]:
