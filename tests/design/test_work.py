@@ -13,6 +13,7 @@ from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.design.step.best_step import best_step
 from axiscal.estimation.knowledge import Knowledge
+from tests.design.test_three_values import mixed
 from tests.generators.designs import levered, splines
 
 
@@ -41,8 +42,12 @@ def _pick(axes: int, knots: int) -> Callable[[], object]:
 PATHS: dict[str, tuple[Callable[[], object], int]] = {
     "a pick on one axis": (_pick(1, 7), 670),
     "a pick on three axes": (_pick(3, 7), 3_100),
-    "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12), bounded=False), 160_000),
-    "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), bounded=False, patience=0.0), 207_000),
+    "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12), bounded=False), 150_000),
+    "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), bounded=False, patience=0.0), 199_000),
+    "a plan that can vouch, with its bound": (
+        lambda: make_plan(mixed(150), Limits(readings=6), guard=True, patience=0.0),
+        409_000,
+    ),
 }
 """What is done, and how many calls it took when this was written, with a tenth more."""
 

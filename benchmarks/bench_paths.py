@@ -1,0 +1,243 @@
+"""What the main paths ask of the processor, beside what they asked at the commit before and what is aimed at.
+
+    python benchmarks/bench_paths.py [--only plan] [--long] [--write]
+
+Processor seconds of whole commands on one thread, the calls of functions that a second run takes, and the ratio to the
+figures kept in benchmarks/figures.csv. --write keeps today's there, under the commit that is checked out; --long adds
+the records of 2,000 readings, estimates of 2,001, and 1,000 unknowns with 10,000 readings.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import pstats
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.demo.five_axis import SEED, description, hidden_machine
+from axiscal.description.campaign import read_campaign
+from axiscal.estimation.case import Case
+from axiscal.measurement.reading import Reading
+from axiscal.planning.next_readings import posed
+from benchmarks import bench_defence, bench_estimate
+
+FIGURES = Path(__file__).with_name("figures.csv")
+COLUMNS = ("path", "commit", "seconds", "calls", "megabytes")
+COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
+PROFILED = (
+    "import cProfile, sys; from axiscal.cli import main; kept, watched = sys.argv.pop(), cProfile.Profile(); "
+    "status = watched.runcall(main); watched.dump_stats(kept); raise SystemExit(status)"
+)
+DENSE = """chain = "w-b-Y-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[axes.Y]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", knots = 500 }
+EYY = { std = "10 um", knots = 500 }
+"""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a path took.  seconds : of the processor; calls : of functions; megabytes : of memory at most"""
+
+    path: str
+    commit: str
+    seconds: float
+    calls: int
+    megabytes: float
+
+
+@dataclass(frozen=True)
+class Road:
+    """A main path.  target : seconds aimed at; arguments : of the command, made in a folder; long : only with --long"""
+
+    name: str
+    target: str
+    arguments: Callable[[Path], list[str]]
+    long: bool = False
+
+
+def demo_plan(readings: int, *more: str) -> Callable[[Path], list[str]]:
+    """Return how a plan of the demo's campaign is asked for."""
+
+    def arguments(folder: Path) -> list[str]:
+        text = resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+        (folder / "demo.toml").write_text(text, encoding="utf-8")
+        return ["plan", str(folder / "demo.toml"), "--readings", str(readings), *more]
+
+    return arguments
+
+
+def compared(folder: Path) -> list[str]:
+    """Return how the set-ups of the demo are compared."""
+    return demo_plan(12, "--compare", str(folder / "compared.html"))(folder)
+
+
+def one_axis_plan(folder: Path) -> list[str]:
+    """Return how 400 readings of one axis are planned."""
+    (folder / "one.toml").write_text(bench_defence.AXIS, encoding="utf-8")
+    return ["plan", str(folder / "one.toml"), "--readings", "400"]
+
+
+def recorded(command: str, readings: int) -> Callable[[Path], list[str]]:
+    """Return how a command looks at a record of so many readings of the demo's machine, kept knowledge apart."""
+
+    def arguments(folder: Path) -> list[str]:
+        path = folder / f"{readings}.axiscal"
+        if not path.exists():
+            case = Case(description())
+            with Campaign.create(path, case.description) as campaign:
+                campaign.adopt(tuple(taken(case, readings)))
+        return [command, str(path)]
+
+    return arguments
+
+
+def taken(case: Case, count: int) -> Iterator[Reading]:
+    """Yield readings of the demo's hidden machine at so many of its candidates, set-up by set-up."""
+    machine, rng, setups = hidden_machine(case), np.random.default_rng(SEED), case.description.setups
+    lattice = posed(case, case.knowledge, candidates=count).lattice
+    columns = lattice.setups.tolist(), lattice.poses.tolist(), lattice.approaches.astype(int).tolist()
+    for setup, pose, sides in list(zip(*columns, strict=True))[:count]:
+        first, *others = machine.read_all(setups[setup], tuple(pose), tuple(sides), rng)
+        yield Reading(setups[setup].name, tuple(pose), tuple(sides), first, others=tuple(others))
+
+
+def estimated(count: int) -> Callable[[Path], list[str]]:
+    """Return how so many readings of a mill of three axes are estimated, scales and all."""
+
+    def arguments(folder: Path) -> list[str]:
+        mill = folder / "mill"
+        mill.mkdir(exist_ok=True)
+        described = bench_estimate.written(mill, "xyz", True)
+        bench_estimate.write_readings(mill / f"{count}.csv", described, count)
+        return [
+            "estimate",
+            str(mill / "campaign.toml"),
+            str(mill / f"{count}.csv"),
+            "--out",
+            str(mill / f"out-{count}"),
+        ]
+
+    return arguments
+
+
+def dense(folder: Path) -> list[str]:
+    """Return how 10,000 readings of 1,000 unknowns are estimated."""
+    (folder / "dense.machine.toml").write_text(DENSE, encoding="utf-8")
+    head, setup = 'machine = "dense.machine.toml"\n[target]\nreadings = 1\n', bench_estimate.SETUP
+    setup = setup.replace(', Z = ["0 mm", "400 mm"]', "")
+    (folder / "dense.toml").write_text(head + "".join(setup.format(axis=axis) for axis in "xy"), encoding="utf-8")
+    read = read_campaign(folder / "dense.toml")
+    bench_estimate.write_readings(folder / "dense.csv", read, 10_000)
+    return ["estimate", str(folder / "dense.toml"), str(folder / "dense.csv"), "--out", str(folder / "dense-out")]
+
+
+ROADS = (
+    Road("plan, demo, 60 readings with bound", "10, then 5", demo_plan(60)),
+    Road("plan, demo, 12 readings, compared", "8", compared),
+    Road("plan, one axis, 400 readings", "3", one_axis_plan),
+    Road("next, 60 readings", "0.4", recorded("next", 60)),
+    Road("status, 500 readings", "0.6", recorded("status", 500)),
+    Road("status, 2,000 readings", "1", recorded("status", 2000), long=True),
+    Road("estimate, three axes, learnt, 501", "5", estimated(501)),
+    Road("estimate, three axes, learnt, 2,001", "12", estimated(2001), long=True),
+    Road("estimate, 1,000 unknowns x 10,000", "30, 1 GB", dense, long=True),
+)
+
+
+def measured(road: Road, commit: str) -> Measured:
+    """Return what a path takes: one run for the processor's time, after another that counts calls."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        arguments, counted = road.arguments(folder), folder / "calls"
+        run([sys.executable, "-c", PROFILED, *arguments, str(counted)])
+        calls = int(pstats.Stats(str(counted)).total_calls)  # type: ignore[attr-defined]
+        used = run([sys.executable, "-c", COMMAND, *arguments])
+    seconds, megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    return Measured(road.name, commit, round(seconds, 2), calls, round(megabytes))
+
+
+def run(command: list[str]) -> resource.struct_rusage:
+    """Run a command to its end, and return what it used; what it prints is not looked at."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+    _, status, used = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit(f"{' '.join(command[3:])} ended with status {os.waitstatus_to_exitcode(status)}")
+    return used
+
+
+def kept() -> dict[str, Measured]:
+    """Return the figures kept in the repository by path, the last of each."""
+    if not FIGURES.exists():
+        return {}
+    with FIGURES.open(encoding="utf-8", newline="") as file:
+        rows = [
+            Measured(row["path"], row["commit"], float(row["seconds"]), int(row["calls"]), float(row["megabytes"]))
+            for row in csv.DictReader(file)
+        ]
+    return {row.path: row for row in rows}
+
+
+def write(found: dict[str, Measured]) -> None:
+    """Keep figures in the repository, one row for each path."""
+    with FIGURES.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for each in found.values():
+            writer.writerow([each.path, each.commit, each.seconds, each.calls, each.megabytes])
+
+
+def commit_now() -> str:
+    """Return the short name of the commit that is checked out, "" outside a repository."""
+    asked = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=FIGURES.parent)
+    return asked.stdout.strip()
+
+
+def line(road: Road, now: Measured, before: Measured | None) -> str:
+    """Return a row of the table."""
+    shown = (
+        f"{road.name:38} {now.seconds:8.2f} s {now.calls / 1e6:7.2f} M {now.megabytes:6.0f} MB   (aim {road.target} s)"
+    )
+    if before is None:
+        return shown
+    ratio = f"{now.seconds / before.seconds:5.2f} of the time, {now.calls / before.calls:5.2f} of the calls"
+    return f"{shown}   {ratio} at {before.commit}"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--only", default="", help="paths whose name begins so")
+    parser.add_argument("--long", action="store_true", help="with those that take minutes")
+    parser.add_argument("--write", action="store_true", help="keep the figures in benchmarks/figures.csv")
+    asked = parser.parse_args()
+    before, commit = kept(), commit_now()
+    found = dict(before)
+    for road in ROADS:
+        if road.name.startswith(asked.only) and (asked.long or not road.long):
+            found[road.name] = measured(road, commit)
+            print(line(road, found[road.name], before.get(road.name)), flush=True)
+            if asked.write:
+                write(found)
+
+
+if __name__ == "__main__":
+    main()
