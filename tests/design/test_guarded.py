@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from axiscal.accuracy.criterion import joint_root
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.guarded import enough_readings, vouched_for
@@ -19,11 +20,14 @@ from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.plan.watch import Watch, retimed, watch, way_shares
+from axiscal.estimation.case import Case
 from axiscal.estimation.defence import EffectMap
+from axiscal.machine import load_machine
 from axiscal.measurement.departures import IN_PLANS, departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.ties import ALIKE, first_best
-from tests.design.test_out_and_back import one_axis
+from axiscal.planning.next_readings import posed
+from tests.design.test_out_and_back import CAMPAIGN, one_axis
 from tests.design.test_three_values import mixed
 from tests.generators.designs import levered
 
@@ -57,7 +61,9 @@ def readings_of(task: Task, scores: DefendedScores) -> list[Reading]:
 
 
 def test_rank_one_updates_are_the_plain_matrices_with_a_zero_open_by_a_millimetre() -> None:
-    case, task = one_axis()
+    text = CAMPAIGN.format(approach="both") + 'drift = "0"\n'
+    case = Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
+    task = posed(case, case.knowledge)
     scores = begun(task, 0)
     scores.leave(4)
     scores.enter(900, 4)
