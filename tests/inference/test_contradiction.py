@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from axiscal.inference.contradiction import FITS, MODEL, PRIOR, SIZES, SURE, compared, watched
+from axiscal.inference.contradiction import FITS, PRIOR, SIZES, SURE, compared, watched
 from axiscal.inference.evidence import Evidence
 from axiscal.measurement.departures import departures
 from axiscal.measurement.reading import Reading
@@ -24,9 +24,9 @@ def test_the_evidence_is_the_average_of_the_densities_written_out() -> None:
     covariance, values = model.covariance(np.zeros(0)), model.values
     below = multivariate_normal(cov=covariance).logpdf(values)
     every = list(departures(observation, readings))
-    total = 0.0
+    whole, total = sum(PRIOR[family] for family in {each.family for each in every}), 0.0
     for each in every:
-        share = PRIOR[each.family] / sum(other.family == each.family for other in every) / MODEL
+        share = PRIOR[each.family] / sum(other.family == each.family for other in every) / whole
         spread = each.columns @ each.columns.T
         for size, weight in zip(0.5e-6 * SIZES, _SIZE_WEIGHTS, strict=True):
             above = multivariate_normal(cov=covariance + size**2 * spread).logpdf(values)

@@ -3,8 +3,9 @@
     log p(y | h, s) = log N(y; 0, K) − ½ log|1 + s² M| + ½ uᵀ (s⁻² + M)⁻¹ u,    M = bᵀK⁻¹b,  u = bᵀK⁻¹y
 
 the size of a departure normal with std s, s = 1, 2, 4 … 64 σ with falling weights, σ the noise. Under the model the
-evidence ratio E = Σ π_h p(y | h)/p(y | model) is a test martingale in the readings as they come: it ever reaches 20 in
-at most 5 % of campaigns, however often one looks (Ville; Shafer, Shen, Vereshchagin and Vovk 2011).
+evidence ratio E = Σ π_h p(y | h)/p(y | model), Σ π_h = 1 over the departures, is a test martingale in the readings as
+they come: it ever reaches 20 in at most 5 % of campaigns, however often one looks (Ville; Shafer, Shen, Vereshchagin
+and Vovk 2011).
 """
 
 from __future__ import annotations
@@ -152,9 +153,11 @@ def _weighed(observation: Observation, chosen: Sequence[Reading], prior: tuple[A
     unit = float(np.sqrt(np.median(fitted.noise)))
     y, parts = solution(lower, fitted.values), whitened(lower, possible)
     ends = np.flatnonzero(np.diff(fitted.reading, append=-1) != 0)
-    logs = _log_ratios(parts, y, unit, ends) + np.log(_shares(possible))
+    shares = _shares(possible)
+    logs = _log_ratios(parts, y, unit, ends) + np.log(shares)
     highest = logs.max(axis=1)
-    along = np.exp(np.minimum(highest + np.log(np.sum(np.exp(logs - highest[:, None]), axis=1)), _MOST_LOG))
+    summed = highest + np.log(np.sum(np.exp(logs - highest[:, None]), axis=1) / np.sum(shares))
+    along = np.exp(np.minimum(summed, _MOST_LOG))
     odds = np.exp(logs[-1] - max(float(highest[-1]) - _MOST_LOG, 0.0))  # beside each other right, however sure
     found = _explained(possible, parts, y, unit, odds)
     return _Weighed(Watched(found, float(along[-1]), float(along.max())), parts, y)
