@@ -32,6 +32,7 @@ class Terminal:
         if self.pid == 0:
             os.chdir(folder)
             signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
+            signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and this one where they outlive a terminal
             words = [sys.executable, "-m", "axiscal.cli", "measure", *arguments]
             os.execvpe(sys.executable, words, {**os.environ, "TERM": "dumb", "AXISCAL_LANGUAGE": "en"})
 
