@@ -12,6 +12,7 @@ from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator
 from tests.generators.one_axis import MACHINE, observed
+from tests.generators.texts import machine_text
 
 
 def test_a_bound_counts_with_its_variance_and_is_an_interval() -> None:
@@ -48,6 +49,14 @@ def test_a_dead_band_across_the_way_is_a_bound() -> None:
     start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
     text = start + 'direction = "y"\ndead_band = "3 um"\n'
     machine = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
+    across = campaign_from_texts(text, "c", machine, "m").setups[0]
+    assert (across.bound, across.lag) == (3e-6, 0.0)
+
+
+def test_a_dead_band_across_a_way_that_a_table_has_turned_is_a_bound() -> None:
+    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
+    text = start + 'direction = "x"\nmoves = ["X"]\ndead_band = "3 um"\npark = { C = "90 deg" }\n'
+    machine = machine_text("w-C'-b-X-Y-t", {"X": (0, 300), "Y": (0, 300), "C": (0, 180)}, {"EXX EYX": "5 um"})
     across = campaign_from_texts(text, "c", machine, "m").setups[0]
     assert (across.bound, across.lag) == (3e-6, 0.0)
 

@@ -26,7 +26,7 @@ LASER = 'instrument = "interferometer"\ndirection = "x"\n'
 
 def described(lines: str, *, usual: bool = True) -> Setup:
     text = HEAD + lines
-    return campaign_from_texts(text, "campaign.toml", MACHINE, "machine.toml", usual_drifts=usual).setups[0]
+    return campaign_from_texts(text, "campaign.toml", MACHINE, "machine.toml", usual_doubts=usual).setups[0]
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> No
     Campaign.create(new, description).close()
     with Campaign.open(new) as campaign:
         assert campaign.description.setups[0].drift * HOUR == pytest.approx(5e-6)
-        assert '"usual_drifts":false' in campaign.description.prior_text
+        assert '"usual_doubts":false' in campaign.description.prior_text
 
 
 def _quoted(text: str) -> str:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from axiscal.estimation.case import Inherited
 from axiscal.estimation.deciding import Contest, contest
 from axiscal.estimation.estimate import estimated
 from axiscal.inference.contradiction import SIZES, watched
@@ -45,7 +47,7 @@ def until_rivals(name: str, seed: int) -> tuple[list[Reading], Contest]:
     raise AssertionError("no two causes competed")
 
 
-@pytest.mark.parametrize(("name", "seed"), [("drift", 0), ("pitch", 0), ("step", 2)])
+@pytest.mark.parametrize(("name", "seed"), [("drift", 0), ("pitch", 0), ("step", 3)])
 def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int) -> None:
     readings, found = until_rivals(name, seed)
     after = readings[-1].time or 0.0
@@ -69,7 +71,7 @@ def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int
     assert found.apart == pytest.approx(abs(first - second) / np.sqrt(wide + broad), rel=1e-4)
 
 
-@pytest.mark.parametrize(("name", "seed"), [("drift", 1), ("drift", 3), ("pitch", 0), ("step", 1), ("step", 3)])
+@pytest.mark.parametrize(("name", "seed"), [("drift", 1), ("drift", 3), ("pitch", 0), ("step", 3), ("step", 4)])
 def test_the_right_cause_is_left_after_the_readings_that_decide(name: str, seed: int) -> None:
     readings, found = until_rivals(name, seed)
     drawn, rng, taken = machine(seed), np.random.default_rng((seed, 1)), 0
@@ -81,6 +83,22 @@ def test_the_right_cause_is_left_after_the_readings_that_decide(name: str, seed:
     best = watched(CASE.observation, readings).explanations[0].family
     assert best == name
     assert taken <= 3
+
+
+def test_what_an_earlier_campaign_knew_is_part_of_what_is_predicted() -> None:
+    readings, found = until_rivals("drift", 0)
+    covariance = CASE.errors.prior_covariance()
+    knew = Inherited(CASE.errors.prior_root() @ np.random.default_rng(2).normal(size=CASE.errors.size), covariance)
+    coming = Reading("laser", found.place.pose, found.place.approach, 0.0, time=readings[-1].time)
+    together, observation = [*readings, coming], CASE.observation
+    plain, less = (Fitted.of(observation, together, prior).values for prior in (None, (knew.mean, covariance)))
+    moved = [replace(each, value=each.value + by) for each, by in zip(readings, plain - less, strict=False)]
+    other = contest(estimated(replace(CASE, inherited=knew), moved))
+    assert other is not None
+    assert other.place == found.place
+    by = float((plain - less)[-1])
+    assert abs(by) > 1e-6
+    assert other.expected == pytest.approx([each + by for each in found.expected], abs=1e-9)
 
 
 def test_nothing_has_to_be_decided_of_readings_of_the_model() -> None:

@@ -13,11 +13,13 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
-from axiscal.exceptions import RecordError
+from axiscal.estimation.estimation import Estimation
+from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.fleet.aging import Aging, Pair, aging
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import due_dates, rms_left
 from axiscal.inference.sisters.data_equation import DataEquation
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.sisters import read_on, slide, write_record
 
@@ -94,6 +96,24 @@ def test_the_last_campaign_of_each_machine_counts(folder: Path) -> None:
         assert (now > 15e-6) == (machine.due is not None)
     with pytest.raises(RecordError, match="No record can be read"):
         due_dates([], DAY)
+
+
+def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_estimated_ends_nothing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_record(folder / "longer.axiscal", slide(serial="B", travel=800), read_on(4))
+    write_record(folder / "mirrored.axiscal", slide(serial="C"), read_on(5))
+
+    def estimated(case: Case, readings: tuple[Reading, ...]) -> Estimation:
+        if case.description.particulars.serial == "C":
+            raise AmbiguityError("two places fit", "read again")
+        return concluded(case, readings)
+
+    monkeypatch.setattr("axiscal.fleet.due_dates.concluded", estimated)
+    found = due_dates(folder.glob("*.axiscal"), DAY, target=15e-6)
+    names = sorted(machine.record.name for machine in found.machines)
+    assert names == ["a-2.axiscal", "b.axiscal", "longer.axiscal"]
+    assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
 
 
 def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,9 @@ def test_each_record_that_cannot_teach_is_named_with_its_reason(tmp_path: Path, 
     write_record(tmp_path / "larger.axiscal", slide(travel=800), read_on(8))
     write_record(tmp_path / "empty.axiscal", slide(), [])
     write_record(tmp_path / "active.axiscal", slide(first="compensation_active = true\n"), read_on(9))
+    write_record(tmp_path / "verified-1.axiscal", slide(serial="9"), read_on(6))
+    tables = slide(first="compensation_active = true\n", serial="9")
+    write_record(tmp_path / "verified-2.axiscal", tables, read_on(7))
     write_record(tmp_path / "again-1.axiscal", slide(serial="4711"), read_on(10))
     write_record(tmp_path / "again-2.axiscal", slide(serial="4711"), read_on(11))
     found = learnt_type([*records, *tmp_path.glob("*.axiscal"), tmp_path / "missing.axiscal"])
@@ -65,11 +69,12 @@ def test_each_record_that_cannot_teach_is_named_with_its_reason(tmp_path: Path, 
     assert why["empty.axiscal"] == "it has no readings"
     assert "compensation was active" in why["active.axiscal"]
     assert "measured again: again-2.axiscal" in why["again-1.axiscal"]
-    assert why["again-2.axiscal"] == ""
+    assert why["again-2.axiscal"] == why["verified-1.axiscal"] == ""
+    assert "compensation was active" in why["verified-2.axiscal"]
     assert all(why[name] for name in ("torn.axiscal", "text.axiscal", "missing.axiscal"))
     said = " ".join(summary_sentences(found))
     assert "larger.axiscal" in said
-    assert "Learnt from 7 machines" in said
+    assert "Learnt from 8 machines" in said
 
 
 def test_records_that_teach_nothing_are_refused_with_the_reasons(tmp_path: Path) -> None:
@@ -120,6 +125,10 @@ def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
     new, old = errors.names["EXX"], own.names["EXX"]
     fine, coarse = new.rows(places) @ found.mean[new.columns], old.rows(places) @ before.mean[old.columns]
     np.testing.assert_allclose(fine, coarse, atol=0.03 * np.max(np.abs(coarse)))
+    block = found.covariance[new.columns, new.columns]
+    assert np.linalg.eigvalsh(block).min() > 0  # what lies between the knots of the type is not known exactly
+    same = over(type_prior(taught), own)
+    np.testing.assert_allclose(same.covariance, before.covariance, rtol=1e-9, atol=1e-20)
 
 
 @pytest.mark.parametrize(
@@ -135,6 +144,20 @@ def test_a_type_is_read_at_the_knots_of_todays_description(taught: str) -> None:
 def test_a_damaged_type_is_one_sentence(wrong: str) -> None:
     with pytest.raises(RecordError, match="cannot be read"):
         type_prior(wrong)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("learned", None),
+        ("learned", {"EXX": {"scale": -1.0, "scale_std": 0.1, "share": 0.5, "share_std": 0.1}}),
+        ("covariance", "AAAAAAAA8D8="),
+        ("mean", [float("nan")] * 8),
+    ],
+)
+def test_a_type_with_one_wrong_entry_is_one_sentence(taught: str, key: str, value: object) -> None:
+    with pytest.raises(RecordError, match="cannot be read"):
+        type_prior(json.dumps(json.loads(taught) | {key: value}))
 
 
 def test_sisters_that_nobody_has_learnt_from_are_no_silent_stated_prior() -> None:

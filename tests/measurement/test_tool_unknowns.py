@@ -23,6 +23,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.simulation import Simulator
+from tests.generators.texts import TWO_SPHERES
 
 _STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
 _LONGER = 50e-6
@@ -204,3 +205,15 @@ def _length_found(known: Estimation) -> tuple[float, float]:
 def test_how_well_the_tool_is_known_is_stated_once_for_all_that_touch(tool: str, stds: Mapping[str, float]) -> None:
     (setup,) = _at_spheres(_TABLE, tool).setups
     assert {u.name: u.std for u in setup.unknowns if "tool" in u.name} == pytest.approx(stds)
+
+
+@pytest.mark.parametrize(
+    ("usual", "stds"), [(True, {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}), (False, {"tool_z": 5e-6})]
+)
+def test_records_of_before_keep_the_doubt_of_the_tool_that_they_were_begun_with(
+    usual: bool, stds: dict[str, float]
+) -> None:
+    machine = load_machine("dmu60").text
+    described = campaign_from_texts(TWO_SPHERES, "campaign.toml", machine, "dmu60", usual_doubts=usual)
+    tool = {each.name: each.std for each in described.setups[0].unknowns if each.name.startswith("tool")}
+    assert tool == stds

@@ -86,7 +86,7 @@ class Campaign:
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         texts = description.machine.text, description.text, description.machine_source, description.source
-        created = Created(*texts, versions(), description.prior_text, description.usual_drifts)
+        created = Created(*texts, versions(), description.prior_text, description.usual_doubts)
         return cls(Record.create(path, created), description, planner)
 
     @classmethod

@@ -13,6 +13,7 @@ from axiscal.description.target import Target
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.units import format_quantity
 
@@ -24,6 +25,8 @@ _LONGEST_DOUBT = 0.1
 """m."""
 _TRUED = 5e-6
 """m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
+_ONCE_USUAL = 5e-6
+"""m: of the tool's length in records that do not say which doubts are usual (an assumption of then)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,7 @@ class CampaignDescription:
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
     particulars : who measured, with which instruments, for the report
-    usual_drifts : zeros of which nothing is stated may wander as those of their instrument do
+    usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
     controls : those whose files a finished campaign gets, the first one first
     """
 
@@ -54,7 +57,7 @@ class CampaignDescription:
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
-    usual_drifts: bool = True
+    usual_doubts: bool = True
     sisters: SistersNamed | None = None
     doubt: float | None = None
     controls: tuple[str, ...] = ("linuxcnc",)
@@ -108,16 +111,16 @@ def campaign_from_texts(
     *,
     target_needed: bool = False,
     prior_text: str = "",
-    usual_drifts: bool = True,
+    usual_doubts: bool = True,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
-    usual_drifts : whether zeros of which nothing is stated may wander; in records of before they could not
+    usual_doubts : whether zeros of which nothing is stated may wander; in records of before they could not
     """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source)
-    return _described(document, machine, machine_source, target_needed, prior_text, False, usual_drifts)
+    return _described(document, machine, machine_source, target_needed, prior_text, False, usual_doubts)
 
 
 def _machine_name(document: Document) -> str:
@@ -136,7 +139,7 @@ def _described(
     target_needed: bool,
     prior_text: str,
     asking: bool,
-    usual_drifts: bool = True,
+    usual_doubts: bool = True,
 ) -> CampaignDescription:
     from axiscal.description.artefacts import read_artefacts
     from axiscal.description.campaign_schema import CampaignTable
@@ -148,8 +151,8 @@ def _described(
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
-    tool = _tool(table, document)
-    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking, usual_drifts))
+    tool = _tool(table, document, usual_doubts)
+    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking, usual_doubts))
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)
     if target_needed and target.empty:
@@ -173,7 +176,7 @@ def _described(
         kept=table.kept,
         compensation_active=active,
         particulars=said,
-        usual_drifts=usual_drifts,
+        usual_doubts=usual_doubts,
         sisters=sisters,
         doubt=doubt,
         controls=tuple(dict.fromkeys(table.controls)),
@@ -191,15 +194,16 @@ def _active(given: bool | str | list[str] | None, document: Document) -> bool | 
     return names
 
 
-def _tool(table: CampaignTable, document: Document) -> Vector:
+def _tool(table: CampaignTable, document: Document, usual_doubts: bool) -> Vector:
     """Return how well it is known where the tool's point sits, std along its x, y, z, m."""
-    length, aside = table.tool_length, table.tool_eccentricity
+    usual, trued = (CARRIED, _TRUED) if usual_doubts else (_ONCE_USUAL, 0.0)
+    length, aside = usual if table.tool_length is None else table.tool_length, table.tool_eccentricity
     remedy = 'Give how well it is known, such as {} = "5 um"; "0 um" where the zeros were set with it'
     for key, value in (("tool_length", length), ("tool_eccentricity", aside or 0.0)):
         if not 0 <= value <= _LONGEST_DOUBT:
             what = "this is no std of where a tool's point sits"
             raise document.fault(DescriptionError(what, remedy.format(key)), key)
-    aside = min(length, _TRUED) if aside is None else aside
+    aside = min(length, trued) if aside is None else aside
     return aside, aside, length
 
 

@@ -8,7 +8,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.artefact_schema import ArtefactTable
 from axiscal.document import Angle, Length, QuantityText, Time
-from axiscal.measurement.instruments.kind import CARRIED
 
 ControlName = Literal[
     "csv",
@@ -139,7 +138,7 @@ class CampaignTable(Table):
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     controls: list[ControlName] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
-    tool_length: Length = Field(CARRIED, examples=['"5 um"'])
+    tool_length: Length | None = Field(None, examples=['"5 um"'])
     tool_eccentricity: Length | None = Field(None, examples=['"5 um"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))

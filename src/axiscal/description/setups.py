@@ -45,7 +45,7 @@ class Surroundings:
 
     artefacts : by name; tool : std of how far the tool's point is from where it is stated, along its x, y, z, m
     asking : readings are to be asked for, so that every set-up must say where it can be read
-    usual_drifts : zeros of which nothing is stated may wander as those of their instrument do
+    usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     """
 
     machine: Machine
@@ -53,7 +53,7 @@ class Surroundings:
     artefacts: Mapping[str, Artefact]
     tool: Vector
     asking: bool
-    usual_drifts: bool
+    usual_doubts: bool
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -108,7 +108,7 @@ class _Reader:
         base = self._base(usual)
         unknowns = self._unknowns(usual, moves, site)
         with self._at("drift"):
-            rate, said = drift_of(table, usual, moves, unknowns, around.usual_drifts)
+            rate, said = drift_of(table, usual, moves, unknowns, around.usual_doubts)
         setup = Setup(
             name=name,
             instrument=usual.name,

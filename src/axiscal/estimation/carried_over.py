@@ -11,6 +11,9 @@ from axiscal.error_model.plane import PlaneError
 from axiscal.estimation.case import Inherited
 from axiscal.numerics import Array
 
+_ALIKE = 1e-9
+"""Of the whole: what is less is rounding."""
+
 
 class Across(NamedTuple):
     """errors : of today; matrix : (size, before) from the unknowns of before to those of today
@@ -23,12 +26,27 @@ class Across(NamedTuple):
     rests: Array
     known: frozenset[str]
 
+    def beyond(self) -> Array:
+        """Return S (size, k): S Sᵀ is what today's prior holds of common errors and the other description cannot.
+
+        With P = M M⁺ the part of the coefficients that the other knots reach, S = (I − P) L for C₀ = L Lᵀ.
+        """
+        root, parts = self.errors.prior_root(), [np.zeros((self.errors.size, 0))]
+        for term in self.errors.terms:
+            own, held = root[term.columns, term.columns], self.matrix[term.columns]
+            left = own - held @ np.linalg.pinv(held, rcond=_ALIKE) @ own
+            if term.name in self.known and np.linalg.norm(left) > _ALIKE * np.linalg.norm(own):
+                part = np.zeros((self.errors.size, left.shape[1]))
+                part[term.columns] = left
+                parts.append(part)
+        return np.hstack(parts)
+
     def prior(self, mean: Array, covariance: Array, extra: Array) -> Inherited:
         """Return a belief over today's errors; those that are new are as their prior states.
 
-        mean : (k,); covariance : (k, k); extra : (n,) variances to add
+        mean : (k,); covariance : (k, k); extra : (n, n) covariance to add
         """
-        result: Array = self.matrix @ covariance @ self.matrix.T + np.diag(extra)
+        result: Array = self.matrix @ covariance @ self.matrix.T + extra
         for term in self.errors.terms:
             if term.name not in self.known:
                 result[term.columns, term.columns] = term.covariance

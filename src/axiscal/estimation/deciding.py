@@ -110,7 +110,7 @@ def _decided(
     if not of_reading[best] > _TELLS**2:
         return None
     number = int(np.searchsorted(fitted.reading[seen:], len(readings) + best))
-    base = float(half[:, number] @ white)
+    base = float(half[:, number] @ white - fitted.values[seen + number])  # the prior, and what is not linear
     expected = base + float(one[number]), base + float(other[number])
     return Contest(*rivals, candidates[best].place, expected, float(np.sqrt(of_reading[best])))
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
-from axiscal.inference.intervals import is_odd, sited
+from axiscal.inference.intervals import is_odd, may_have_chips, sited
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
 
@@ -23,7 +23,7 @@ def displayed(known: Absorbed, readings: Sequence[Reading], implausible: Mapping
         return known
     said = known.weights(0, len(readings), {})
     pairs = zip(said, readings, strict=True)
-    verdict = Verdict(known.verdict.doubts, tuple(1.0 if setups[r.setup].one_sided else w for w, r in pairs))
+    verdict = Verdict(known.verdict.doubts, tuple(1.0 if may_have_chips(setups[r.setup], r) else w for w, r in pairs))
     known = replace(known, verdict=verdict)
     weights = known.weights(0, len(readings), implausible)
     kept = [index for index, weight in enumerate(weights) if weight > NOTHING]

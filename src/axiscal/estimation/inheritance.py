@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
+
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
@@ -51,7 +53,7 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     assert isinstance(created, Created)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))
-    return campaign_from_texts(*texts, prior_text=created.prior_text, usual_drifts=created.usual_drifts), readings
+    return campaign_from_texts(*texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts), readings
 
 
 def last_estimation(text: str) -> Estimation:
@@ -69,7 +71,7 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
     before, belief = last.case.errors, last.knowledge.belief
     across = carried_over(before, errors)
     factor = belief.factor[: before.size]
-    return across.prior(belief.mean[: before.size], factor @ factor.T, across.rests)
+    return across.prior(belief.mean[: before.size], factor @ factor.T, np.diag(across.rests))
 
 
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:

@@ -129,7 +129,7 @@ def type_prior(text: str) -> TypePrior:
             own,
         )
         _check(found)
-    except (InputError, ValueError, KeyError, TypeError, RecursionError, binascii.Error) as error:
+    except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, binascii.Error) as error:
         what = f"what the type has taught cannot be read: {error}"
         raise RecordError(what, "Learn it anew with `axiscal type learn`") from None
     return found
@@ -137,8 +137,10 @@ def type_prior(text: str) -> TypePrior:
 
 def _check(found: TypePrior) -> None:
     size = ErrorModel(machine_from_text(found.machine_text)).size
-    if found.mean.shape != (size,):
-        raise ValueError(f"it has {len(found.mean)} unknowns, and its machine {size}")
+    if found.mean.shape != (size,) or not np.all(np.isfinite(found.mean)):
+        raise ValueError(f"it has {found.mean.size} unknowns, and its machine {size}, all of them finite")
+    if not all(0 < each.scale < np.inf for each in found.learned.values()):
+        raise ValueError("what was learnt of a size is not above zero")
     if not 0 < found.doubt < 1:
         raise ValueError(f"{found.doubt} is no doubt between 0 and 1")
     for name, matrix in (("covariance", found.covariance), ("own part", found.own)):
@@ -159,6 +161,8 @@ def _packed(matrix: Array) -> str:
 
 def _unpacked(text: Any, size: int) -> Array:
     values = np.frombuffer(base64.b64decode(str(text), validate=True), dtype="<f8")
+    if len(values) != size * (size + 1) // 2:
+        raise ValueError(f"a triangle of {size} rows has {size * (size + 1) // 2} numbers, and here are {len(values)}")
     lower = np.zeros((size, size))
     lower[np.tril_indices(size)] = values
     matrix: Array = lower + np.tril(lower, -1).T
@@ -186,6 +190,13 @@ def rivals(found: TypePrior, errors: ErrorModel, doubt: float | None = None) -> 
 
 
 def over(found: TypePrior, errors: ErrorModel) -> Inherited:
-    """Return mean and covariance over the errors of a machine."""
+    """Return mean and covariance over the errors of a machine.
+
+    What its knots hold and those of the type cannot is as stated, in the sizes of the type.
+    """
     across = carried_over(ErrorModel(machine_from_text(found.machine_text)), errors)
-    return across.prior(found.mean, found.covariance, np.zeros(errors.size))
+    beyond = across.beyond()
+    for term in errors.terms:
+        if term.name in found.learned:
+            beyond[term.columns] *= np.sqrt(found.learned[term.name].scale)
+    return across.prior(found.mean, found.covariance, beyond @ beyond.T)

@@ -21,9 +21,9 @@ from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import SisterRecord
-from axiscal.exceptions import RecordError, TargetError
+from axiscal.exceptions import AxiscalError, RecordError, TargetError
 from axiscal.fleet.aging import YEAR, Aging, Pair, aging
-from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records
+from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.numerics.threads import one_thread
 
 _HORIZON = 20.0
@@ -73,15 +73,19 @@ def due_dates(
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
     left += [_with_tables(record) for record in found if record.description.compensation_active]
-    if not records:
-        whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
-        raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
-    known, histories = dict[str, Estimation](), _histories(records)
+    known = dict[str, Estimation]()
     for record in records:
         told(f"{record.file.name} ...")
         plain = replace(record.description, prior_text="", sisters=None, doubt=None)
-        known[record.digest] = concluded(Case(plain), record.readings)
-    learnt = aging([pair for history in histories for pair in _pairs(history, known)])
+        try:
+            known[record.digest] = concluded(Case(plain), record.readings)
+        except AxiscalError as fault:
+            left.append(_left(record, fault))
+    if not known:
+        whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
+        raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
+    histories = _histories([record for record in records if record.digest in known])
+    learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
     machines = [_due(history[-1], known[history[-1].digest], learnt, today, target) for history in histories]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
     return Shop(tuple(order), learnt, tuple(left))
@@ -92,24 +96,46 @@ def _with_tables(record: MachineRecord) -> SisterRecord:
     return SisterRecord(record.file.name, record.digest, len(record.readings), why)
 
 
+def _left(record: MachineRecord, fault: AxiscalError) -> SisterRecord:
+    return SisterRecord(record.file.name, record.digest, len(record.readings), why_not(fault))
+
+
 def _histories(records: Sequence[MachineRecord]) -> list[list[MachineRecord]]:
-    """Return the records of each machine in the order of time; one without a serial number is a machine of its own."""
-    machines = dict[str, list[MachineRecord]]()
+    """Return the records of each machine in the order of time; one without a serial number is a machine of its own.
+
+    Two machines of different builds may have the same number.
+    """
+    machines = list[list[MachineRecord]]()
     for record in sorted(records, key=lambda each: (each.begun, each.digest)):
-        machines.setdefault(f"serial {record.serial}" if record.serial else record.digest, []).append(record)
-    return list(machines.values())
+        same = (of for of in machines if record.serial and _same_machine(of[-1], record))
+        history = next(same, None)
+        if history is None:
+            machines.append([record])
+        else:
+            history.append(record)
+    return machines
 
 
-def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation]) -> Iterable[Pair]:
+def _same_machine(before: MachineRecord, after: MachineRecord) -> bool:
+    return before.serial == after.serial and not other_machine(after.description.machine, before.description.machine)
+
+
+def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord]) -> Iterable[Pair]:
+    """Yield what each campaign of a machine says of the one before; left : takes those that say nothing of it."""
     for before, after in pairwise(history):
-        if before.renewed or other_machine(after.description.machine, before.description.machine):
+        if before.renewed:
             continue
         first = known[before.digest]
         errors = first.case.errors
         factor = first.whole.factor[: errors.size]
         found = Inherited(first.whole.mean[: errors.size], factor @ factor.T)
         years = (_moment(after.begun) - _moment(before.begun)).total_seconds() / YEAR
-        yield Pair(years, found, equation_of(after, errors), errors.prior_covariance())
+        try:
+            equation = equation_of(after, errors)
+        except AxiscalError as fault:
+            left.append(_left(after, fault))
+            continue
+        yield Pair(years, found, equation, errors.prior_covariance())
 
 
 def _moment(text: str) -> datetime:

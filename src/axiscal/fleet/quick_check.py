@@ -16,6 +16,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.inheritance import drifted
+from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import data_equation
@@ -70,7 +71,11 @@ class QuickCheck:
         known = campaign.concluded()
         size = known.case.errors.size
         factor = known.whole.factor[:size]
-        return cls(campaign.description, Inherited(known.whole.mean[:size], factor @ factor.T), kept)
+        described, learnt = campaign.description, known.case.description  # noise and sizes as learnt, places anew
+        pairs = zip(described.setups, learnt.setups, strict=True)
+        setups = tuple(replace(mine, noise=found.noise) for mine, found in pairs)
+        described = replace(described, machine=learnt.machine, setups=setups)
+        return cls(described, Inherited(known.whole.mean[:size], factor @ factor.T), kept)
 
     def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
         """Return the places that say most; raises PlanError."""
@@ -88,7 +93,8 @@ class QuickCheck:
     @one_thread()
     def judged(self, readings: Sequence[Reading], tables: bool = False) -> Checked:
         """Return what readings say.  tables : they were taken with the tables of the last campaign in the control"""
-        numbers, size = ReadingSet(self.case.observation, readings), self.case.errors.size
+        read = timed(self.case, readings, Timed()).readings
+        numbers, size = ReadingSet(self.case.observation, read), self.case.errors.size
         data = data_equation(numbers, np.ones(len(readings)), np.zeros((size, 0)))
         now = self.case.inherited or self.last
         expected = now.mean - self.last.mean if tables else now.mean

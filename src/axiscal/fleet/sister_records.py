@@ -157,18 +157,24 @@ def equations_of(
 
     units : (n, k) T of the reference machine's errors; told : called with the name of each record before it is read
     """
-    errors, again = ErrorModel(reference), repeated(records)
+    errors = ErrorModel(reference)
+    again = repeated([record for record in records if not _unlike(record, reference)])
     seen, equations = list[SisterRecord](), dict[str, DataEquation]()
     for record in records:
         told(record.file.name)
-        why = again.get(record.digest) or _unlike(record, reference)
+        why = _unlike(record, reference) or again.get(record.digest, "")
         if not why:
             try:
                 equations[record.digest] = equation_of(record, errors).of(units)
             except AxiscalError as fault:
-                why = fault.what if isinstance(fault, InputError) else str(fault)
+                why = why_not(fault)
         seen.append(SisterRecord(record.file.name, record.digest, len(record.readings), why))
     return seen, equations
+
+
+def why_not(fault: AxiscalError) -> str:
+    """Return in words why a record does not count."""
+    return fault.what if isinstance(fault, InputError) else str(fault)
 
 
 def _unlike(record: MachineRecord, reference: Machine) -> str:
@@ -192,6 +198,6 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     own = known.case.errors
     across, root = carried_over(errors, own), own.prior_root()
     new = [term.columns for term in own.terms if term.name not in across.known]
-    others = np.hstack([root[:, columns] for columns in new] or [np.zeros((own.size, 0))])
+    others = np.hstack([across.beyond(), *(root[:, columns] for columns in new)])
     numbers = ReadingSet(known.case.observation, [known.readings[index] for index in counts])
     return data_equation(numbers, weights[counts], others).of(across.matrix)

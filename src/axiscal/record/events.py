@@ -21,7 +21,7 @@ class Created:
     machine_source, campaign_source : where they were read
     versions : of axiscal and of what it computes with
     prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
-    usual_drifts : zeros of which nothing is stated may wander; records of before could not say it
+    usual_doubts : zeros of which nothing is stated may wander; records of before could not say it
     """
 
     machine_text: str
@@ -30,7 +30,7 @@ class Created:
     campaign_source: str
     versions: Mapping[str, str]
     prior_text: str = ""
-    usual_drifts: bool = False
+    usual_doubts: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,8 @@ from axiscal.numerics import Array
 
 SQUARE = ("square_x", "square_y", "square_z")
 """By how much the square is turned that a leg belongs to."""
+_LEAST_ALONG = 0.5
+"""Of a way along the direction that is read, from which its side of approach is the side of the play."""
 _READS: dict[str, Reads] = {
     "zero": "length",
     "slope": "angle",
@@ -98,7 +100,8 @@ def _came(direction: Array, nominal: Nominal) -> Array:
     axis = next((k for k in nominal.moves if not nominal.machine.axes[k].rotary), None)
     if axis is None or nominal.approaches is None:
         return np.zeros(nominal.count)
-    came: Array = nominal.approaches[:, axis] * np.sign(_ways(nominal) @ direction)
+    along = _ways(nominal) @ direction
+    came: Array = nominal.approaches[:, axis] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
     return came
 
 
