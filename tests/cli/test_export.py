@@ -87,7 +87,7 @@ def test_what_cannot_be_is_refused_before_writing(
 
 
 @pytest.mark.parametrize(
-    ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "4200000 bytes"), (b"", "%")]
+    ("content", "message"), [(b"\xff\xfe1", "not plain text"), (b"%\n" * 2_100_000, "more than 4 MB"), (b"", "%")]
 )
 def test_a_template_that_is_no_text_is_refused(
     record: Path, content: bytes, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -134,6 +134,6 @@ def test_a_machine_set_up_in_inches_goes_to_the_same_places() -> None:
 
 def test_the_campaign_says_how_much_it_read() -> None:
     found = list(verdicts(3, 0))
-    assert len(found) == 5
+    assert len(found) == 6
     assert all(good for _, good in found)
     assert found[0][0].startswith("LinuxCNC's interpreter: ")
