@@ -56,6 +56,7 @@ def test_wherever_apply_is_ended_undo_puts_back_what_was_there(folders: tuple[Pa
         assert given(ended_after(apply, lines), theirs).returncode == -9
         undone = given(undo, theirs)
         assert undone.returncode == 0 or "There is no backup" in undone.stderr
+        assert not [path.name for path in theirs.glob("*.part") if path.is_file()], lines
         assert files(theirs) == BEFORE, lines
     assert given(apply, theirs).returncode == 0
     assert files(theirs) == AFTER | ADDED

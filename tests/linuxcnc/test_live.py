@@ -51,6 +51,7 @@ def bench(shared: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Ben
     (tmp_path / "agent.py").write_text(agent, encoding="utf-8")
     monkeypatch.setattr(connection, "_AGENT", tmp_path / "agent.py")
     monkeypatch.setattr(attached, "_FASTEST", 90_000)
+    monkeypatch.setattr(attached, "_SLOWER", 1)
     monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
     monkeypatch.setattr(Connection, "watched", partialmethod(by_hand, shared, Connection.watched))
     return shared
@@ -80,7 +81,16 @@ def description(readings: int = 2) -> CampaignDescription:
 
 def opened(bench: Bench, machine: Machine | None = None, begun: bool = True, answers: str = "go") -> LiveSource:
     line = Connection(bench.words())
-    return LiveSource(line, machine or description().machine, active=False, begun=begun, asked=lambda _: answers)
+    reader = LiveSource(line, machine or description().machine, active=False, asked=lambda _: answers)
+    reader._tried = begun
+    return reader
+
+
+def untried(line: Connection, machine: Machine) -> LiveSource:
+    """Return what reads without the trial above the ball."""
+    reader = LiveSource(line, machine, active=False)
+    reader._tried = True
+    return reader
 
 
 def request(campaign: CampaignDescription, place: Place, number: int = 1) -> Request:
@@ -107,7 +117,9 @@ def test_a_campaign_on_a_machine_that_runs(
     assert "20 mm above the ball" in said
     assert "1 reading is kept" in " ".join(said.split())
     assert bench.stands()
+    monkeypatch.setattr(sys, "stdin", io.StringIO("go\n"))
     assert run([*words, "--resume"]) == 0
+    assert "20 mm above the ball" in capsys.readouterr().err
     with Campaign.open("results/campaign.axiscal", write=False) as kept:
         assert len(kept.state.readings) == 2
         for reading in kept.state.readings:
@@ -242,8 +254,45 @@ def test_a_line_that_is_cut_leaves_the_machine_standing(after: int, how: str, be
     (place,) = table.places(campaign, 1)
     line = Cut(bench.words(), after, how)
     with pytest.raises((SourceError, KeyboardInterrupt)):
-        LiveSource(line, campaign.machine, active=False, begun=True).read(request(campaign, place))
+        untried(line, campaign.machine).read(request(campaign, place))
     assert bench.stands()
+
+
+def test_somebody_who_stops_or_moves_the_machine_ends_the_run(bench: Bench) -> None:
+    """On the way, while a side is looked for, and between readings."""
+    for code in ["G53 G1 Z100 F3000", "G38.3 Z100 F3000"]:
+        bench.ready()
+        line = Connection(bench.words())
+        line.line("G53 G1 Z199 F9000")
+        hand = threading.Timer(0.3, lambda: bench.says("c.abort(); c.wait_complete(5)"))
+        hand.start()
+        with pytest.raises(SourceError, match="somebody stopped it"):
+            line.line(code)
+        hand.join()
+        assert bench.stands()
+        assert float(bench.says("print(s.position[2])")) > 101.0
+    bench.ready()
+    campaign = description()
+    first, second = table.places(campaign, 2)
+    reader = opened(bench)
+    reader.read(request(campaign, first))
+    bench.says("c.mdi('G91 G1 X5 F6000'); c.wait_complete(20)")
+    with pytest.raises(SourceError, match="where the last reading left it"):
+        reader.read(request(campaign, second, 2))
+    assert bench.stands()
+
+
+def test_overrides_are_turned_and_probing_heeds_offsets(bench: Bench) -> None:
+    bench.says("c.mdi('G10 L2 P1 X3 Y4 Z50'); c.wait_complete(5); c.mdi('G92 Z7'); c.wait_complete(5)")
+    line = Connection(bench.words())
+    line.line("G53 G1 Z199 F9000")
+    hand = threading.Timer(0.1, lambda: bench.says("c.feedrate(0.5); time.sleep(0.1); c.feedrate(0.6)"))
+    hand.start()
+    assert not line.line("G38.3 X2 Z180 F1500")["tripped"]
+    hand.join()
+    assert bench.says("print(*(round(each, 6) for each in s.position[0:3:2]))").split() == ["2.0", "180.0"]
+    line.close()
+    bench.says("c.mdi('G92.1'); c.wait_complete(5)")
 
 
 def test_a_line_that_says_nothing_more_stops_the_machine(bench: Bench, tmp_path: Path) -> None:
@@ -265,7 +314,9 @@ def test_only_lines_that_are_meant_are_executed(bench: Bench) -> None:
         "G53 G1 X1",
         "G53 G1 X1 F10\nM3",
         "O<x> CALL",
-        "G91 G38.2 X1 F1",
+        "G38.2 X1 F1",
+        "G38.3 A1 F1",
+        "G91 G1 X1 F1",
     ]:
         with pytest.raises(SourceError, match="is no line that is executed here"):
             line.line(code)
@@ -279,12 +330,13 @@ def test_modes_are_left_as_they_were(bench: Bench) -> None:
         """Return the codes in force but for that of the last motion."""
         return set(bench.says("print(*s.gcodes[1:])").split()) - {"0", "10", "-1"}
 
-    bench.says("c.mdi('G64 G20'); c.wait_complete(5)")
-    before = modes()
+    bench.says("c.mdi('G64 P0.05 Q0.02 G91'); c.wait_complete(5); c.mdi('G20'); c.wait_complete(5)")
+    before, path = modes(), bench.says("print(*(round(each, 5) for each in s.settings[3:5]))")
     line = Connection(bench.words())
     line.line("G53 G1 Z190 F9000")
     line.close()
     assert modes() == before
+    assert bench.says("print(*(round(each, 5) for each in s.settings[3:5]))") == path
     assert "200" in before
 
 

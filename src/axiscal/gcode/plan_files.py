@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from axiscal.document import shown
+from axiscal.exceptions import ProgramError
 from axiscal.gcode.controls import dialect
 from axiscal.gcode.listing import form
 from axiscal.gcode.program import Program, programs
@@ -29,12 +31,22 @@ def write_programs(
     """
     made = programs(machine, setups, places, dialect(controller), log)
     files = {name: text for program in made for name, text in _files(program).items()}
+    code = plan_code([program.listing for program in made])
+    _refuse_other_plan(Path(folder), LISTS.format(code), files)
     if log:
-        code = plan_code([program.listing for program in made])
         files[LISTS.format(code)] = "".join(f"{program.name}.csv\n" for program in made)
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
     files["README.txt"] = _readme(made, controller)
     return [_written(Path(folder) / name, text) for name, text in files.items()]
+
+
+def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
+    """Raise ProgramError where lists of another plan would be overwritten: its logs could not be read any more."""
+    for other in sorted(folder.glob(LISTS.format("*"))):
+        lists = other.read_text(encoding="utf-8", errors="replace").split("\n")
+        if other.name != own and (taken := next((name for name in lists if name in files), None)):
+            what = f"{folder} holds {shown(taken)} of another plan, whose logs are read with it"
+            raise ProgramError(what, f"Write to another folder; or take out {other.name} if it was never run")
 
 
 def _files(program: Program) -> dict[str, str]:

@@ -39,7 +39,7 @@ def open_source(
         from axiscal.campaign.sources.linuxcnc_live import LiveSource
         from axiscal.campaign.sources.linuxcnc_live.connection import Connection, command
 
-        return LiveSource(Connection(command(rest)), simulator.machine, active, begun=taken > 0)
+        return LiveSource(Connection(command(rest)), simulator.machine, active)
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():

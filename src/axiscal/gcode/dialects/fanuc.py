@@ -10,6 +10,7 @@ from axiscal.machine.axis import Axis
 
 _FIRST = 1000
 """Programs are called O1001, O1002 …"""
+_OPEN = "POPEN"
 _ARRIVED = "0.003"
 """mm: a G31 that ends so near to its end has met nothing; a touch is a millimetre and more before it."""
 _GENTLE = 500
@@ -57,7 +58,7 @@ class Fanuc(Dialect):
 
     def log_on(self, code: str) -> list[str]:
         """Return the first line of the log."""
-        return ["POPEN", _printed(head(code))]
+        return [_OPEN, _printed(head(code))]
 
     def log_off(self, code: str, readings: int) -> list[str]:
         """Return the last line of the log; behind it stands what is done where nothing is met."""
@@ -113,6 +114,14 @@ class Fanuc(Dialect):
         Offsets may have been changed at the stop, and jogging with manual absolute off shifts them.
         """
         return ["M0", *(f"IF[ABS[#{5021 + k}-#{5041 + k}]GT0.0005]GOTO9000" for k in range(len(axes)))]
+
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Sequence[str], logs: bool = False) -> str:
+        """Return the program; where the log is open, the alarm of the checks closes it first."""
+        if not logs:
+            return super().framed(name, number, axes, lines)
+        at = list(lines).index(_OPEN)
+        closes = [*lines[:at], *(line.replace("GOTO9000", "GOTO9003") for line in lines[at:])]
+        return super().framed(name, number, axes, closes, logs).replace("\nN9000 ", "\nN9003 PCLOS\nN9000 ")
 
     @property
     def closing(self) -> list[str]:

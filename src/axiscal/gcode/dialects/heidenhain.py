@@ -46,7 +46,7 @@ class Heidenhain(Dialect):
 
     def log_on(self, code: str) -> list[str]:
         """Return the first line of the log."""
-        return [_printed("AXHEAD", code)]
+        return [_printed(f"AXHEAD_{code}", code)]
 
     def log_off(self, code: str, readings: int) -> list[str]:
         """Return the last line of the log; behind it stands what is done where nothing is met."""
@@ -67,7 +67,7 @@ class Heidenhain(Dialect):
     def log_files(self, code: str) -> dict[str, str]:
         """Return the masks of FN 16."""
         touch = '"R %6.0LF T %3.0LF X %12.5LF Y %12.5LF Z %12.5LF",Q5,Q6,Q1,Q2,Q3;'
-        texts = {"AXHEAD": f'"{head(code)}";', "AXTOUCH": touch, "AXEND": '"END %6.0LF",Q5;'}
+        texts = {f"AXHEAD_{code}": f'"{head(code)}";', "AXTOUCH": touch, "AXEND": '"END %6.0LF",Q5;'}
         return {f"{name}.A": f"{text}\nM_APPEND;\n" for name, text in texts.items()}
 
     def tip_on(self, tool: str, tip: Words) -> list[str]:

@@ -1,13 +1,16 @@
 """The small program beside a running LinuxCNC: it says how the machine stands, and makes one straight move at a time.
 
-It runs under the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. Nothing but the few
+It runs under the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. Nothing but the two
 kinds of lines below is ever executed, none of them faster than `LARGEST`, and none while the machine is not as it has
-to be. If the other side goes away, says nothing for `SILENCE`, or says stop, what moves is stopped.
+to be. If the other side goes away, says nothing for `SILENCE`, or says stop, its move is stopped; where anybody else
+gives LinuxCNC a command, no further move is made. Coordinates are those of the machine, in mm and deg.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import queue
 import re
 import signal
@@ -15,6 +18,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import linuxcnc  # type: ignore[import-not-found]
@@ -25,19 +29,26 @@ LARGEST = 3000.0
 """mm/min or deg/min: what a person beside the machine can still stop."""
 _STALLED = 120.0
 """s without any motion while the feed override is not zero."""
-_WORD = r"[XYZABCUVW]-?\d+(?:\.\d+)?"
+_WITHIN = 1e-3
+"""mm or deg: axes that stand so near to the end of a move have made it, joints so near to their axes are with them."""
+_EASED = 1.0
+"""s after a change of an override in which other commands are taken to belong to it."""
+_FIRST_TURN = 1.0
+"""deg: so far each rotary axis turns alone at first."""
+_LETTERS = "XYZABCUVW"
+_WORDS = r"((?: [{}]-?\d+(?:\.\d+)?)+) F(\d+)"
 _LINES = tuple(
-    re.compile(text)
-    for text in (
-        rf"G53 G1(?: {_WORD})+ F(\d+)",
-        rf"G91 G1(?: {_WORD})+ F(\d+)",
-        rf"G91 G38\.3(?: {_WORD})+ F(\d+)",
-    )
+    re.compile(f"({kind})" + _WORDS.format(letters)) for kind, letters in (("G53 G1", _LETTERS), (r"G38\.3", "XYZUVW"))
 )
 _PLAIN = "G21 G90 G94 G61 G17 G40"
-"""mm, absolute, mm/min, exact stop: set before the first move, and what was in force is set again at the end."""
-_RESTORED = {200, 210, 900, 910, 930, 940, 950, 610, 611, 640, 170, 180, 190}
-"""Codes of G20, G21, G90, G91, G93 to G95, G61, G61.1, G64, G17 to G19 as LinuxCNC names them, times ten."""
+"""mm, absolute, mm/min, exact stop: before every move, and what was in force is set again at the end."""
+_NEEDED = {210, 900, 940, 610}
+"""What of it a move goes by, as LinuxCNC names codes, times ten."""
+_RESTORED = {200, 210, 900, 910, 930, 940, 950, 610, 611, 170, 180, 190}
+"""Codes of G20, G21, G90, G91, G93 to G95, G61, G61.1, G17 to G19."""
+_SWITCHED = {"xyzac-trt-kins", "xyzbc-trt-kins", "5axiskins"}
+"""Kinematics whose type 1 is identity, or 0 with sparm=identityfirst."""
+_SOMEBODY = "somebody stopped it at the machine, or gave it another command"
 
 
 class GoneError(Exception):
@@ -51,21 +62,32 @@ class Agent:
         self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
-        self.before = ""
+        self.before: list[str] = []
+        self.moving = False  # a move of ours is under way
+        self.ours = -1  # number of the last command that is ours, or known
+        self.overrides: object = None
+        self.eased = -math.inf
+        self.turned: set[str] = set()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def serve(self) -> None:
-        """Answer until the other side goes; then everything stands, and modes are as they were."""
-        try:
-            while True:
-                request = self._next()
-                if request.get("do") == "bye":
-                    break
+        """Answer until the other side goes; then our move has ended, and modes are as they were, or it is said."""
+        with contextlib.suppress(GoneError, OSError):
+            while (request := self._next()).get("do") != "bye":
                 _tell(self._answer(request))
-        except GoneError:
-            self.command.abort()
-            self.command.wait_complete(5)
-        self._restore()
+        self._end_move()
+        with contextlib.suppress(OSError):  # somebody may listen
+            _tell({"left": self._restore()})
+
+    def leave(self, *_: object) -> None:
+        """End as if the other side had gone."""
+        self.gone = True
+
+    def _end_move(self) -> None:
+        """Stop our move; what others do goes on."""
+        if self.moving:
+            self.moving = False
+            self._give(self.command.abort)
 
     def _listen(self) -> None:
         for line in sys.stdin:
@@ -87,10 +109,8 @@ class Agent:
     def _next(self) -> dict[str, Any]:
         while True:
             self._heed()
-            try:
+            with contextlib.suppress(queue.Empty):
                 return self.asked.get(timeout=0.05)
-            except queue.Empty:
-                continue
 
     def _answer(self, request: dict[str, Any]) -> dict[str, Any]:
         try:
@@ -104,6 +124,7 @@ class Agent:
         except GoneError:
             raise
         except Exception as error:  # noqa: BLE001
+            self._end_move()
             return {"failure": f"{type(error).__name__}: {error}"}
 
     def status(self) -> dict[str, Any]:
@@ -127,100 +148,201 @@ class Agent:
             "scale": float(stat.linear_units) or 1.0,
             "angular": float(stat.angular_units) or 1.0,
             "axes": {
-                a: [stat.axis["XYZABCUVW".index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
+                a: [stat.axis[_LETTERS.index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
             },
-            "position": {a: float(stat.position["XYZABCUVW".index(a)]) for a in letters},
+            "position": {a: float(stat.position[_LETTERS.index(a)]) for a in letters},
             "joints": [
                 [a, float(stat.joint_position[joint])] for joint, a in zip(joints, self._joints(), strict=False)
             ],
             "compensated": [joint for joint in joints if self._compensated(joint)],
             "whole": _pin("axiscal-vcomp.active"),
+            "tip": self._tip(),
         }
 
     def watched(self, seconds: float) -> str:
         """Wait until the probe has been closed and opened by hand; returns what was missing, or nothing."""
-        end, stage = time.monotonic() + seconds, 0
-        while time.monotonic() < end:
-            self._heed()
-            self.stat.poll()
-            closed = bool(self.stat.probe_val)
-            if stage == 0 and closed:
-                return "closed"
-            stage = max(stage, 1)
-            if stage == 1:
-                stage, closed = self._pressed(end)
-            if stage == 3:
-                return ""
-        return "untouched"
-
-    def _pressed(self, end: float) -> tuple[int, bool]:
-        stage, closed = 1, False
-        while time.monotonic() < end and stage < 3:
-            self._heed()
-            self.stat.poll()
-            closed = bool(self.stat.probe_val)
-            stage = 2 if stage == 1 and closed else 3 if stage == 2 and not closed else stage
-            time.sleep(0.01)
-        return stage, closed
+        end = time.monotonic() + seconds
+        self.stat.poll()
+        if self.stat.probe_val:
+            return "closed"
+        for closed in (True, False):
+            while bool(self.stat.probe_val) != closed:
+                self._heed()
+                if time.monotonic() > end:
+                    return "untouched"
+                time.sleep(0.01)
+                self.stat.poll()
+        return ""
 
     def line(self, code: str) -> dict[str, Any]:
-        """Execute one line and wait until it is done; whatever is not as it has to be is said instead."""
+        """Make one move and wait until it is done; whatever is not as it has to be is said instead."""
         found = next((match for pattern in _LINES if (match := pattern.fullmatch(code))), None)
-        if found is None or not 0 < float(found[1]) <= LARGEST:
+        if found is None or not 0 < float(found[3]) <= LARGEST:
             return {"failure": f"{code!r} is no line that is executed here"}
-        now = self.status()
-        if not (now["homed"] and now["enabled"] and now["idle"]) or now["estop"] or now["spindle"]:
-            return {"failure": "the machine is no longer as it was", "status": now}
-        self._prepare()
-        self._drain()
-        self.command.mdi(code)
-        ended = self._waited()
-        if code.startswith("G91"):
-            self.command.mdi("G90")
-            self.command.wait_complete(5)
-        said = self._drain()
-        if ended != linuxcnc.RCS_DONE or said:
-            self.command.abort()
-            self.command.wait_complete(5)
-            return {"failure": "; ".join(said) or "the line was not completed"}
-        self.stat.poll()
-        probed = dict(zip("XYZABCUVW", map(float, self.stat.probed_position), strict=False))
+        ends = {word[0]: float(word[1:]) for word in found[2].split()}
+        first = self._first_turn(ends)
+        failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
+        if failure:
+            return {"failure": failure}
+        probed = dict(zip(_LETTERS, map(float, self.stat.probed_position), strict=False))
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
 
-    def _waited(self) -> int:
+    def _first_turn(self, ends: dict[str, float]) -> dict[str, float]:
+        """Return the first degree of axes that have not turned yet: it shows whether the joints go with them."""
+        self.stat.poll()
+        ways = {a: end - self._here(a) for a, end in ends.items() if a in "ABC" and a not in self.turned}
+        ways = {a: way for a, way in ways.items() if abs(way) > _WITHIN}
+        self.turned |= set(ways)
+        return {a: self._here(a) + math.copysign(_FIRST_TURN, way) for a, way in ways.items() if abs(way) > _FIRST_TURN}
+
+    def _made(self, kind: str, ends: dict[str, float], feed: str) -> str:
+        """Make one move and return what was amiss, or nothing.  ends : letter -> where in the machine, mm or deg"""
+        amiss = self._unfit() or self._plain() or self._unfit()
+        if amiss:
+            return amiss
+        begun = [self._here(a) for a in self._letters()]
+        words = " ".join(f"{a}{end - (self._shift(a) if kind == 'G38.3' else 0.0):.6f}" for a, end in ends.items())
+        self.moving = True
+        self._give(self.command.mdi, f"G21 G90 G94 {kind} {words} F{feed}", wait=False)
+        amiss = self._awaited()
+        said = "; ".join(self._drain())
+        if said or amiss:
+            self._end_move()
+            return said or amiss
+        self.moving = False
+        stood = all(abs(self._here(a) - at) < _WITHIN for a, at in zip(self._letters(), begun, strict=True))
+        touched = kind == "G38.3" and self.stat.probe_tripped and not stood
+        if not touched and any(self._off(a, end) > _WITHIN for a, end in ends.items()):
+            return f"the axes are not where the move ends: {_SOMEBODY}"
+        return self._apart()
+
+    def _unfit(self) -> str:
+        """Return why no move may begin, or nothing."""
+        stat = self.stat
+        stat.poll()
+        ready = all(stat.homed[joint] for joint in range(stat.joints)) and stat.enabled and not stat.estop
+        spins = any(each["enabled"] or each["speed"] for each in getattr(stat, "spindle", ())[: stat.spindles])
+        if not ready or spins or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
+            return "the machine is no longer as it was"
+        if self.before and (stat.task_mode != linuxcnc.MODE_MDI or self._interfered()):
+            return _SOMEBODY
+        return self._apart()
+
+    def _apart(self) -> str:
+        """Return which joint does not stand where its axis does, or nothing; joints come a few cycles later."""
+        end, named = time.monotonic() + 0.2, list(enumerate(self._joints()[: self.stat.joints]))
+        while True:
+            far = {j: float(self.stat.joint_position[j]) / self._unit(a) - self._here(a) for j, a in named}
+            joint = next((j for j, way in far.items() if abs(way) > _WITHIN), None)
+            if joint is None:
+                return ""
+            if time.monotonic() > end:
+                return f"joint {joint} is {far[joint]:.4g} from its axis: the kinematics are not in their identity mode"
+            time.sleep(0.01)
+            self.stat.poll()
+
+    def _plain(self) -> str:
+        """Set the modes in which moves are meant; returns why not, or nothing.  At first, remember those in force."""
+        if not self.before:
+            self.before = self._modes()
+            self.ours, self.overrides = self.stat.echo_serial_number, self._eases()
+            self._give(self.command.mode, linuxcnc.MODE_MDI)
+        self._drain()
+        ended = self._give(self.command.mdi, _PLAIN)
+        self.stat.poll()
+        said = "; ".join(self._drain())
+        if said or ended != linuxcnc.RCS_DONE or not set(self.stat.gcodes) >= _NEEDED:
+            return said or f"{_PLAIN} was not executed"
+        return ""
+
+    def _modes(self) -> list[str]:
+        """Return the lines that set what is in force."""
+        codes = [f"G{code / 10:g}" for code in self.stat.gcodes[1:] if code in _RESTORED]
+        blend, naive = self.stat.settings[3:5]
+        path = [f"G64 P{blend:.6f} Q{naive:.6f}" if blend or naive else "G64"] if 640 in self.stat.gcodes[1:] else []
+        return [" ".join(codes) or _PLAIN, *path]
+
+    def _awaited(self) -> str:
+        """Wait until our move has ended; returns why it has not, or nothing."""
+        stat, number = self.stat, self.ours
         moved, last = time.monotonic(), None
         while True:
-            ended = self.command.wait_complete(0.02)
             self._heed()
-            if ended != -1:
-                return int(ended)
-            self.stat.poll()
-            here = tuple(self.stat.joint_position)
-            if here != last or self.stat.feedrate == 0.0:
+            stat.poll()
+            if stat.estop or not stat.enabled:
+                return "the drives went off"
+            if stat.task_mode != linuxcnc.MODE_MDI or self._interfered():
+                return _SOMEBODY
+            stands = stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos and stat.queue == 0
+            if stat.echo_serial_number >= number and stat.state != linuxcnc.RCS_EXEC and stands:
+                return "" if stat.state == linuxcnc.RCS_DONE else "the line was not completed"
+            here = tuple(stat.joint_position)
+            if here != last or stat.feedrate == 0.0:
                 moved, last = time.monotonic(), here
-            if self.stat.estop or not self.stat.enabled or time.monotonic() - moved > _STALLED:
-                self.command.abort()
-                return int(linuxcnc.RCS_ERROR)
+            if time.monotonic() - moved > _STALLED:
+                return f"nothing has moved for {_STALLED:g} s"
+            time.sleep(0.005)
 
-    def _prepare(self) -> None:
-        """Set the modes in which lines are meant, once, and remember those in force."""
-        if self.stat.task_mode != linuxcnc.MODE_MDI:
-            self.command.mode(linuxcnc.MODE_MDI)
-            self.command.wait_complete(5)
-        if not self.before:
-            self.stat.poll()
-            codes = [code for code in self.stat.gcodes[1:] if code in _RESTORED]
-            self.before = " ".join(f"G{code / 10:g}" for code in codes) or _PLAIN
-            self.command.mdi(_PLAIN)
-            self.command.wait_complete(5)
+    def _give(self, command: Callable[..., object], *words: object, wait: bool = True) -> int:
+        """Give LinuxCNC a command, known as ours, and return how it ended, 0 where that is not waited for."""
+        command(*words)
+        self.ours = int(self.command.serial)
+        return int(self.command.wait_complete(5)) if wait else 0
 
-    def _restore(self) -> None:
+    def _interfered(self) -> bool:
+        """Whether another command than ours came; those of the overrides are let pass, and seen by what they change."""
+        for pause in (0.05, 0.0):
+            if self._eases() != self.overrides:
+                self.overrides, self.eased = self._eases(), time.monotonic()
+            if self.stat.echo_serial_number <= self.ours:
+                return False
+            if time.monotonic() - self.eased < _EASED:
+                self.ours = int(self.stat.echo_serial_number)
+                return False
+            if pause:
+                time.sleep(pause)  # what it changes may be seen a moment later
+                self.stat.poll()
+        return True
+
+    def _eases(self) -> object:
+        stat = self.stat
+        return stat.feedrate, stat.rapidrate, stat.max_velocity, [each.get("override") for each in stat.spindle]
+
+    def _unit(self, letter: str) -> float:
+        """Return one mm or deg in the machine's units."""
+        return float(self.stat.angular_units if letter in "ABC" else self.stat.linear_units) or 1.0
+
+    def _here(self, letter: str) -> float:
+        return float(self.stat.position[_LETTERS.index(letter)]) / self._unit(letter)
+
+    def _off(self, letter: str, end: float) -> float:
+        way = abs(self._here(letter) - end)
+        return min(way % 360, -way % 360) if letter in "ABC" else way
+
+    def _shift(self, letter: str) -> float:
+        """Return how far the zero of coordinates in force is from the machine's, mm."""
+        stat, k = self.stat, _LETTERS.index(letter)
+        return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self._unit(letter)
+
+    def _restore(self) -> str:
+        """Set the modes that were in force; returns what is still to be typed, or nothing."""
         self.stat.poll()
-        if self.before and self.stat.enabled and self.stat.interp_state == linuxcnc.INTERP_IDLE:
-            self.command.mode(linuxcnc.MODE_MDI)
-            self.command.wait_complete(5)
-            self.command.mdi(self.before)
-            self.command.wait_complete(5)
+        lines, stat = self.before, self.stat
+        free = stat.enabled and not stat.estop and stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos
+        if lines and not (free and stat.task_mode == linuxcnc.MODE_MDI):
+            return ", ".join(lines)
+        self._drain()
+        for number, line in enumerate(lines):
+            if self._give(self.command.mdi, line) != linuxcnc.RCS_DONE or self._drain():
+                return ", ".join(lines[number:])
+        return ""
+
+    def _tip(self) -> bool | None:
+        """Whether switchable kinematics hold the tool point, None where that cannot be seen."""
+        words = (self._ini().find("KINS", "KINEMATICS") or "").split()
+        if not words or words[0] not in _SWITCHED:
+            return None
+        return _pin(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
 
     def _drain(self) -> list[str]:
         """Return the messages of LinuxCNC that are errors."""
@@ -237,15 +359,13 @@ class Agent:
         """Return the axis of each joint."""
         kinematics = self._ini().find("KINS", "KINEMATICS") or ""
         found = re.search(r"coordinates=(\w+)", kinematics)
-        return (found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+        return str(found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
 
     def _letters(self) -> list[str]:
         return list(dict.fromkeys(self._joints()))
 
     def _compensated(self, joint: int) -> bool:
-        sections = [f"JOINT_{joint}"]
-        table = any(self._ini().find(section, "COMP_FILE") for section in sections)
-        return table or self.stat.joint[joint]["backlash"] != 0.0
+        return bool(self._ini().find(f"JOINT_{joint}", "COMP_FILE")) or self.stat.joint[joint]["backlash"] != 0.0
 
 
 def _pin(name: str) -> bool | None:
@@ -272,10 +392,8 @@ def main() -> None:
     except Exception as error:  # noqa: BLE001
         _tell({"failure": f"LinuxCNC does not run here: {error}"})
         return
-    try:
-        agent.serve()
-    except OSError:  # nobody listens any more
-        agent.command.abort()
+    signal.signal(signal.SIGTERM, agent.leave)
+    agent.serve()
 
 
 if __name__ == "__main__":

@@ -31,7 +31,11 @@ from axiscal.units import from_unit
 _DECIMALS = 6
 """Of mm and deg: a nanometre is nothing to any machine."""
 _FASTEST = 2000
-"""mm/min or deg/min, at most; the first run goes at a quarter."""
+"""mm/min or deg/min, at most."""
+_SLOWER = 4
+"""The first run goes at a quarter of every feed."""
+_STRAYED = 0.01
+"""mm or deg by which axes may stand off where the last reading left them."""
 _ABOVE = 20e-3
 """m over the ball, where everything is done once without touching."""
 _BY_HAND = 120.0
@@ -44,7 +48,6 @@ class LiveSource:
     """A LinuxCNC that runs, looked at before the first reading and before each.
 
     active : whether a compensation is to be in force; asked : asks whoever stands at the machine and returns the answer
-    begun : whether a run before this one has been tried above the balls
     """
 
     def __init__(
@@ -52,12 +55,11 @@ class LiveSource:
         connection: Connection,
         machine: Machine,
         active: bool,
-        begun: bool = False,
         asked: Callable[[str], str] | None = None,
     ) -> None:
         self._line, self._machine, self._active = connection, machine, active
         self._asked = asked or _at_the_terminal
-        self._tried, self._singly = begun, True
+        self._tried, self._singly = False, True
         self._standing: tuple[str, Decimals] | None = None
         try:
             refuse(connection.status(), machine, active)
@@ -86,7 +88,9 @@ class LiveSource:
 
     def _read(self, request: Request) -> Answer:
         self._refuse_other_instrument(request.setup)
-        refuse(self._line.status(), self._machine, self._active)
+        status = self._line.status()
+        refuse(status, self._machine, self._active)
+        self._refuse_strayed(status)
         way = _WayToBall(self._machine, request)
         if not self._tried:
             self._try(way)
@@ -108,32 +112,26 @@ class LiveSource:
         for step in steps:
             assert isinstance(step, Move)
             words = " ".join(f"{self._machine.axes[k].name}{value:f}" for k, value in step.to.items())
-            self._line.line(f"G53 G1 {words} F{max(1, min(step.feed, _FASTEST) // slow)}")
+            self._line.line(f"G53 G1 {words} F{_slowed(min(step.feed, _FASTEST), slow)}")
 
     def _touch(self, step: Touched, way: _WayToBall) -> Array:
         """Touch one side, fast and then slowly, and return the pose (q,) in which it was met."""
         expected = way.expected(step)
         for feed in (step.fast, step.slow):
-            answer = self._line.line(f"G91 G38.3 {self._towards(step)} F{feed}")
+            answer = self._line.line(f"G38.3 {_joined(step.words(step.into))} F{feed}")
             if not answer["tripped"]:
                 what = f"at touch {step.touch} of reading {step.reading} the probe met nothing"
                 raise SourceError(what, f"Look where the ball stands: it is looked for within {_FAR:g} mm")
-            hit = way.met(answer["probed"], self._line.status())
+            status = self._line.status()
+            hit = way.met(answer["probed"], status)
             if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
                 what = f"touch {step.touch} of reading {step.reading} met something {1e3 * far:.1f} mm from where"
                 raise SourceError(f"{what} the ball is stated", "Look what stands there, and at the place of the ball")
-            if self._line.line(f"G91 G1 {_joined(step.words(step.back))} F{step.fast}")["probe"]:
+            if self._line.line(f"G53 G1 {_back(step, status)} F{step.fast}")["probe"]:
                 what = f"after touch {step.touch} of reading {step.reading} the stylus stays closed"
                 raise SourceError(what, "Free it by hand, and look at the probe")
         self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
         return hit
-
-    def _towards(self, step: Touched) -> str:
-        """Return the way to where a touch ends if it meets nothing, from where the axes stand."""
-        status = self._line.status()
-        here = {axis: Decimal(repr(round(at / status["scale"], _DECIMALS))) for axis, at in status["position"].items()}
-        steps = [(axis, Decimal(into) - here[axis]) for axis, into in step.words(step.into)]
-        return " ".join(f"{axis}{value:f}" for axis, value in steps)
 
     def _try(self, way: _WayToBall) -> None:
         """Do the first reading once 20 mm above its ball, at a quarter of the feed, step by step with a person."""
@@ -142,11 +140,11 @@ class LiveSource:
         for number, step in enumerate((*above.to(None), *above.touches()), start=1):
             self._confirm(f"{said} Step {number}: " if number == 1 else f"Step {number}: ")
             if isinstance(step, Touched):
-                if self._line.line(f"G91 G38.3 {self._towards(step)} F{step.fast}")["tripped"]:
+                if self._line.line(f"G38.3 {_joined(step.words(step.into))} F{_slowed(step.fast, _SLOWER)}")["tripped"]:
                     raise SourceError("20 mm above the ball the probe met something", "Look what stands in the way")
-                self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
+                self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{_slowed(step.travel, _SLOWER)}")
             else:
-                self._go([step], slow=4)
+                self._go([step], slow=_SLOWER)
         self._tried = True
 
     def _confirm(self, text: str) -> None:
@@ -163,6 +161,15 @@ class LiveSource:
         if lacking:
             seen = "is closed before it was touched" if lacking == "closed" else "was not seen to close and open again"
             raise SourceError(f"the probe {seen}", "Look at its wire, its battery and motion.probe-input")
+
+    def _refuse_strayed(self, status: dict[str, Any]) -> None:
+        """Raise SourceError where somebody has moved an axis since the last reading."""
+        for axis, left in zip(self._machine.axes, self._standing[1] if self._standing else (), strict=False):
+            here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
+            if abs(here - float(left)) > _STRAYED:
+                unit = "deg" if axis.rotary else "mm"
+                what = f"{axis.name} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
+                raise SourceError(what, "Nothing has moved since. Look at the machine; go on with --resume")
 
     @staticmethod
     def _refuse_other_instrument(setup: Setup) -> None:
@@ -224,6 +231,16 @@ class _WayToBall:
             else:
                 pose[k] = from_unit(float(self.target.position[k]), axis.unit)
         return pose
+
+
+def _back(step: Touched, status: dict[str, Any]) -> str:
+    """Return the place to which the tool is drawn back from where it has met a side."""
+    here = {axis: round(at / status["scale"], _DECIMALS) for axis, at in status["position"].items()}
+    return " ".join(f"{axis}{Decimal(repr(here[axis])) + Decimal(by):f}" for axis, by in step.words(step.back))
+
+
+def _slowed(feed: int, slow: int) -> int:
+    return max(1, feed // slow)
 
 
 def _joined(words: Sequence[tuple[str, str]]) -> str:

@@ -7,6 +7,7 @@ import json
 import re
 import shlex
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -23,11 +24,15 @@ _FIRST = (
 _PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
 _HOST = re.compile(r"(?:[A-Za-z0-9_][\w.-]{0,63}@)?[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?")
 _ALIVE = 1.0
-"""s between signs of life; the agent waits five times as long."""
+"""s between signs of life."""
+_SILENCE = 5.0
+"""s for which the agent waits for one."""
 _BEGIN = 30.0
 """s for ssh to ask its keys and for LinuxCNC to answer."""
 _SLOW = 600.0
 """s: a long way at a small feed, or with the feed override low."""
+_LAST = '{"left":'
+"""How the agent's last line begins, which answers nothing."""
 _AGAIN = "Look at the machine; go on with --resume"
 
 
@@ -57,6 +62,7 @@ class Connection:
 
     def __init__(self, words: Sequence[str]) -> None:
         self._lines: Queue[str] = Queue()
+        self._last: Queue[str] = Queue()
         self._sending, self._closed = threading.Lock(), False
         try:
             self._process = subprocess.Popen(
@@ -138,12 +144,14 @@ class Connection:
         return answer
 
     def _lost(self) -> SourceError:
-        return SourceError("the line to LinuxCNC was cut; what moved has been stopped there", _AGAIN)
+        return SourceError(
+            f"the line to LinuxCNC was cut; its move is to be stopped there within {_SILENCE:g} s", _AGAIN
+        )
 
     def _listen(self) -> None:
         with contextlib.suppress(OSError, ValueError):
             for line in _pipe(self._process.stdout):
-                self._lines.put(line)
+                (self._last if line.startswith(_LAST) else self._lines).put(line)
         self._lines.put("")
 
     def _keep_alive(self) -> None:
@@ -162,8 +170,18 @@ class Connection:
             self._process.kill()
             self._process.wait()
         self._listener.join(1)
+        self._say_left()
         with contextlib.suppress(OSError, ValueError):
             _pipe(self._process.stdout).close()
+
+    def _say_left(self) -> None:
+        """Say on stderr which modes are not as they were, if the agent could not set them again."""
+        while not self._last.empty():
+            with contextlib.suppress(ValueError, TypeError, AttributeError):
+                if left := json.loads(self._last.get()).get("left"):
+                    modes = "millimetres, exact stop and the other modes of measuring"
+                    sys.stderr.write(f"In LinuxCNC {modes} are still in force. To have yours again, type: {left}\n")
+                    sys.stderr.flush()
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:

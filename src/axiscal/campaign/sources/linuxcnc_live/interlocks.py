@@ -54,8 +54,8 @@ def _standing(status: dict[str, Any]) -> list[tuple[bool, str, str]]:
         (offsets, "a tool length offset is in force", "Give G49"),
         (abs(status["rotation"]) > _SAME, "the coordinate system is turned (G10 R)", "Set its rotation to zero"),
         (
-            apart,
-            "the kinematics are not in their identity mode: joints and axes stand apart",
+            apart or status["tip"],
+            "the kinematics are not in their identity mode",
             "Leave TCP mode, as by M429",
         ),
         (status["probe"], "the probe is closed", "Look at the stylus and at motion.probe-input"),

@@ -179,7 +179,7 @@ def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[st
     copies += ["sync", f'mv {part} "$to/{_BACKUP}"']
     news = [line for q in _quoted([*changed, *added]) for line in _put(f'"$from"/{q}', q)]
     backs = [line for q in _quoted(changed) for line in _put(f'"$to/{_BACKUP}"/{q}', q)]
-    taken = [f'rm -f "$to"/{q}' for q in _quoted(added)]
+    taken = [f'rm -f "$to"/{q} "$to"/{q}.part' for q in _quoted(added)]
     there, lacking = f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', f'[ -d "$to/{_BACKUP}" ] || {_NONE}'
     ends = ["sync", f'mv "$to/{_BACKUP}" {gone}', f"rm -rf {gone}"]
     return {
@@ -190,7 +190,7 @@ def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[st
 
 def _put(file: str, name: str) -> list[str]:
     """Return what puts a file in the place of another, whole at any time.  file, name : quoted"""
-    return [f'cp -p {file} "$to"/{name}.part', f'mv "$to"/{name}.part "$to"/{name}']
+    return [f'cp -p {file} "$to"/{name}.part', "sync", f'mv "$to"/{name}.part "$to"/{name}']
 
 
 _THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
