@@ -70,8 +70,6 @@ def init(
             raise typer.BadParameter("the page asks for --limits itself")
         _on_page(folder, machine, ini, chain or "", tuple(instrument or ()), target or "", port, chosen(language))
         return
-    if machine is not None:
-        of_builtin(machine)
     begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
     names = instrument or _asked("Which instruments are there? Several with blanks between", OFFERED).split()
     wanted = target or _asked('How well is the tool point to be known, 95 %, such as "20 um"?', ())
@@ -120,10 +118,10 @@ def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path
         for letter, unit in open_.items():
             words = _asked(f"From where to where does {letter} move, in {unit}, such as -300 0?", ())
             given |= [_limits(f"{letter} {words}")]
-    build = machine_of(ini, given).build
-    if asking and chain is None and not build.sure:
-        chain = _asked(f"How is it built? Primed axes carry the workpiece; Enter for {build.chain}", ()) or None
-    return of_ini(file, folder, chain, given)
+    found = machine_of(ini, given)
+    if asking and chain is None and not found.build.sure:
+        chain = _asked(f"How is it built? Primed axes carry the workpiece; Enter for {found.build.chain}", ()) or None
+    return of_ini(found, file, folder, chain)
 
 
 def _limits(text: str) -> tuple[str, tuple[float, float]]:

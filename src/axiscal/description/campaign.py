@@ -116,7 +116,7 @@ def campaign_from_texts(
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
-    usual_doubts : whether zeros of which nothing is stated may wander; in records of before they could not
+    usual_doubts : what nothing is stated of is doubted as is usual; in records of before it was not
     """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source)

@@ -13,8 +13,7 @@ from typing import NamedTuple
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.file_schemas import SCHEMAS
 from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign
-from axiscal.description.ini_file import read_ini
-from axiscal.description.ini_machine import IniMachine, machine_of
+from axiscal.description.ini_machine import IniMachine
 from axiscal.description.ini_text import machine_text, unread
 from axiscal.document.quoting import shown
 from axiscal.exceptions import DescriptionError, RecordError
@@ -48,16 +47,13 @@ def of_builtin(name: str) -> Beginning:
     return Beginning(load_machine(name).text)
 
 
-def of_ini(
-    file: Path, folder: Path, chain: str | None = None, limits: Mapping[str, tuple[float, float]] | None = None
-) -> Beginning:
+def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None) -> Beginning:
     """Return the machine of an INI file of LinuxCNC.
 
-    folder : where the files will stand; chain : how it is built, where the kinematics leave it open
-    limits : of the axes that the file leaves open, in its unit
-    Raises DescriptionError for a file that says no machine.
+    found : what the file says; folder : where the files will stand
+    chain : how it is built, where the kinematics leave it open
+    Raises DescriptionError for a chain that is none.
     """
-    found = machine_of(read_ini(file), limits)
     if chain is not None:
         found = replace(found, build=replace(found.build, chain=chain, said=True))
     text = machine_text(found, file.name)

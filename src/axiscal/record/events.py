@@ -21,7 +21,7 @@ class Created:
     machine_source, campaign_source : where they were read
     versions : of axiscal and of what it computes with
     prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
-    usual_doubts : zeros of which nothing is stated may wander; records of before could not say it
+    usual_doubts : what nothing is stated of is doubted as is usual; records of before could not say it
     """
 
     machine_text: str

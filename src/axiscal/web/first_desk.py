@@ -109,7 +109,8 @@ class FirstDesk:
         found = self._source(request.source)
         if isinstance(found, str):
             return of_builtin(found)
-        return of_ini(found, self._folder, request.chain.strip() or None, _numbers(request.limits))
+        read = machine_of(read_ini(found), _numbers(request.limits))
+        return of_ini(read, found, self._folder, request.chain.strip() or None)
 
     def _source(self, number: int) -> str | Path:
         if number >= len(self._sources):
