@@ -22,7 +22,9 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.poses import read_poses
 from axiscal.measurement.readers.truth_curves import read_truth
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import Created, Event, Recorded, Stored
+from axiscal.record.events import Created, Event, Recorded
+from axiscal.record.line_form import EventText
+from axiscal.record.payload import encode
 from axiscal.record.store import content_of
 from tests.generators.texts import machine_text
 from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
@@ -70,8 +72,8 @@ def _record() -> bytes:
     created = Created(MACHINE, CAMPAIGN, "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
     readings = [Recorded(Reading("along x", (0.1 * n, 0.1), (1, 0), 1e-6 * n)) for n in (1, 2)]
     happened: list[Event] = [created, *readings]
-    events = [Stored(n, "2026-01-01T00:00:00.000+00:00", event) for n, event in enumerate(happened, 1)]
-    return content_of(events)[0]
+    rows = [EventText("2026-01-01T00:00:00.000+00:00", *encode(event), event is happened[-1]) for event in happened]
+    return content_of(rows)[0]
 
 
 def _recorded(path: Path) -> None:

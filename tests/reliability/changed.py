@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from axiscal.exceptions import RecordError
-from axiscal.record import store
+from axiscal.record import log
 from axiscal.record.events import Event, Stored
 from axiscal.record.line_form import MARK, MARKS, START
 from axiscal.record.store import Record
@@ -50,15 +50,15 @@ def ends() -> Trial:
 def clock() -> Trial:
     """Set the clock back by a day between readings: order and numbers stay."""
     days = iter(f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30))
-    now = store._now
+    now = log._now
     with scratch() as top:
-        store._now = lambda: next(days)
+        log._now = lambda: next(days)
         try:
             with Record.create(top / NAME, CREATED) as record:
                 for number in range(5):
                     record.append(recorded(float(number)))
         finally:
-            store._now = now
+            log._now = now
         missed = values(top / NAME) != [0.0, 1.0, 2.0, 3.0, 4.0]
     return Trial("readings while the clock is set back by days", 5, 5 * missed)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from axiscal.measurement.reading import Reading
+from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Recorded
 from axiscal.record.store import Record
 from tests.reliability.faults import Say, faults
@@ -72,7 +73,7 @@ def written() -> Trial:
             for batch in ((1.0,), (2.0, 3.0, 4.0), (5.0,)):
                 record.append(*map(recorded, batch))
                 say(" ".join(map(str, batch)))
-            record.copy(folder / "copy.axiscal")
+            write_copy(record, folder / "copy.axiscal")
             say("copied")
 
     def lost(folder: Path, said: tuple[str, ...]) -> bool:
@@ -80,7 +81,7 @@ def written() -> Trial:
         kept, copy = values(folder / NAME), folder / "copy.axiscal"
         with Record.open(folder / NAME) as record:
             record.append(recorded(9.0))
-            record.copy(copy)
+            write_copy(record, copy)
         whole = kept in ([0.0], [0.0, 1.0], [0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
         left = sorted(file.name for file in folder.iterdir()) != ["copy.axiscal", NAME]
         return kept[: len(heard)] != heard or not whole or left or values(copy) != [*kept, 9.0]
@@ -90,6 +91,6 @@ def written() -> Trial:
         before.mkdir()
         with Record.create(before / NAME, CREATED) as record:
             record.append(recorded(0.0))
-            record.copy(before / "copy.axiscal")
+            write_copy(record, before / "copy.axiscal")
         outcomes = [lost(top / "now", outcome.said) for _, outcome in faults(before, top / "now", work)]
     return Trial("faults while a record is written to and copied", len(outcomes), sum(outcomes))

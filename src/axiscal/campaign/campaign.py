@@ -41,6 +41,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
+from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
     Created,
@@ -354,11 +355,11 @@ class Campaign:
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
-        self._record.copy(path)
+        write_copy(self._record, path)
 
     def refuse_other(self, path: Path) -> None:
         """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
-        self._record.refuse_other(path)
+        refuse_other(self._record, path)
 
     def close(self) -> None:
         """Close the record."""
@@ -390,9 +391,8 @@ class Campaign:
 
     def _milestone(self) -> Milestone:
         readings = self.state.readings
-        return Milestone(
-            len(readings), readings[-1] if readings else None, self.known().accuracy, self._times().seconds
-        )
+        last = readings[-1] if readings else None
+        return Milestone(len(readings), last, self.known().accuracy, self._times().seconds)
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

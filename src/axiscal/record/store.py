@@ -12,15 +12,14 @@ import gc
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.exceptions import RecordError
 from axiscal.record.alone import HeldError, alone
 from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
-from axiscal.record.events import Created, Event, EventOrderError, Folding, State, Stored
+from axiscal.record.events import Created, Event, State, Stored
 from axiscal.record.line_form import (
     BLOCK,
     FORM,
@@ -40,7 +39,8 @@ from axiscal.record.line_form import (
     transaction,
     whole_after,
 )
-from axiscal.record.payload import PayloadError, decode, encode
+from axiscal.record.log import ChainedText, Story, chained_texts, in_one, refuse_overtaken, rows_of
+from axiscal.record.payload import encode
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
@@ -55,7 +55,7 @@ class Record:
     def __init__(self, path: Path, handle: int | None, *, write: bool = True) -> None:
         self.path, self._handle, self._write = path, handle, write
         self._mark, self._older = Mark(), MARKS[0]
-        self._events, self._folding = list[Stored](), Folding()
+        self._story = Story()
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
@@ -64,9 +64,9 @@ class Record:
         clear_drafts(path.parent, path.name)
         refuse_existing(path)
         draft = draft_of(path)
-        with _record_errors(path):
+        with record_errors(path):
             try:
-                written(draft, content_of([_stored(created, 1)])[0])
+                written(draft, content_of(rows_of([created]))[0])
                 cls.open(draft, write=False).close()
                 _publish(draft, path)
             finally:
@@ -78,7 +78,7 @@ class Record:
     def open(cls, path: str | Path, *, write: bool = True) -> Self:
         """Return an existing record, checked: its kind, its form, every event. Only what writes may be kept waiting."""
         path = Path(path)
-        with _record_errors(path):
+        with record_errors(path):
             if write:
                 clear_drafts(path.parent, path.name)
             if _form(path) == SQLITE:
@@ -100,8 +100,8 @@ class Record:
 
         record = cls(path, None, write=False)
         events = first_events(path)
-        record._mark = content_of(events)[1]
-        record._happened(events)
+        record._mark = content_of(_rows(events))[1]
+        record._story.take(events)
         return record
 
     @property
@@ -115,88 +115,56 @@ class Record:
         after : number of the last event the caller knows of; RecordError if another process has written since
         Raises ValueError for an event that cannot be kept.
         """
+        return self.extend(rows_of(events), after)
+
+    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
+        """Write events as they were written elsewhere, in one transaction; else as `append`."""
         handle = self._handle
         if handle is None or not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
-        with _record_errors(self.path), _held(handle, self.path):
+        with record_errors(self.path), _held(handle, self.path):
             self._refuse_moved(handle)
             self._catch_up()
-            if after is not None and self._mark.last != after:
-                raise OvertakenError(
-                    "Another process has written to this record in the meantime",
-                    "Look at it with `axiscal status`, then give the command again",
-                    self.path,
-                )
-            if events:
-                self._add(handle, events)
+            refuse_overtaken(self._mark.last, after, self.path)
+            if rows:
+                self._add(handle, in_one(rows))
         return self._mark.last
 
-    def _add(self, handle: int, events: Sequence[Event]) -> None:
-        at = _now()
-        rows = [EventText(at, *encode(event), n == len(events)) for n, event in enumerate(events, 1)]
+    def _add(self, handle: int, rows: Sequence[EventText]) -> None:
         content, mark = transaction(self._mark, rows)
-        stored = [Stored(self._mark.last + n, at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)]
-        folding = self._followed_by(stored)
+        story = self._story.then(rows, self.path)
         os.ftruncate(handle, self._mark.end)
         write_at(handle, self._mark.end, content)
         sync(handle)
         write_at(handle, self._older, mark_bytes(mark))
         sync(handle)
         self._older = MARKS[self._older == MARKS[0]]
-        self._mark, self._folding = mark, folding
-        self._events += stored
-
-    def _followed_by(self, events: Iterable[Stored]) -> Folding:
-        folding = self._folding.copied()
-        try:
-            for each in events:
-                folding.add(each)
-        except EventOrderError as error:
-            remedy = "Look at it with `axiscal status`; nothing was written"
-            raise RecordError(f"This cannot follow what the record holds: {error}", remedy, self.path) from error
-        return folding
+        self._mark, self._story = mark, story
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""
-        with _record_errors(self.path):
+        with record_errors(self.path):
             self._catch_up()
         return self._mark.last
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
         self.last()
-        return tuple(self._events)
+        return tuple(self._story.events)
 
     def state(self) -> State:
         """Return the state folded from all events."""
         self.last()
-        return replace(self._folding.state(), name=self._mark.chain)
+        return replace(self._story.state(), name=self._mark.chain)
 
-    def copy(self, path: Path) -> None:
-        """Write a copy of the record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
-        if path.exists() and path.samefile(self.path):
-            return
-        self.refuse_other(path)
-        with _record_errors(path):
-            write_whole(path, content_of(self.events())[0])
-
-    def refuse_other(self, path: Path) -> None:
-        """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
-        if not path.exists() or path.samefile(self.path):
-            return
-        remedy = "Name another folder, or move it away"
-        try:
-            with Record.open(path, write=False) as there:
-                kept = there.events()
-        except RecordError as failure:
-            raise RecordError(
-                f"A file with the name of the record is here already: {failure.what}", remedy, path
-            ) from None
-        own = self.events()
-        if kept[:1] != own[:1]:
-            raise RecordError("Another campaign's record is here already", remedy, path)
-        if kept != own[: len(kept)]:
-            raise RecordError("The copy that is here has gone on by itself", f"{remedy}; or go on with that one", path)
+    def texts(self) -> tuple[ChainedText, ...]:
+        """Return all events as they were written."""
+        self.last()
+        if self._handle is None:
+            return tuple(chained_texts(_rows(self._story.events)))
+        with record_errors(self.path):
+            content = read_at(self._handle, START, self._mark.end - START)
+            return tuple(ChainedText(row, mark.chain) for row, mark in rows_after(Mark(), content))
 
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
@@ -240,19 +208,8 @@ class Record:
 
     def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:
         for row, mark in rows:
-            try:
-                self._happened([Stored(mark.last, row.at, decode(row.kind, row.payload))])
-            except PayloadError as error:
-                raise DamageError(f"event {mark.last}: {error}") from error
+            self._story.happened(mark.last, row)
             self._mark = mark
-
-    def _happened(self, events: Iterable[Stored]) -> None:
-        for stored in events:
-            try:
-                self._folding.add(stored)
-            except EventOrderError as error:
-                raise DamageError(f"event {stored.number}: {error}") from error
-            self._events.append(stored)
 
     def _refuse_moved(self, handle: int) -> None:
         with contextlib.suppress(FileNotFoundError):
@@ -273,20 +230,15 @@ def refuse_existing(path: Path) -> None:
         )
 
 
-def content_of(events: Sequence[Stored]) -> tuple[bytes, Mark]:
+def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
     """Return the file of a record that holds these events, and its mark."""
-    rows = [EventText(each.at, *encode(each.event), n == len(events)) for n, each in enumerate(events, 1)]
     lines, mark = transaction(Mark(), rows)
     blocks = mark_bytes(mark).ljust(BLOCK - 1) + b"\n" + (BLOCK - 1) * b" " + b"\n"
     return head() + blocks + lines, mark
 
 
-def _stored(event: Event, number: int) -> Stored:
-    return Stored(number, _now(), event)
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+def _rows(events: Sequence[Stored]) -> list[EventText]:
+    return [EventText(each.at, *encode(each.event), n == len(events)) for n, each in enumerate(events, 1)]
 
 
 def _mode(write: bool) -> int:
@@ -309,7 +261,7 @@ def _convert(path: Path) -> None:
     from axiscal.record.first_form import first_events, logs_beside
 
     events = first_events(path)
-    write_whole(path, content_of(events)[0])
+    write_whole(path, content_of(_rows(events))[0])
     for log in logs_beside(path):
         log.unlink(missing_ok=True)
 
@@ -374,7 +326,7 @@ def _held(handle: int, path: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _record_errors(path: Path) -> Iterator[None]:
+def record_errors(path: Path) -> Iterator[None]:
     """Turn what the file system or a foreign writer did into a RecordError."""
     try:
         yield

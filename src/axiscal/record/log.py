@@ -1,0 +1,145 @@
+"""The log of one campaign's events, wherever it is kept: a file, or a server that laptops share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Protocol, Self
+
+from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.record.events import Event, EventOrderError, Folding, State, Stored
+from axiscal.record.line_form import DamageError, EventText, chained
+from axiscal.record.payload import PayloadError, decode, encode
+
+EMPTY = 64 * "0"
+"""The chain before the first event."""
+
+
+class ChainedText(NamedTuple):
+    """One event as it was written, and the chain behind it: the name of all that the log held then."""
+
+    row: EventText
+    chain: str
+
+
+class EventLog(Protocol):
+    """What happened in one campaign, oldest first; events are only ever added. Every failure is a RecordError.
+
+    path : as people name it
+    """
+
+    @property
+    def path(self) -> Path:
+        """What people call it by."""
+
+    @property
+    def name(self) -> str:
+        """The name of what it holds: a hash chained over the contents of its events, 64 hex digits."""
+
+    def append(self, *events: Event, after: int | None = None) -> int:
+        """Keep `events`, all or none, and return the number of the last one.
+
+        after : number of the last event the caller knows of; OvertakenError if another one has written since
+        Raises ValueError for an event that cannot be kept.
+        """
+
+    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
+        """Keep events as they were written elsewhere, all or none; else as `append`."""
+
+    def last(self) -> int:
+        """Return the number of the last event, 0 if there is none."""
+
+    def events(self) -> tuple[Stored, ...]:
+        """Return all events, oldest first."""
+
+    def texts(self) -> tuple[ChainedText, ...]:
+        """Return all events as they were written."""
+
+    def state(self) -> State:
+        """Return the state folded from all events."""
+
+    def close(self) -> None:
+        """Let go of what it is kept in."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        """Close it."""
+
+
+class Story:
+    """The events of a log as far as they have been read, and the state that follows from them."""
+
+    def __init__(self) -> None:
+        self.events, self._folding = list[Stored](), Folding()
+
+    def happened(self, number: int, row: EventText) -> None:
+        """Take over an event that was read; raises DamageError."""
+        try:
+            stored = Stored(number, row.at, decode(row.kind, row.payload))
+        except PayloadError as error:
+            raise DamageError(f"event {number}: {error}") from error
+        self.take([stored])
+
+    def take(self, events: Iterable[Stored]) -> None:
+        """Take over events that were read; raises DamageError."""
+        for stored in events:
+            try:
+                self._folding.add(stored)
+            except EventOrderError as error:
+                raise DamageError(f"event {stored.number}: {error}") from error
+            self.events.append(stored)
+
+    def then(self, rows: Sequence[EventText], path: Path) -> Story:
+        """Return this with events that are to be written behind; raises RecordError where they cannot follow."""
+        after = Story()
+        after._folding = self._folding.copied()
+        stored = [Stored(len(self.events) + n, row.at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)]
+        try:
+            for each in stored:
+                after._folding.add(each)
+        except EventOrderError as error:
+            remedy = "Look at it with `axiscal status`; nothing was written"
+            raise RecordError(f"This cannot follow what the record holds: {error}", remedy, path) from error
+        after.events = [*self.events, *stored]
+        return after
+
+    def state(self) -> State:
+        """Return the state folded from all events."""
+        return self._folding.state()
+
+
+def rows_of(events: Sequence[Event]) -> list[EventText]:
+    """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
+    at = _now()
+    return [EventText(at, *encode(event), n == len(events)) for n, event in enumerate(events, 1)]
+
+
+def in_one(rows: Sequence[EventText]) -> list[EventText]:
+    """Return events of another log as one transaction."""
+    return [row._replace(closes=n == len(rows)) for n, row in enumerate(rows, 1)]
+
+
+def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[ChainedText]:
+    """Return events with the chain behind each."""
+    found = list[ChainedText]()
+    for row in rows:
+        chain = chained(chain, row)
+        found.append(ChainedText(row, chain))
+    return found
+
+
+def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
+    """Raise OvertakenError where a log has gone on since the caller looked at it."""
+    if after is not None and last != after:
+        raise OvertakenError(
+            "Another process has written to this record in the meantime",
+            "Look at it with `axiscal status`, then give the command again",
+            path,
+        )
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
