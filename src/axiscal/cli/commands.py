@@ -38,6 +38,8 @@ _FILES = {
     "reproduce": "reproduce",
     "machine": "machine",
     "type": "type",
+    "fleet": "fleet",
+    "bring": "bring",
     "due": "due",
     "check": "check",
 }

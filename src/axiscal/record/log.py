@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Protocol, Self
+from uuid import UUID, uuid5
 
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, State, Stored
@@ -15,6 +16,8 @@ from axiscal.record.payload import PayloadError, decode, encode
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
+_CAMPAIGNS = UUID("6b1f3c52-0d7e-5c7a-9c4b-2f6d8e1a7b90")
+"""Name space of campaigns; drawn once."""
 
 
 class ChainedText(NamedTuple):
@@ -109,6 +112,11 @@ class Story:
     def state(self) -> State:
         """Return the state folded from all events."""
         return self._folding.state()
+
+
+def campaign_of(first: ChainedText) -> str:
+    """Return which campaign a log is of, a UUID: it follows from its first event and the time of that."""
+    return str(uuid5(_CAMPAIGNS, f"{first.row.at} {first.chain}"))
 
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:

@@ -1,0 +1,56 @@
+"""`axiscal bring`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import Json
+from axiscal.cli.printing import complain, say, say_document
+from axiscal.cli.texts import count_text
+from axiscal.exceptions import RecordError
+from axiscal.fleet.bringing import Brought, brought
+
+
+def bring(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The shop's folder of records.")],
+    records: Annotated[list[Path], typer.Argument(metavar="RECORD...", help="Records, files *.axiscal.")],
+    json: Json = False,
+) -> None:
+    """Bring records that were measured elsewhere, on a laptop's own disk, into the shop's folder.
+
+    A record that is there already goes on to what is brought, whatever its name; nothing is ever overwritten by less,
+    and one that has gone on by itself in the folder is left and named. Two campaigns of the same name both find room.
+
+    \b
+    Example:
+      axiscal bring /srv/records mill.axiscal results/campaign.axiscal
+    """
+    done, faults = list[tuple[Path, Brought]](), list[RecordError]()
+    for record in records:
+        try:
+            done.append((record, brought(folder, record)))
+        except RecordError as fault:
+            faults.append(fault)
+    if json:
+        rows = [
+            {"record": str(record), "file": str(found.file), "what": found.what, "events": found.events}
+            for record, found in done
+        ]
+        say_document({"schema": "axiscal-bring/1", "brought": rows, "refused": [str(each) for each in faults]})
+    else:
+        for record, found in done:
+            say(_words(record, found))
+    for refused in faults:
+        complain(str(refused))
+    if faults:
+        raise typer.Exit(1)
+
+
+def _words(record: Path, found: Brought) -> str:
+    if found.what == "there already":
+        return f"{record}: the folder has it, in {found.file}."
+    added = count_text(found.events, "event")
+    return f"{record}: {found.file} {'is new' if found.what == 'new' else 'has gone on'}, by {added}."

@@ -1,0 +1,91 @@
+"""`axiscal fleet`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import Json
+from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.texts import count_text, micrometres
+from axiscal.fleet.shop_list import ShopList, ShopRecord, shop_list
+from axiscal.units import to_unit
+
+_SHOWN = 12
+"""Hex digits of a digest that are shown: enough to tell any two records."""
+_HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "verdict", "digest", "record"
+
+
+def fleet(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of records, files *.axiscal.")],
+    json: Json = False,
+) -> None:
+    """List the records of a shop: which machine, when, how well it was known, against which target, by which digest.
+
+    An index is kept beside the records, `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown
+    away. Records that are damaged, no records, or the same as another are named with the reason.
+
+    \b
+    Example:
+      axiscal fleet records
+    """
+    found = shop_list(folder, lambda said: tell(f"{said} ..."))
+    if found.why_apart:
+        tell(f"Nothing is kept for the next time: {found.why_apart}.")
+    if json:
+        say_document(_document(found))
+        return
+    for line in _lines(found):
+        say(line)
+
+
+def _lines(found: ShopList) -> list[str]:
+    rows = [_HEADS, *(_row(each) for each in found.listed)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    for each in found.listed:
+        minded = [each.known.trouble, each.remark]
+        lines += [f"To be minded: {each.file.name}: {said}." for said in minded if said]
+    lines += [f"Left out: {file.name}: {why}." for file, why in found.left_out]
+    counts = {kind.kind: kind.events for kind in found.kinds}
+    machines = len({(each.known.machine, each.known.serial) for each in found.listed})
+    totals = count_text(len(found.listed), "record"), count_text(machines, "machine")
+    return [*lines, f"{totals[0]} of {totals[1]}; {count_text(sum(counts.values()), 'event')} in the folder."]
+
+
+def _row(each: ShopRecord) -> tuple[str, ...]:
+    known = each.known
+    lengths = ["-" if value is None else micrometres(value) for value in (known.rms, known.expanded)]
+    name = known.machine + (f" {known.serial}" if known.serial else "")
+    day, target = (known.last or known.begun)[:10], known.target or "-"
+    said = name, day, str(known.readings), target, *lengths, known.verdict or "-"
+    return *said, each.chain[:_SHOWN], each.file.name
+
+
+def _document(found: ShopList) -> dict[str, object]:
+    return {
+        "schema": "axiscal-fleet/1",
+        "records": [
+            {
+                "record": each.file.name,
+                "machine": each.known.machine,
+                "serial": each.known.serial,
+                "begun": each.known.begun,
+                "last_reading": each.known.last or None,
+                "readings": each.known.readings,
+                "events": each.events,
+                "target": each.known.target,
+                "ended": each.known.ended or None,
+                "rms_um": None if each.known.rms is None else to_unit(each.known.rms, "um"),
+                "U_um": None if each.known.expanded is None else to_unit(each.known.expanded, "um"),
+                "verdict": each.known.verdict or None,
+                "digest": each.chain,
+                "remarks": [said for said in (each.known.trouble, each.remark) if said],
+            }
+            for each in found.listed
+        ],
+        "left_out": [{"file": file.name, "why": why} for file, why in found.left_out],
+        "events": {kind.kind: kind.events for kind in found.kinds},
+    }

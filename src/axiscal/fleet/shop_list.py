@@ -1,0 +1,147 @@
+"""The records of a shop in one list: which machine, when, how well it was known, and what is wrong with a record."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from axiscal.campaign.possible import described
+from axiscal.campaign.versions import versions
+from axiscal.description.target import Target
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.ruled import ruling_of
+from axiscal.exceptions import AxiscalError
+from axiscal.fleet.sister_records import why_not
+from axiscal.record.events import Recorded
+from axiscal.record.folder_index import FolderIndex, IndexedRecord, Kinds
+from axiscal.record.store import Record
+from axiscal.units import format_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What a record comes to.
+
+    machine, serial : of the machine; begun, last : the first event and the last reading, ISO 8601, UTC, "" for none
+    readings : those that stand; target : in words; ended : why the campaign ended, "" while it goes on
+    rms, expanded : RMS standard uncertainty over the volume and U, m, None where nothing is known or promised
+    verdict : in one word, "" where there is none, and trouble says why
+    """
+
+    machine: str
+    serial: str
+    begun: str
+    last: str
+    readings: int
+    target: str
+    ended: str
+    rms: float | None
+    expanded: float | None
+    verdict: str
+    trouble: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShopRecord:
+    """A record of the folder: its name's chain, how many events, what it comes to, and what is to be minded of it."""
+
+    file: Path
+    chain: str
+    events: int
+    known: Known
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShopList:
+    """left_out : records that do not count, and why; kinds : of all events; why_apart : why no index is kept"""
+
+    listed: tuple[ShopRecord, ...]
+    left_out: tuple[tuple[Path, str], ...]
+    kinds: tuple[Kinds, ...]
+    why_apart: str
+
+
+def shop_list(folder: Path, told: Callable[[str], None] = lambda said: None) -> ShopList:
+    """Return the records of a folder, the machine measured last first; raises RecordError for what is no folder.
+
+    told : called with what is being done
+    """
+    with FolderIndex.open(folder) as index:
+        index.refresh(lambda name: told(f"reading {name}"))
+        records = index.records()
+        left = [(each.file, each.fault) for each in records if each.fault]
+        listed = list[ShopRecord]()
+        for record in (each for each in records if not each.fault):
+            why, remark = _beside_others(record, records, index)
+            if why:
+                left.append((record.file, why))
+                continue
+            try:
+                known = _known(record, index, told)
+            except AxiscalError as fault:
+                left.append((record.file, why_not(fault)))
+                continue
+            listed.append(ShopRecord(record.file, record.chain, record.last, known, remark))
+        listed.sort(key=lambda each: (each.known.last or each.known.begun, each.file.name), reverse=True)
+        return ShopList(tuple(listed), tuple(left), tuple(index.kinds()), index.why_apart)
+
+
+def _beside_others(record: IndexedRecord, records: Sequence[IndexedRecord], index: FolderIndex) -> tuple[str, str]:
+    """Return why a record does not count beside the others of its campaign, and what is to be minded where it does."""
+    remark = ""
+    for other in records:
+        if other.file == record.file or other.fault or other.campaign != record.campaign:
+            continue
+        if other.chain == record.chain:
+            if other.file.name < record.file.name:
+                return f"it is the same as {other.file.name}", ""
+        elif index.chain_at(other, record.last) == record.chain:
+            return f"it is an earlier copy of {other.file.name}", ""
+        elif index.chain_at(record, other.last) != other.chain:
+            remark = f"it and {other.file.name} went on differently from event {index.parting(record, other)}"
+    return "", remark
+
+
+def _known(record: IndexedRecord, index: FolderIndex, told: Callable[[str], None]) -> Known:
+    """Return what a record comes to, from the index where it was found before; raises AxiscalError."""
+    question = f"what it comes to, by {json.dumps(versions(), sort_keys=True)}"
+    answer = index.found(record.chain, question)
+    if answer is None:
+        told(f"estimating {record.file.name}")
+        answer = json.dumps(asdict(_found(record.file)))
+        index.keep(record.chain, question, answer)
+    return Known(**json.loads(answer))
+
+
+def _found(file: Path) -> Known:
+    with Record.open(file, write=False) as record:
+        description, state, events = described(record), record.state(), record.events()
+    machine, serial = description.machine.name, description.particulars.serial
+    last = next((each.at for each in reversed(events) if isinstance(each.event, Recorded)), "")
+    said = machine, serial, events[0].at, last, len(state.readings), target_words(description.target)
+    ended = state.finished or ""
+    if not state.readings:
+        return Known(*said, ended, None, None, "", "it has no readings")
+    try:
+        known = concluded(case_of(description), state.readings)
+        ruling = ruling_of(known)
+    except AxiscalError as fault:
+        return Known(*said, ended, None, None, "", why_not(fault))
+    if not ruling.promises:
+        return Known(*said, ended, None, None, ruling.verdict)
+    return Known(*said, ended, known.accuracy.rms, ruling.expanded.space, ruling.verdict)
+
+
+def target_words(target: Target) -> str:
+    """Return when a campaign stops, in words."""
+    lengths = ("RMS", target.rms), ("worst", target.worst), ("U", target.expanded)
+    said = [f"{name} {format_quantity(value, 'um', 3)}" for name, value in lengths if value is not None]
+    if target.readings is not None:
+        said.append(f"{target.readings} readings")
+    if target.budget is not None:
+        said.append(format_quantity(target.budget, "min", 3))
+    return ", ".join(said)

@@ -1,0 +1,231 @@
+"""An index beside the records of a folder: all their events in one database, so that each is read only once.
+
+It can be thrown away at any time: the records are what counts, and it is made anew from them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple, Self
+
+from axiscal.exceptions import RecordError
+from axiscal.record.line_form import EventText
+from axiscal.record.log import ChainedText, campaign_of
+from axiscal.record.store import Record
+
+INDEX = ".fleet.sqlite"
+"""Its name in the folder."""
+_KIND, _FORM = 0x41584958, 1
+"""By which SQLite knows the database as ours ("AXIX"), and its form; of another form it is made anew."""
+_PATIENCE = 4.0
+"""Seconds to wait for another program that writes into it; it does without it then."""
+_TABLES = """
+CREATE TABLE records (file TEXT PRIMARY KEY, size INTEGER, changed INTEGER, fault TEXT, campaign TEXT, chain TEXT,
+    last INTEGER);
+CREATE TABLE events (file TEXT, number INTEGER, at TEXT, kind TEXT, payload TEXT, chain TEXT,
+    PRIMARY KEY (file, number)) WITHOUT ROWID;
+CREATE TABLE findings (chain TEXT, question TEXT, answer TEXT, PRIMARY KEY (chain, question)) WITHOUT ROWID;
+"""
+
+
+class IndexedRecord(NamedTuple):
+    """A record of the folder.
+
+    fault : why it cannot be read, "" if it can; the rest is then empty
+    campaign : which one it is of; chain : the name of what it holds; last : number of its last event
+    """
+
+    file: Path
+    fault: str
+    campaign: str
+    chain: str
+    last: int
+
+
+class Kinds(NamedTuple):
+    """How many events of one kind there are in all records, and when the first and the last of them was written."""
+
+    kind: str
+    events: int
+    first: str
+    last: str
+
+
+class FolderIndex:
+    """The index of one folder, open; a context manager.
+
+    why_apart : why it is not kept beside the records, "" where it is
+    """
+
+    def __init__(self, folder: Path, database: sqlite3.Connection, why_apart: str) -> None:
+        self.folder, self._database, self.why_apart = folder, database, why_apart
+
+    @classmethod
+    def open(cls, folder: Path) -> Self:
+        """Return the index of a folder; where it cannot be written there, one that is gone afterwards.
+
+        Raises RecordError where there is no such folder.
+        """
+        if not folder.is_dir():
+            raise RecordError("This is no folder", "Name the folder that holds the records", folder)
+        try:
+            return cls(folder, _opened(folder / INDEX), "")
+        except (sqlite3.Error, OSError) as failure:
+            return cls(folder, _made(":memory:"), f"the index cannot be kept in the folder: {failure}")
+
+    def refresh(self, told: Callable[[str], None] = lambda said: None) -> None:
+        """Take in what is new in the folder.  told : called with the name of each record that is read"""
+        before = {row[0]: row[1:] for row in self._rows("SELECT file, size, changed, fault FROM records")}
+        files = {file.name: file for file in sorted(self.folder.glob("*.axiscal"))}
+        for gone in before.keys() - files.keys():
+            with self._writing() as database:
+                database.execute("DELETE FROM events WHERE file = ?", (gone,))
+                database.execute("DELETE FROM records WHERE file = ?", (gone,))
+        for name, file in files.items():
+            stamp = _stamp(file)
+            if before.get(name) != (*stamp, ""):  # what could not be read is tried again
+                told(name)
+                self._take_in(file, stamp)
+
+    def _take_in(self, file: Path, stamp: tuple[int, int]) -> None:
+        try:
+            with Record.open(file, write=False) as record:
+                texts = record.texts()
+        except (RecordError, OSError) as fault:
+            why = fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)
+            with self._writing() as database:
+                database.execute("DELETE FROM events WHERE file = ?", (file.name,))
+                self._enter((file.name, *stamp, why, "", "", 0))
+            return
+        with self._writing() as database:
+            begin = self._known(file.name, texts)
+            new = ((file.name, n, *_fields(text)) for n, text in enumerate(texts[begin:], begin + 1))
+            database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?, ?)", new)
+            self._enter((file.name, *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts)))
+
+    def _enter(self, row: tuple[object, ...]) -> None:
+        self._database.execute("INSERT OR REPLACE INTO records VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+
+    def _known(self, name: str, texts: tuple[ChainedText, ...]) -> int:
+        """Return how many events of a record are in the index; none where it has not simply gone on."""
+        rows = self._rows("SELECT max(number), chain FROM events WHERE file = ?", name)
+        number, chain = rows[0]
+        if number is not None and number <= len(texts) and texts[number - 1].chain == chain:
+            return int(number)
+        self._database.execute("DELETE FROM events WHERE file = ?", (name,))
+        return 0
+
+    def records(self) -> list[IndexedRecord]:
+        """Return the records of the folder, by their names."""
+        rows = self._rows("SELECT file, fault, campaign, chain, last FROM records ORDER BY file")
+        return [IndexedRecord(self.folder / row[0], *row[1:]) for row in rows]
+
+    def chain_at(self, record: IndexedRecord, number: int) -> str:
+        """Return the chain behind an event of a record, "" if it has no such event."""
+        rows = self._rows("SELECT chain FROM events WHERE file = ? AND number = ?", record.file.name, number)
+        return str(rows[0][0]) if rows else ""
+
+    def parting(self, one: IndexedRecord, other: IndexedRecord) -> int:
+        """Return the number of the first event that two records of one campaign do not share."""
+        query = (
+            "SELECT count(*) FROM events AS a JOIN events AS b ON a.number = b.number AND a.chain = b.chain "
+            "WHERE a.file = ? AND b.file = ?"
+        )
+        return int(self._rows(query, one.file.name, other.file.name)[0][0]) + 1
+
+    def kinds(self) -> list[Kinds]:
+        """Return what happened in all records together."""
+        rows = self._rows("SELECT kind, count(*), min(at), max(at) FROM events GROUP BY kind ORDER BY kind")
+        return [Kinds(*row) for row in rows]
+
+    def found(self, chain: str, question: str) -> str | None:
+        """Return what was kept as the answer to a question about the record of this name, None if nothing was."""
+        rows = self._rows("SELECT answer FROM findings WHERE chain = ? AND question = ?", chain, question)
+        return str(rows[0][0]) if rows else None
+
+    def keep(self, chain: str, question: str, answer: str) -> None:
+        """Keep the answer to a question about the record of this name."""
+        with self._writing() as database:
+            database.execute("INSERT OR REPLACE INTO findings VALUES (?, ?, ?)", (chain, question, answer))
+
+    def _rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
+        return self._database.execute(query, values).fetchall()
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """Yield the database in one transaction; where another program holds it, what is new goes to one in memory."""
+        try:
+            self._database.execute("BEGIN IMMEDIATE")
+        except sqlite3.OperationalError as busy:
+            self._leave(str(busy))
+            self._database.execute("BEGIN IMMEDIATE")
+        try:
+            yield self._database
+        except BaseException:
+            self._database.rollback()
+            raise
+        self._database.commit()
+
+    def _leave(self, why: str) -> None:
+        """Go on with a copy in memory."""
+        aside = sqlite3.connect(":memory:", isolation_level=None)
+        self._database.backup(aside)
+        self._database.close()
+        self._database, self.why_apart = aside, f"the index in the folder cannot be written: {why}"
+
+    def close(self) -> None:
+        """Close it."""
+        self._database.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close()
+
+
+def _fields(text: ChainedText) -> Iterable[str]:
+    row: EventText = text.row
+    return row.at, row.kind, row.payload, text.chain
+
+
+def _stamp(file: Path) -> tuple[int, int]:
+    with contextlib.suppress(OSError):
+        found = os.stat(file)
+        return found.st_size, found.st_mtime_ns
+    return -1, -1
+
+
+def _opened(path: Path) -> sqlite3.Connection:
+    """Return the database of an index, made anew where it is none that can be used; raises sqlite3.Error, OSError."""
+    if path.exists():
+        with contextlib.suppress(sqlite3.DatabaseError):
+            return _existing(path)
+        path.unlink()
+    return _made(str(path))
+
+
+def _existing(path: Path) -> sqlite3.Connection:
+    database = sqlite3.connect(path, timeout=_PATIENCE, isolation_level=None)
+    try:
+        kind, form = (database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version"))
+        if (kind, form) != (_KIND, _FORM) or database.execute("PRAGMA quick_check(1)").fetchone()[0] != "ok":
+            raise sqlite3.DatabaseError("it is not an index of this form")
+    except BaseException:
+        database.close()
+        raise
+    return database
+
+
+def _made(address: str) -> sqlite3.Connection:
+    database = sqlite3.connect(address, timeout=_PATIENCE, isolation_level=None)
+    database.executescript(
+        f"BEGIN IMMEDIATE; {_TABLES} PRAGMA application_id = {_KIND}; PRAGMA user_version = {_FORM}; COMMIT;"
+    )
+    return database

@@ -1,0 +1,148 @@
+"""The index of a folder says what its records say, reads only what is new, and can be thrown away."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Created, Recorded
+from axiscal.record.folder_index import INDEX, FolderIndex
+from axiscal.record.store import Record
+
+
+def begun(path: Path, machine: str, readings: int) -> Path:
+    """Return a new record with so many readings."""
+    with Record.create(path, Created(f"name = '{machine}'", "", "machine.toml", "campaign.toml", {})) as record:
+        record.append(*(Recorded(Reading("laser", (0.1 * n,), (1,), 1e-6)) for n in range(readings)))
+    return path
+
+
+def went_on(path: Path, value: float = 2e-6) -> None:
+    """Add a reading to a record."""
+    with Record.open(path) as record:
+        record.append(Recorded(Reading("laser", (0.1,), (1,), value)))
+
+
+def refreshed(folder: Path) -> tuple[list[str], dict[str, tuple[str, str, int]]]:
+    """Return which records were read, and what the index says of each: fault, chain, last event."""
+    told = list[str]()
+    with FolderIndex.open(folder) as index:
+        index.refresh(told.append)
+        return told, {each.file.name: (each.fault, each.chain, each.last) for each in index.records()}
+
+
+def said_by_records(folder: Path) -> dict[str, tuple[str, str, int]]:
+    """Return the same from the records themselves."""
+    found = dict[str, tuple[str, str, int]]()
+    for path in folder.glob("*.axiscal"):
+        with Record.open(path, write=False) as record:
+            found[path.name] = "", record.name, record.last()
+    return found
+
+
+def test_only_what_is_new_is_read(tmp_path: Path) -> None:
+    for number in range(3):
+        begun(tmp_path / f"{number}.axiscal", f"m{number}", number + 1)
+    told, found = refreshed(tmp_path)
+    assert told == ["0.axiscal", "1.axiscal", "2.axiscal"]
+    assert found == said_by_records(tmp_path)
+    assert refreshed(tmp_path) == ([], found)
+    went_on(tmp_path / "1.axiscal")
+    (tmp_path / "0.axiscal").unlink()
+    told, found = refreshed(tmp_path)
+    assert told == ["1.axiscal"]
+    assert found == said_by_records(tmp_path)
+    (tmp_path / INDEX).unlink()
+    assert refreshed(tmp_path)[1] == found
+
+
+def test_all_events_can_be_asked_for_at_once(tmp_path: Path) -> None:
+    for number in range(3):
+        begun(tmp_path / f"{number}.axiscal", f"m{number}", 4)
+    with FolderIndex.open(tmp_path) as index:
+        index.refresh()
+        assert [(kind.kind, kind.events) for kind in index.kinds()] == [("created", 3), ("recorded", 12)]
+        assert all(kind.first <= kind.last for kind in index.kinds())
+
+
+def test_a_record_that_was_put_in_the_place_of_another_is_read_anew(tmp_path: Path) -> None:
+    begun(tmp_path / "a.axiscal", "one", 5)
+    refreshed(tmp_path)
+    (tmp_path / "a.axiscal").unlink()
+    begun(tmp_path / "a.axiscal", "other", 2)
+    assert refreshed(tmp_path)[1] == said_by_records(tmp_path)
+    with FolderIndex.open(tmp_path) as index:
+        assert sum(kind.events for kind in index.kinds()) == 3
+
+
+@pytest.mark.parametrize("content", [b"", b"no database", b"SQLite format 3\0" + 500 * b"x"])
+def test_an_index_that_is_none_is_made_anew(tmp_path: Path, content: bytes) -> None:
+    begun(tmp_path / "a.axiscal", "one", 1)
+    _, found = refreshed(tmp_path)
+    (tmp_path / INDEX).write_bytes(content)
+    assert refreshed(tmp_path) == (["a.axiscal"], found)
+    with closing(sqlite3.connect(tmp_path / INDEX)) as other:
+        other.execute("PRAGMA user_version = 99")
+    assert refreshed(tmp_path) == (["a.axiscal"], found)
+
+
+def test_an_index_torn_in_its_pages_is_made_anew(tmp_path: Path) -> None:
+    begun(tmp_path / "a.axiscal", "one", 200)
+    _, found = refreshed(tmp_path)
+    content = bytearray((tmp_path / INDEX).read_bytes())
+    content[4096:12288] = os.urandom(8192)
+    (tmp_path / INDEX).write_bytes(content)
+    assert refreshed(tmp_path) == (["a.axiscal"], found)
+
+
+def test_where_it_cannot_be_written_it_is_done_without(tmp_path: Path) -> None:
+    begun(tmp_path / "a.axiscal", "one", 1)
+    (tmp_path / INDEX).mkdir()
+    with FolderIndex.open(tmp_path) as index:
+        index.refresh()
+        assert "cannot be kept" in index.why_apart
+        assert len(index.records()) == 1
+
+
+def test_while_another_program_writes_it_is_done_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun(tmp_path / "a.axiscal", "one", 1)
+    refreshed(tmp_path)
+    went_on(tmp_path / "a.axiscal")
+    monkeypatch.setattr("axiscal.record.folder_index._PATIENCE", 0.05)
+    with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with FolderIndex.open(tmp_path) as index:
+            index.refresh()
+            assert "locked" in index.why_apart
+            assert index.records()[0].last == 3
+    assert refreshed(tmp_path)[0] == ["a.axiscal"]
+
+
+def test_damage_is_said_and_tried_again(tmp_path: Path) -> None:
+    path = begun(tmp_path / "a.axiscal", "one", 3)
+    good = path.read_bytes()
+    path.write_bytes(good[:-40])
+    _, found = refreshed(tmp_path)
+    assert "damaged" in found["a.axiscal"][0]
+    path.write_bytes(good)
+    assert refreshed(tmp_path)[1] == said_by_records(tmp_path)
+    with pytest.raises(RecordError, match="no folder"):
+        FolderIndex.open(path)
+
+
+def test_where_two_records_of_a_campaign_part(tmp_path: Path) -> None:
+    one = begun(tmp_path / "a.axiscal", "one", 3)
+    (tmp_path / "b.axiscal").write_bytes(one.read_bytes())
+    went_on(one, 1e-6)
+    went_on(tmp_path / "b.axiscal", 3e-6)
+    with FolderIndex.open(tmp_path) as index:
+        index.refresh()
+        first, second = index.records()
+        assert first.campaign == second.campaign
+        assert index.parting(first, second) == 5
