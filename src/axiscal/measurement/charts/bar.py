@@ -13,6 +13,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import along_one
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.swing import Swing, bar_angles
 from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
@@ -70,6 +71,14 @@ class Bar:
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return a way on the sphere."""
         return way(self, self.room, start, stop)
+
+    def swing(self, start: Array, stop: Array) -> Swing:
+        """Return what bounds a way even in azimuth, elevation and rotary axes: n(φ, θ) turns by |φ'| + |θ'| at most."""
+        turns, far = np.zeros(len(self.park)), np.abs(stop - start)
+        turns[list(self.turning)] = far[2:]
+        rate = float(far[0] + far[1])
+        angles = bar_angles(self.room.machine, turns, self.centre, self.free, self.cone, rate)
+        return Swing(turns, self.length * rate, self.length * rate**2, angles)
 
     def places(self, poses: Array) -> Array:
         """Return azimuth, elevation and rotary coordinates of poses."""

@@ -13,6 +13,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import crossings
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.swing import Swing, bar_angles
 from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
@@ -71,6 +72,13 @@ class Circle:
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return the way along the circle."""
         return way(self, self.room, start, stop)
+
+    def swing(self, start: Array, stop: Array) -> Swing:
+        """Return what bounds a way along the circle."""
+        far = float(np.abs(stop - start)[0])
+        turns = np.abs(self.turning) * far
+        angles = bar_angles(self.room.machine, turns, self.centre, self.free, self.cone, far)
+        return Swing(turns, self.length * far, self.length * far**2, angles)
 
     def places(self, poses: Array) -> Array:
         """Return the angles of poses, within the arc as far as whole turns allow."""

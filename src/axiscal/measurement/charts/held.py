@@ -12,6 +12,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import along_one
 from axiscal.measurement.charts.room import Room, within_cone
+from axiscal.measurement.charts.swing import Swing, stem_to
 from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
@@ -67,6 +68,12 @@ class Held:
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return a way with the tool point held."""
         return way(self, self.room, start, stop)
+
+    def swing(self, start: Array, stop: Array) -> Swing:
+        """Return what bounds a straight way: the tool point stands."""
+        turns = np.zeros(len(self.park))
+        turns[list(self.turning)] = np.abs(stop - start)
+        return Swing(turns, 0.0, 0.0, (stem_to(self.room.machine, turns, self.free, self.cone),))
 
     def places(self, poses: Array) -> Array:
         """Return the rotary coordinates of poses."""

@@ -12,6 +12,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import crossings
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.swing import Swing
 from axiscal.measurement.charts.ways import way
 from axiscal.numerics import Array
 
@@ -66,6 +67,10 @@ class Line:
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return the straight way."""
         return way(self, self.room, start, stop)
+
+    def swing(self, start: Array, stop: Array) -> Swing:
+        """Return what bounds a straight way: the linear axes go straight."""
+        return Swing(np.zeros(len(self.park)), float(np.abs(stop - start)[0]), 0.0, ())
 
     def places(self, poses: Array) -> Array:
         """Return how far along the line poses are."""

@@ -45,7 +45,7 @@ class Room:
         found = self.in_travel(poses)
         if len(self.keep_out) and found.any():
             at = frames(self.machine, poses[found])
-            found[found] = ~self._hit(at.tcp, at.stem)
+            found[found] = ~self.hit(at.tcp, at.stem)
         return found
 
     def holds_bar(self, poses: Array, centre: Array, free: Array, cone: float) -> NDArray[np.bool_]:
@@ -61,21 +61,26 @@ class Room:
             found[found] = within_cone(at.stem, bar, cone) & within_cone(bar, free, cone)
         return found
 
-    def _hit(self, tips: Array, stems: Array) -> NDArray[np.bool_]:
-        """Return where the tool, from its tip (m, 3) along its stem, is nearer to a box than its radius."""
+    def hit(self, tips: Array, stems: Array, nearer: Array | float = 0.0) -> NDArray[np.bool_]:
+        """Return where the tool, from its tip (m, 3) along its stem, is nearer to a box than its radius, (m,).
+
+        nearer : m, or (m,), by how much the boxes grow, where the tool may move by so much
+        """
         hit = np.zeros(len(tips), dtype=bool)
-        for box in self.keep_out:
-            hit |= np.all((tips >= box[:, 0]) & (tips <= box[:, 1]), axis=1)
-            hit |= _enters(tips, stems * self.machine.tool, box + self.machine.tool_radius * np.array([-1.0, 1.0]))
+        wider = np.broadcast_to(np.asarray(nearer, dtype=np.float64), (len(tips),))[:, None]
+        for low, high in np.swapaxes(self.keep_out, 1, 2):
+            hit |= np.all((tips >= low - wider) & (tips <= high + wider), axis=1)
+            around = wider + self.machine.tool_radius
+            hit |= _enters(tips, stems * self.machine.tool, low - around, high + around)
         return hit
 
 
-def _enters(starts: Array, ways: Array, box: Array) -> NDArray[np.bool_]:
-    """Return whether straight ways (m, 3) from places (m, 3) enter a box (3, 2): by slabs."""
+def _enters(starts: Array, ways: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """Return whether straight ways (m, 3) from places (m, 3) enter boxes from low to high (m, 3): by slabs."""
     still = np.abs(ways) < 1e-12
     safe = np.where(still, 1.0, ways)
-    into, out = (box[:, 0] - starts) / safe, (box[:, 1] - starts) / safe
-    beside = still & ((starts < box[:, 0]) | (starts > box[:, 1]))
+    into, out = (low - starts) / safe, (high - starts) / safe
+    beside = still & ((starts < low) | (starts > high))
     first = np.where(still, 0.0, np.minimum(into, out)).max(axis=1)
     last = np.where(still, 1.0, np.maximum(into, out)).min(axis=1)
     found: NDArray[np.bool_] = ~beside.any(axis=1) & (np.maximum(first, 0.0) < np.minimum(last, 1.0))

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.clear import clear
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.swing import Swinging
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 
@@ -33,7 +33,7 @@ class _Lattice(NamedTuple):
     near: tuple[tuple[int, ...], ...]
 
 
-def way_round(chart: Chart, room: Room, start: Array, stop: Array) -> Array | None:
+def way_round(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
     """Return the shortest way over the lattice, (k, size), its ends included; None where there is none."""
     found = _lattice(chart, room)
     into, out = _doors(found, chart, room, start), _doors(found, chart, room, stop)
@@ -42,7 +42,7 @@ def way_round(chart: Chart, room: Room, start: Array, stop: Array) -> Array | No
 
 
 @remembered
-def _lattice(chart: Chart, room: Room) -> _Lattice:
+def _lattice(chart: Swinging, room: Room) -> _Lattice:
     values = []
     for number in range(chart.size):
         end = chart.bounds(number)
@@ -76,7 +76,7 @@ def _pairs(index: NDArray[np.intp]) -> list[tuple[int, int]]:
     return found
 
 
-def _doors(lattice: _Lattice, chart: Chart, room: Room, place: Array) -> list[int]:
+def _doors(lattice: _Lattice, chart: Swinging, room: Room, place: Array) -> list[int]:
     order = np.argsort(np.linalg.norm(lattice.places - place, axis=1), kind="stable")[:_DOORS]
     return [int(k) for k in order if clear(chart, room, np.stack([place, lattice.places[k]]))]
 

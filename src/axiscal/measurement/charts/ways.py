@@ -6,17 +6,17 @@ from itertools import permutations
 
 import numpy as np
 
-from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.clear import clear
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.charts.roundabout import way_round
+from axiscal.measurement.charts.swing import Swinging
 from axiscal.numerics import Array
 
 _MOST_LEGS = 3
 """Coordinates up to which all orders of going one after the other are tried."""
 
 
-def way(chart: Chart, room: Room, start: Array, stop: Array) -> Array | None:
+def way(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
     """Return a way from place to place of a chart, (k, size), its ends included; None where there is none of these."""
     straight = np.stack([start, stop])
     if clear(chart, room, straight):
