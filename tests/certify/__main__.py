@@ -92,7 +92,7 @@ def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
 
 def plans_as_printed(most: int, first: int) -> Iterator[Finding]:
     """Yield what kinematics of the tests' own make of every plan, next reading and program of the examples."""
-    yield from (Finding(text, good) for text, good in printed_plans.verdicts(most, first))
+    yield from (Finding(text, good) for text, good in printed_plans.verdicts(most, first, Kept("plans")))
 
 
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {

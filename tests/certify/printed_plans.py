@@ -8,10 +8,13 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
+import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +25,16 @@ from axiscal.exceptions import InputError, ProgramError
 from axiscal.gcode import controllers, dialect, programs
 from axiscal.measurement.place import Place
 from tests.certify import silent_instrument
+from tests.certify.kept import Kept
 from tests.generators.printed_machine import PrintedMachine, printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
 
 ROOT = Path(__file__).resolve().parents[2]
-_LONGEST = 3600
-"""s, for one command: it ends the trial, not the plan."""
+_LONGEST = 900
+"""s of processor time, for one command: it ends the trial, not the plan."""
+_BY_HAND = 3
+"""Readings that are asked for one at a time and recorded, after each of which the rest of the plan is renewed."""
 
 
 def campaigns(folder: Path) -> list[Path]:
@@ -48,17 +54,23 @@ def campaigns(folder: Path) -> list[Path]:
     return found
 
 
-def verdicts(most: int, first: int) -> Iterator[tuple[str, bool]]:
-    """Yield of each campaign how many readings and ways were looked at, and whether all of them can be."""
+def verdicts(most: int, first: int, kept: Kept) -> Iterator[tuple[str, bool]]:
+    """Yield of each campaign how many readings and ways were looked at, and whether all of them can be.
+
+    kept : what an earlier run has found, which goes on here
+    """
     with tempfile.TemporaryDirectory() as folder:
         for path in campaigns(Path(folder))[first : first + most]:
             name = str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name
-            try:
-                yield f"{name}: {_looked_at(path, Path(folder))}", True
-            except AssertionError as failure:
-                yield f"{name}: {str(failure)[:200] or 'a reading or a way that cannot be'}", False
-            except subprocess.TimeoutExpired:
-                yield f"{name}: nothing was printed in {_LONGEST} s", False
+            said, good = kept.get(name, partial(_verdict, path, Path(folder)))
+            yield f"{name}: {said}", good
+
+
+def _verdict(path: Path, folder: Path) -> tuple[str, bool]:
+    try:
+        return _looked_at(path, folder), True
+    except AssertionError as failure:
+        return str(failure)[:300] or "a reading or a way that cannot be", False
 
 
 def _looked_at(path: Path, folder: Path) -> str:
@@ -74,16 +86,22 @@ def _looked_at(path: Path, folder: Path) -> str:
         said.holds(place)
     ways = sum(_ways(description, said, planned, controller) for controller in controllers())
     asked = _asked(path, folder, machine) if not target else []
-    for place in asked:
+    by_hand = _by_hand(path, folder, machine) if not target else []
+    for place in (*asked, *by_hand):
         said.holds(place)
-    return f"{len(planned)} readings planned, {len(asked)} asked for in a closed loop, {ways} ways in programs"
+    return (
+        f"{len(planned)} readings planned, {len(asked)} asked for in a closed loop, {len(by_hand)} by hand, "
+        f"{ways} ways in programs"
+    )
 
 
 def _printed(words: list[str]) -> tuple[Any, str]:
     """Return the document that a command prints, or None with what it says."""
-    command = [sys.executable, "-m", "axiscal.cli", *words]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False)
+    limit = f"ulimit -t {_LONGEST}; exec "
+    command = ["sh", "-c", limit + shlex.join([sys.executable, "-m", "axiscal.cli", *words])]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     said = " ".join(done.stderr.split())
+    assert done.returncode not in (-signal.SIGKILL, -signal.SIGXCPU), f"{words[0]} took {_LONGEST} s of processor time"
     assert done.returncode in (0, 1), said
     assert "Traceback" not in said, said
     return (json.loads(done.stdout), said) if done.stdout.strip() else (None, said[-160:])
@@ -105,6 +123,22 @@ def _asked(path: Path, folder: Path, machine: PrintedMachine) -> list[Place]:
         _printed(["run", str(path), "--source", source, "--out", f"{out}/out", "--json"])
     lines = log.read_text(encoding="utf-8").splitlines() if log.is_file() else []
     return [_place(machine, json.loads(line)) for line in lines]
+
+
+def _by_hand(path: Path, folder: Path, machine: PrintedMachine) -> list[Place]:
+    """Return what `next` asks for, one reading recorded after another, and the rest of the plan renewed after each."""
+    record, asked = str(folder / "by-hand.axiscal"), []
+    Path(record).unlink(missing_ok=True)
+    begun, _ = _printed(["start", str(path), record, "--json"])
+    for _ in range(_BY_HAND if begun is not None else 0):
+        question = _printed(["next", record, "--json"])[0]["question"]
+        if question is None:
+            break
+        asked.append(_place(machine, question))
+        unit = "urad" if question["instrument"] in ("level", "autocollimator") else "um"
+        zeros = ", ".join([f"0 {unit}"] * (3 if question["instrument"] in silent_instrument.THREE else 1))
+        _printed(["record", record, zeros, "--json"])
+    return asked
 
 
 def _ways(description: CampaignDescription, said: Said, places: list[Place], controller: str) -> int:
