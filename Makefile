@@ -6,7 +6,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -23,6 +23,7 @@ help:
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
 	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
+	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; ROOM=numerics; hours)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
@@ -89,6 +90,9 @@ fuzz: .venv/dev.stamp
 fuzz-coverage: .venv/dev.stamp .venv-fuzz/stamp
 	.venv-fuzz/bin/python -m tests.reliability.guided $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
+mutants: .venv-mutants/stamp
+	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(ROOM),--room $(ROOM))
+
 requests: .venv/dev.stamp
 	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q tests/web/test_conformance.py
 
@@ -100,13 +104,14 @@ lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable -o requirements/run.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
+	$(LOCK) $(if $(UPGRADE),--upgrade) --constraint requirements/dev.txt -o requirements/mutants.txt requirements/mutants.in
 
 clean:
 	rm -rf build out demo-out demo-linuxcnc-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-docs .venv-fuzz .venv-peers src/*.egg-info
+	rm -rf .venv .venv-docs .venv-fuzz .venv-mutants .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -134,6 +139,14 @@ distclean: clean
 	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
 	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/fuzz.txt
 	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
+	@touch $@
+
+.venv-mutants/stamp: requirements/mutants.txt requirements/dev.txt | .venv/bin/pip
+	@echo "axiscal: installing cosmic-ray and the test tools into .venv-mutants"
+	@$(BIN)/python -m venv .venv-mutants
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/mutants.txt
+	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
 	@touch $@
 
 .venv-docs/stamp: requirements/docs.txt | .venv/bin/pip
