@@ -16,7 +16,7 @@ help:
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
-	@echo "make languages  bring the translations of prompt and page up to the messages there are (src/axiscal/guide/languages)"
+	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode and PART=plans go on where they were ended)"

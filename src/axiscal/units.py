@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from axiscal.exceptions import UnitError
+from axiscal.language.spoken import put
 
 if TYPE_CHECKING:
     import numpy as np
@@ -170,6 +171,11 @@ def to_unit(value: Number, unit: str) -> Number:
 def format_quantity(value: float, unit: str, digits: int = 6) -> str:
     """Return an SI value as text in `unit`, as `parse_quantity` reads it back; digits: significant ones."""
     return f"{to_unit(value, unit):.{digits}g} {unit}"
+
+
+def said_quantity(value: float, unit: str, digits: int = 3) -> str:
+    """Return an SI value for a sentence: the same in `unit`, decimals as the language that is spoken writes them."""
+    return put(f"{{value:.{digits}g}} {{unit}}", value=float(to_unit(value, unit)), unit=unit)
 
 
 def dimension_of(unit: str) -> Dimension:

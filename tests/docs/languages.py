@@ -1,15 +1,16 @@
-"""The messages of prompt and page, and the files of their translations: `make languages`.
+"""The messages of prompt, page and report, and the files of their translations: `make languages`.
 
-A translator edits `guide/languages/NAME.po`; this adds messages that are new, takes out those that are gone, and writes
-`NAME.mo`, which the program reads.
+A translator edits `language/translations/NAME.po`; this adds messages that are new, takes out those that are gone, and
+writes `NAME.mo`, which the program reads.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -17,52 +18,70 @@ from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
+from axiscal.campaign.ended_words import ENDINGS
 from axiscal.guide.answers import ACTIONS
-from axiscal.guide.endings import ENDINGS
-from axiscal.guide.language import LANGUAGES
+from axiscal.language.spoken import LANGUAGES
 from axiscal.measurement.instrument import INSTRUMENTS
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
-FOLDER = SOURCES / "guide" / "languages"
+FOLDER = SOURCES / "language" / "translations"
 Message = str | tuple[str, str]
+_SAYING = ("said", "counted", "later")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
-_IN_SCRIPT = re.compile(r'\bsaid\("((?:[^"\\]|\\.)*)"')
+_IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')
+_TEMPLATES = [*(SOURCES / "web" / "static").glob("*.js"), *(SOURCES / "report" / "templates").iterdir()]
 
 
+@cache
 def messages() -> set[Message]:
     """Return every message: a text, or two of them for one and for many."""
-    python = [
-        found for room in ("guide", "cli", "web") for file in (SOURCES / room).glob("*.py") for found in _said(file)
-    ]
+    python = [found for file in SOURCES.rglob("*.py") for found in _said(file)]
     scripts = [
         found[1].replace('\\"', '"')
-        for file in (SOURCES / "web" / "static").glob("*.js")
+        for file in _TEMPLATES
         for found in _IN_SCRIPT.finditer(file.read_text(encoding="utf-8"))
     ]
     return {*python, *scripts, *_Page.texts(), *ACTIONS, *ENDINGS, *INSTRUMENTS}
 
 
 def _said(file: Path) -> Iterator[Message]:
-    """Yield what a file says: a literal, or a name that holds one in the same file."""
+    """Yield what a file says: literals, either of two, or names that hold them in the same function or file."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    held = {
-        target.id: node.value.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    }
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("said", "counted"):
-            texts = [
-                each.value if isinstance(each, ast.Constant) else held.get(getattr(each, "id", ""))
-                for each in node.args
-            ]
-            if node.func.id == "counted":
-                yield str(texts[0]), str(texts[1])
-            elif isinstance(texts[0], str):
-                yield texts[0]
+    everywhere = _held(node for node in tree.body if isinstance(node, ast.Assign))
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    for scope in (tree, *functions):
+        own = _held(node for node in ast.walk(scope) if isinstance(node, ast.Assign)) if scope is not tree else {}
+        for node in ast.walk(scope):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _SAYING:
+                texts = [list(_texts(each, everywhere | own)) for each in node.args]
+                if node.func.id == "counted":
+                    yield from ((one, many) for one in texts[0] for many in texts[1] if scope is not tree)
+                elif texts and (scope is not tree or node.func.id == "later"):
+                    yield from texts[0]
+
+
+def _held(nodes: Iterable[ast.Assign]) -> dict[str, list[str]]:
+    """Return the texts that names are given."""
+    found: dict[str, list[str]] = {}
+    for node in nodes:
+        for target in node.targets:
+            pairs = [(target, node.value)]
+            if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                pairs = list(zip(target.elts, node.value.elts, strict=True))
+            for name, value in pairs:
+                if isinstance(name, ast.Name) and isinstance(value, ast.Constant) and isinstance(value.value, str):
+                    found.setdefault(name.id, []).append(value.value)
+    return found
+
+
+def _texts(node: ast.expr, held: dict[str, list[str]]) -> Iterator[str]:
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        yield node.value
+    elif isinstance(node, ast.IfExp):
+        yield from (text for branch in (node.body, node.orelse) for text in _texts(branch, held))
+    elif isinstance(node, ast.Name):
+        yield from held.get(node.id, ())
 
 
 class _Page(HTMLParser):
@@ -108,7 +127,7 @@ def catalogue(language: str) -> Catalog:
         "language_team": "",
         "msgid_bugs_address": "",
     }
-    about |= {"header_comment": f"# {LANGUAGES.get(language, language)}, for prompt and page."}
+    about |= {"header_comment": f"# {LANGUAGES.get(language, language)}, for prompt, page and report."}
     new = Catalog(locale=language, creation_date=_NEVER, revision_date=_NEVER, fuzzy=False, **about)
     for message in sorted(messages(), key=str):
         known = old.get(message if isinstance(message, str) else message[0])

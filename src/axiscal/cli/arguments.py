@@ -53,6 +53,12 @@ Language = Annotated[
         metavar="NAME", help="Of the person: en or de; default: AXISCAL_LANGUAGE, or the language of the computer."
     ),
 ]
+ReportLanguage = Annotated[
+    str | None,
+    typer.Option(
+        "--language", metavar="NAME", help="Of the page and the PDF: en or de; default: that of campaign.toml."
+    ),
+]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
 Log = Annotated[
     Path | None, typer.Option("--log", metavar="FILE", help="The log that programs of plan --gcode --log have written.")

@@ -18,7 +18,7 @@ from axiscal.description.first_files import Beginning, first_files, of_builtin, 
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError
-from axiscal.guide.language import chosen
+from axiscal.language.spoken import chosen
 from axiscal.machine import builtin_names
 
 

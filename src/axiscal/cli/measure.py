@@ -12,8 +12,8 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.prompt import Prompt
-from axiscal.guide.language import chosen, said, speaking
 from axiscal.guide.stopping import results_beside
+from axiscal.language.spoken import chosen, said, speaking
 from axiscal.report.result_set import RECORD
 
 

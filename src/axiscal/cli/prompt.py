@@ -6,21 +6,21 @@ from enum import Enum, auto
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
 from axiscal.cli.printing import say
 from axiscal.cli.prompt_texts import expected_text, headline, help_text, mounting_text, question_lines
 from axiscal.cli.texts import micrometres
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.guide.answers import Value, Word, action, answer
-from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
-from axiscal.guide.language import counted, said
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.progress import Progress
 from axiscal.guide.question import Question
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.guide.stopping import controls_of, table_left
 from axiscal.guide.taking_back import take_back
+from axiscal.language.spoken import counted, said
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 

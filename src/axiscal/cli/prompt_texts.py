@@ -6,10 +6,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import micrometres
 from axiscal.guide.answers import ACTIONS
 from axiscal.guide.expectation import BAND
-from axiscal.guide.language import said
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.progress import Progress, goals_text
 from axiscal.guide.question import Question
+from axiscal.language.spoken import said
 from axiscal.units import to_unit
 
 

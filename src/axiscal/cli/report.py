@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import OwnRecord
+from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import RecordError
@@ -26,16 +26,20 @@ def report(
     schema: Annotated[
         Path | None, typer.Option(metavar="dcc.xsd", help="The schema that a certificate is compared with.")
     ] = None,
+    language: ReportLanguage = None,
 ) -> None:
     """Write the report of a campaign, finished or not: one page that needs no network, a PDF, or a certificate.
 
     FILE.xml is a Digital Calibration Certificate (DCC 3.3.0), without signature and seal: whoever is responsible adds
     them. With --schema it is compared with PTB's schema, which has to be at hand.
 
+    The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
+    ([report] language), else in English; the certificate is in English.
+
     \b
     Examples:
       axiscal report mill.axiscal --out mill.html
-      axiscal report mill.axiscal --out mill.pdf
+      axiscal report mill.axiscal --out mill.pdf --language de
       axiscal report mill.axiscal --out mill.xml --schema dcc.xsd
     """
 
@@ -43,7 +47,7 @@ def report(
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, ruled(campaign.concluded()), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
-    write_report(summary, target)
+    write_report(summary, target, language)
     say(f"The report is in {target}.{_compared(target, schema)}")
 
 

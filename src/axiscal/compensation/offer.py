@@ -14,8 +14,9 @@ from axiscal.compensation.planes_left import planes_left
 from axiscal.compensation.table import CompensationTable
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 from axiscal.numerics import Array
-from axiscal.units import format_quantity
+from axiscal.units import format_quantity, said_quantity
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
@@ -125,14 +126,18 @@ def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
     return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
 
 
-def effect_sentence(effect: Effect, unknown: float) -> str:
+def effect_sentence(files: str, effect: Effect, unknown: float) -> str:
     """Say what files leave of the deviation as it is estimated, and what is to be expected with what is not known."""
     before, after, expected = (
-        format_quantity(value, "um", 3) for value in (*effect, float(np.hypot(effect.after, unknown)))
+        said_quantity(value, "um") for value in (*effect, float(np.hypot(effect.after, unknown)))
     )
-    return (
-        f"take the estimated TCP deviation over the volume from {before} RMS to {after} as estimated; with what is not "
-        f"known, {expected} RMS is to be expected."
+    return said(
+        "{files} take the estimated TCP deviation over the volume from {before} RMS to {after} as estimated; with what "
+        "is not known, {expected} RMS is to be expected.",
+        files=files,
+        before=before,
+        after=after,
+        expected=expected,
     )
 
 
@@ -170,7 +175,7 @@ def _readme(controller: str, draft: Draft, effect: Effect, unknown: float, first
         *first,
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
-        f"They {effect_sentence(effect, unknown)}",
+        effect_sentence("They", effect, unknown),
         f"Left out: {draft.left_out}" if draft.left_out else "",
         "",
         *(f"- {note}" for note in draft.notes),

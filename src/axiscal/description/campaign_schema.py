@@ -109,6 +109,7 @@ class ReportTable(Table):
     customer: str = Field("", examples=['"Sample Gears Ltd"'])
     temperature: str = Field("", examples=['"machine 20.4 to 21.1 degC, room 21 degC"'])
     remarks: str = Field("", examples=['"after the repair of the Y axis"'])
+    language: str = Field("", examples=['"de"'])
 
 
 class ProgramsTable(Table):

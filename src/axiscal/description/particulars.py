@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import LANGUAGES
 from axiscal.machine import Machine
 
 if TYPE_CHECKING:
@@ -31,7 +32,8 @@ class Equipment:
 class Particulars:
     """What campaign.toml says under [report], and of its instruments and artefacts; "" where nothing is said.
 
-    number : of the report; country : two letters (ISO 3166-1); temperature : of machine and room, in words
+    number : of the report; language : that it is written in; country : two letters (ISO 3166-1);
+    temperature : of machine and room, in words
     maker, serial : of the machine; setups, artefacts : by name
     """
 
@@ -44,6 +46,7 @@ class Particulars:
     customer: str = ""
     temperature: str = ""
     remarks: str = ""
+    language: str = ""
     maker: str = ""
     serial: str = ""
     setups: Mapping[str, Equipment] = field(default_factory=dict)
@@ -61,6 +64,10 @@ def read_particulars(table: CampaignTable, machine: Machine, document: Document)
     if said["country"] and not (len(said["country"]) == 2 and said["country"].isascii() and said["country"].isalpha()):
         fault = DescriptionError(f"{shown(said['country'])} is no country of two letters", 'Such as country = "DE"')
         raise document.fault(fault, "report", "country")
+    if said["language"] and said["language"] not in LANGUAGES:
+        known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
+        fault = DescriptionError(f"{shown(said['language'])} is no language of reports", f"There are {known}")
+        raise document.fault(fault, "report", "language")
     built = tomllib.loads(machine.text)
     said |= {key: str(built.get(key, "")) for key in ("maker", "serial")}
     setups, artefacts = _equipment(table.setups, document, "setups"), _equipment(table.artefacts, document, "artefacts")

@@ -10,17 +10,18 @@ import numpy as np
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorModel, Term
 from axiscal.error_model.plane import PlaneError
-from axiscal.machine.axis import letter_direction
+from axiscal.language.spoken import counted, joined, later, listed, put, said
+from axiscal.machine.axis import Axis, letter_direction
 from axiscal.numerics import Array
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
+_THEY_DO_NOT_MOVE = later("No allowed reading shows {subject}; they do not move the tool point.")
 _WHOLE = 0.999
 """All of it, to rounding of the shares."""
 _OPEN = 0.1
 """Share that has to be hidden before it is spoken of."""
-_HARMLESS = "the tool point does not depend on it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +70,13 @@ def missing(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Iterator[Hi
     for reading, members in list(groups.items())[:_LISTED]:
         subject = _listed([_phrase(aspect) for aspect, _ in members])
         effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
-        moved = f"It moves the tool point by {format_quantity(effect, 'um', 2)} (RMS over the volume)"
-        text = f"No allowed set-up shows {subject}. {moved}; {reading} would show it."
+        text = said(
+            "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
+            "would show it.",
+            subject=subject,
+            effect=said_quantity(effect, "um", 2),
+            reading=reading,
+        )
         yield Hidden(tuple(aspect.function.name for aspect, _ in members), text, effect)
     yield from _others(list(groups.values())[_LISTED:])
 
@@ -80,21 +86,27 @@ def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
     if members:
         names = tuple(aspect.function.name for aspect, _ in members)
         effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
-        moved = f"{format_quantity(effect, 'um', 2)} (RMS over the volume)"
-        yield Hidden(
-            names, f"Nor does any allowed set-up show {_joined(names)}; together they move it by {moved}.", effect
-        )
+        text = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
+        yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
 
 
 def _reading(model: ErrorModel, function: Term) -> str:
     axis, component = model.machine.axes[function.axis], function.component % 3
-    sides = " and comes from both sides" if function.kind == "reversal" else ""
     if function.kind == "location" and not axis.rotary:
-        return f"a reading along {'xyz'[3 - component - letter_direction(axis.letter)]} while {axis.name} moves"
-    kind = "of the rotation about" if function.angular else "along"
+        across = "xyz"[3 - component - letter_direction(axis.letter)]
+        return said("a reading along {way} {when}", way=across, when=_moving(axis))
+    when = _moving(axis)
     if isinstance(function, PlaneError):
-        return f"a reading {kind} {'xyz'[component]} while {' and '.join(function.entry.axes)} move{sides}"
-    return f"a reading {kind} {'xyz'[component]} while {axis.name} {'turns' if axis.rotary else 'moves'}{sides}"
+        when = said("while {axes} move", axes=joined(function.entry.axes))
+    if function.kind == "reversal":
+        when = said("{when} and comes from both sides", when=when)
+    if function.angular:
+        return said("a reading of the rotation about {way} {when}", way="xyz"[component], when=when)
+    return said("a reading along {way} {when}", way="xyz"[component], when=when)
+
+
+def _moving(axis: Axis) -> str:
+    return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
 
 
 def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
@@ -102,7 +114,8 @@ def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
     idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
     if idle:
         subject, many = _listed([_phrase(a) for a in idle]), len(idle) > 1
-        text = f"No allowed reading shows {subject}; {'they do' if many else 'it does'} not move the tool point."
+        one = "No allowed reading shows {subject}; it does not move the tool point."
+        text = said(_THEY_DO_NOT_MOVE if many else one, subject=subject)
         yield Hidden(tuple(a.function.name for a in idle), text)
     rest = [a for a in aspects if a not in idle]
     yield from _twins(model, [a for a in rest if a.kind == "curve"])
@@ -124,26 +137,33 @@ def _pattern(model: ErrorModel, aspect: Aspect) -> tuple[bool, int]:
 
 def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int) -> Hidden:
     names = tuple(dict.fromkeys(a.function.name for a in members))
-    where = f"{'About' if turning else 'Along'} {'xyz'[direction]}"
+    way = "xyz"[direction]
+    where = said("About {way}", way=way) if turning else said("Along {way}", way=way)
     if len(members) == 1:
-        zero = "" if turning else ", for it is where the workpiece zero lies"
-        text = f"{where}: {_phrase(members[0])} cannot be told from what other errors do{zero}; {_HARMLESS}."
-        return Hidden(names, text)
+        turned = "{where}: {error} cannot be told from what other errors do; the tool point does not depend on it."
+        shifted = (
+            "{where}: {error} cannot be told from what other errors do, for it is where the workpiece zero lies; the "
+            "tool point does not depend on it."
+        )
+        return Hidden(names, said(turned if turning else shifted, where=where, error=_phrase(members[0])))
     turns = any(axis.rotary for axis in model.machine.axes)
-    shows = "only sums of them show" if turns else "only their sum shows"
-    return Hidden(
-        names, f"{where}: {_kinds(members)} act together, {shows}. {_convention(members, turning)}; {_HARMLESS}."
-    )
+    shows = said("only sums of them show") if turns else said("only their sum shows")
+    together = "{where}: {errors} act together, {shows}. {convention}; the tool point does not depend on it."
+    convention = _convention(members, turning)
+    text = said(together, where=where, errors=_kinds(members), shows=shows, convention=convention)
+    return Hidden(names, text)
 
 
 def _convention(members: list[Aspect], turning: bool) -> str:
     """How to read a group: which of its errors hold the whole of it."""
     held = [a.function.name for a in members if a.function.kind == "location"]
     if held:
-        return (
-            f"With constants and slopes taken as zero, {_joined(held)} {'say' if len(held) > 1 else 'says'} all of it"
-        )
-    return "Which of them holds it is a matter of choice" if turning else "It is where the workpiece zero lies"
+        one = "With constants and slopes taken as zero, {names} says all of it"
+        many = "With constants and slopes taken as zero, {names} say all of it"
+        return counted(one, many, len(held), names=joined(held))
+    if turning:
+        return said("Which of them holds it is a matter of choice")
+    return said("It is where the workpiece zero lies")
 
 
 def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
@@ -151,31 +171,44 @@ def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
     for k, axis in enumerate(model.machine.axes):
         mine = [a for a in curves if a.function.axis == k]
         about = sorted({"xyz"[a.function.component % 3] for a in mine if a.function.angular})
-        way = (
-            f"a reading of the rotation about {' or '.join(about)} would, or a tool of another length; "
-            if about
-            else ""
+        alone = (
+            "On {axis}, no allowed reading tells {subject} from other curves that act alike; the tool point does not "
+            "depend on it."
+        )
+        turned = (
+            "On {axis}, no allowed reading tells {subject} from other curves that act alike; a reading of the rotation "
+            "about {about} would, or a tool of another length; the tool point does not depend on it."
         )
         if mine:
-            subject = _listed([_phrase(a) for a in mine])
-            alike = f"no allowed reading tells {subject} from other curves that act alike"
-            yield Hidden(tuple(a.function.name for a in mine), f"On {axis.name}, {alike}; {way}{_HARMLESS}.")
+            subject, either = _listed([_phrase(a) for a in mine]), listed(said(" or "), about)
+            text = said(turned if about else alone, axis=axis.name, subject=subject, about=either)
+            yield Hidden(tuple(a.function.name for a in mine), text)
 
 
 def _kinds(members: list[Aspect]) -> str:
     """The members by kind: location errors by name, then constants and slopes."""
     parts = [a.function.name for a in members if _is_constant(a)]
-    for kind in ("constant", "slope"):
-        names = [a.function.name for a in members if a.kind == kind and not _is_constant(a)]
-        if names:
-            parts.append(f"the {kind}{'s' if len(names) > 1 else ''} of {_joined(names)}")
-    return _joined(parts)
+    constants, slopes = (
+        [a.function.name for a in members if a.kind == kind and not _is_constant(a)] for kind in ("constant", "slope")
+    )
+    if constants:
+        one, many = "the constant of {names}", "the constants of {names}"
+        parts.append(counted(one, many, len(constants), names=joined(constants)))
+    if slopes:
+        parts.append(counted("the slope of {names}", "the slopes of {names}", len(slopes), names=joined(slopes)))
+    return joined(parts)
 
 
 def _phrase(aspect: Aspect) -> str:
     function = aspect.function
-    name = f"{function.name} ({words(function.name)})"
-    return name if _is_constant(aspect) or aspect.kind == "curve" else f"the {aspect.kind} of {name}"
+    name = put("{name} ({words})", name=function.name, words=words(function.name))
+    if _is_constant(aspect) or aspect.kind == "curve":
+        return name
+    return (
+        said("the constant of {name}", name=name)
+        if aspect.kind == "constant"
+        else said("the slope of {name}", name=name)
+    )
 
 
 def _is_constant(aspect: Aspect) -> bool:
@@ -184,8 +217,4 @@ def _is_constant(aspect: Aspect) -> bool:
 
 def _listed(phrases: list[str]) -> str:
     more = len(phrases) - _LISTED
-    return _joined([*phrases[:_LISTED], f"{more} more"] if more > 0 else phrases)
-
-
-def _joined(parts: list[str] | tuple[str, ...]) -> str:
-    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+    return joined([*phrases[:_LISTED], said("{count} more", count=more)] if more > 0 else phrases)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from axiscal.language.spoken import said
+
 _REVERSAL = "_reversal"
 _COMPONENT = re.compile(r"E([XYZABC])([XYZUVWPQRABC])([1-9]?)")
 _LOCATION = re.compile(r"([XYZABC])0([XYZUVWPQRABC])([1-9]?)")
@@ -33,17 +35,19 @@ def words(name: str) -> str:
 
 
 def _together(direction: str, first: str, second: str) -> str:
-    turn = f"turn about {_ABOUT[direction].lower()}" if direction in _ABOUT else f"displacement in {direction.lower()}"
-    return f"{turn} that {first} and {second} make together"
+    if direction in _ABOUT:
+        turn = "turn about {way} that {first} and {second} make together"
+        return said(turn, way=_ABOUT[direction].lower(), first=first, second=second)
+    shift = "displacement in {way} that {first} and {second} make together"
+    return said(shift, way=direction.lower(), first=first, second=second)
 
 
 def _reversal(component: str) -> str:
-    inner = words(component)
-    return (
-        inner.replace("positioning of", "reversal of")
-        if inner.startswith("positioning")
-        else f"reversal in the {inner}"
-    )
+    match = _COMPONENT.fullmatch(component)
+    assert match is not None  # looked at before
+    if match[1] == match[2].translate(_PRIMARY):
+        return said("reversal of {axis}", axis=match[2] + match[3])
+    return said("reversal in the {motion}", motion=words(component))
 
 
 def _component(direction: str, letter: str, axis: str) -> str:
@@ -51,20 +55,22 @@ def _component(direction: str, letter: str, axis: str) -> str:
         return _rotary_motion(direction, letter, axis)
     primary = letter.translate(_PRIMARY)
     if direction == primary:
-        return f"positioning of {axis}"
+        return said("positioning of {axis}", axis=axis)
     if direction not in _ABOUT:
-        return f"straightness of {axis} in {direction.lower()}"
+        return said("straightness of {axis} in {way}", axis=axis, way=direction.lower())
     if _ABOUT[direction] == primary:
-        return f"roll of {axis}"
-    return f"pitch of {axis}" if direction == _PITCH[primary] else f"yaw of {axis}"
+        return said("roll of {axis}", axis=axis)
+    return said("pitch of {axis}", axis=axis) if direction == _PITCH[primary] else said("yaw of {axis}", axis=axis)
 
 
 def _rotary_motion(direction: str, letter: str, axis: str) -> str:
     if direction == letter:
-        return f"positioning of {axis}"
+        return said("positioning of {axis}", axis=axis)
     if direction in _ABOUT:
-        return f"tilt of {axis} about {_ABOUT[direction].lower()}"
-    return f"axial error of {axis}" if direction == _ABOUT[letter] else f"radial error of {axis} in {direction.lower()}"
+        return said("tilt of {axis} about {way}", axis=axis, way=_ABOUT[direction].lower())
+    if direction == _ABOUT[letter]:
+        return said("axial error of {axis}", axis=axis)
+    return said("radial error of {axis} in {way}", axis=axis, way=direction.lower())
 
 
 def _location(direction: str, letter: str, axis: str) -> str:
@@ -72,17 +78,22 @@ def _location(direction: str, letter: str, axis: str) -> str:
         return _rotary_location(direction, letter, axis)
     primary = letter.translate(_PRIMARY)
     if direction not in _ABOUT:
-        return f"zero of {axis}" if direction == primary else f"offset of {axis} in {direction.lower()}"
+        return said("zero of {axis}", axis=axis) if direction == primary else _offset(axis, direction)
     if _ABOUT[direction] == primary:
-        return f"constant roll of {axis}"
+        return said("constant roll of {axis}", axis=axis)
     (reference,) = {"X", "Y", "Z"} - {primary, _ABOUT[direction]}
-    return f"squareness of {axis} to {reference}"
+    return said("squareness of {axis} to {reference}", axis=axis, reference=reference)
+
+
+def _offset(axis: str, direction: str) -> str:
+    return said("offset of {axis} in {way}", axis=axis, way=direction.lower())
 
 
 def _rotary_location(direction: str, letter: str, axis: str) -> str:
     if direction == letter:
-        return f"zero of {axis}"
+        return said("zero of {axis}", axis=axis)
     if direction in _ABOUT:
-        return f"tilt of the {axis} line about {_ABOUT[direction].lower()}"
-    along = direction == _ABOUT[letter]
-    return f"offset of {axis} along its line" if along else f"offset of the {axis} line in {direction.lower()}"
+        return said("tilt of the {axis} line about {way}", axis=axis, way=_ABOUT[direction].lower())
+    if direction == _ABOUT[letter]:
+        return said("offset of {axis} along its line", axis=axis)
+    return said("offset of the {axis} line in {way}", axis=axis, way=direction.lower())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
+from axiscal.language.spoken import listed, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.names import COMPONENTS
@@ -20,12 +21,12 @@ def undescribed(machine: Machine) -> str | None:
     named = {error.name for error in machine.errors}
     missing = [name for axis in machine.axes for name in _motions(axis, named)]
     missing += _squarenesses(machine, named)
-    return f"Not described, taken as zero: {', '.join(missing)}." if missing else None
+    return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
 
 
 def _motions(axis: Axis, named: set[str]) -> list[str]:
     absent = [name for component in COMPONENTS if (name := f"E{component}{axis.name}") not in named]
-    return absent if len(absent) < len(COMPONENTS) else [f"all six of {axis.name}"]
+    return absent if len(absent) < len(COMPONENTS) else [said("all six of {axis}", axis=axis.name)]
 
 
 def _squarenesses(machine: Machine, named: set[str]) -> Iterator[str]:

@@ -8,10 +8,12 @@ import numpy as np
 
 from axiscal.error_model.model import Term
 from axiscal.estimation.estimation import Estimation
+from axiscal.language.spoken import later, said
 from axiscal.numerics import Array
 
 STRANGE = 0.5
 """Below this it is likelier a stranger than a sister."""
+_STRANGER = later("this machine is not like its sisters (P = {chance:.2g})")
 _TOLD = 0.5
 """Share of the type's variance below which readings have told an error."""
 _FAR = 2.5
@@ -31,11 +33,15 @@ def membership_words(known: Estimation) -> str:
     if member is None or member.count == 0:
         return ""
     if member.sister >= STRANGE:
-        some = f"readings up to {member.count} fit" if member.count > 1 else "the first reading fits"
-        return f"{some} the sisters (P = {member.sister:.2g})"
-    found = farthest(known)
-    most = f": {found.name} is {found.away:.1f} of their standard deviations away" if found is not None else ""
-    return f"this machine is not like its sisters (P = {member.sister:.2g}){most}"
+        if member.count == 1:
+            return said("the first reading fits the sisters (P = {chance:.2g})", chance=float(member.sister))
+        many = "readings up to {count} fit the sisters (P = {chance:.2g})"
+        return said(many, count=member.count, chance=float(member.sister))
+    found, strange = farthest(known), said(_STRANGER, chance=float(member.sister))
+    if found is None:
+        return strange
+    most = "{strange}: {name} is {away:.1f} of their standard deviations away"
+    return said(most, strange=strange, name=found.name, away=float(found.away))
 
 
 def farthest(known: Estimation) -> Unlike | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import ReadingError
-from axiscal.guide.language import counted, said
+from axiscal.language.spoken import counted, said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup

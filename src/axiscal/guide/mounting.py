@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.guide.language import said
 from axiscal.guide.question import Question
 from axiscal.guide.sign import reads_text
+from axiscal.language.spoken import said
 
 
 def mount_sentence(question: Question) -> str:

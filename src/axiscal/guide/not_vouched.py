@@ -7,8 +7,8 @@ import math
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import standing
 from axiscal.estimation.watching import watched_so_far
-from axiscal.guide.language import said
 from axiscal.inference.contradiction import SURE, Explanation
+from axiscal.language.spoken import said
 from axiscal.units import to_unit
 
 _MOST = 15

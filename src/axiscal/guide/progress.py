@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
-from axiscal.guide.language import counted, said
+from axiscal.language.spoken import counted, said
 from axiscal.measurement.place import Place
 from axiscal.planning.promise import promised, reachable_rms
 from axiscal.units import format_quantity

@@ -9,9 +9,9 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.guide.axis_places import axis_places
 from axiscal.guide.expectation import Expectation, expectation
-from axiscal.guide.language import said
 from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import sign_text
+from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place_texts import place_text, reading_unit
 from axiscal.measurement.setup import Setup

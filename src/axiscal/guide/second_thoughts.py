@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.language import said
+from axiscal.language.spoken import said
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.units import format_quantity
 

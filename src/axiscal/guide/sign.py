@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.guide.language import said
+from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import direction_text
 from axiscal.measurement.setup import Setup, Vector

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.language import counted, said
 from axiscal.guide.question import asked_text
+from axiscal.language.spoken import counted, said
 from axiscal.measurement.place_texts import reading_text
 from axiscal.record.events import Recorded, Skipped
 

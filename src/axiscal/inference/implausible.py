@@ -15,6 +15,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.inference.outliers import Doubt
+from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.drift import wandering
@@ -27,7 +28,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen, seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 IMPLAUSIBLE = 12.0
 """So many standard deviations are no chance, and no prior that is three times too small."""
@@ -35,27 +36,32 @@ _WIDEST, _ENOUGH, _COUNTLESS = 4.0, 5, 1e6
 _NEAREST = 0.05
 """No station stands nearer, m: by how much distances may bend before it is located."""
 _SLIPS = (
-    (75.0, "about 25 times too large (inches instead of mm?)"),
-    (4000.0, "about a thousand times too large (mm instead of um?)"),
-    (1e5, "about 25000 times too large (inches instead of um?)"),
+    (75.0, later("about 25 times too large (inches instead of mm?)")),
+    (4000.0, later("about a thousand times too large (mm instead of um?)")),
+    (1e5, later("about 25000 times too large (inches instead of um?)")),
 )
 
 
 def unit_guess(size: float, angular: bool = False) -> str:
     """Return which slip of the unit makes a reading so many standard deviations too large; empty for none."""
     if angular:
-        return "about a thousand times too large (mrad instead of urad?)" if 75.0 < size <= 4000.0 else ""
-    return next((words for most, words in _SLIPS if size <= most), "")
+        return said("about a thousand times too large (mrad instead of urad?)") if 75.0 < size <= 4000.0 else ""
+    return next((said(words) for most, words in _SLIPS if size <= most), "")
 
 
 def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]) -> str:
     """Return what an implausible reading is, and which slip of the unit may have made it."""
     unit = reading_unit(setup)
-    value = ", ".join(format_quantity(each, unit) for each in reading.values)
-    size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else "more than a million"
+    value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
+    size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
     guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
-    text = f"{reading_text(axes, setup, reading, doubt.reading)}, {value}, is {size} standard deviations from all that"
-    return f"{text} the stated std and the other readings allow{', ' if guess else ''}{guess}"
+    text = said(
+        "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
+        reading=reading_text(axes, setup, reading, doubt.reading),
+        value=value,
+        size=size,
+    )
+    return listed(", ", [text, guess]) if guess else text
 
 
 @dataclass(frozen=True, eq=False, slots=True)

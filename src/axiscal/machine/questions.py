@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from axiscal.language.spoken import counted, joined, later, listed, said
 from axiscal.machine.description import Machine
 from axiscal.machine.names import parse_error_name
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 _LONGEST, _SHORTEST, _TOOL = 50.0, 1e-3, 2.0
 """m: travels of machine tools, and lengths of tools, lie between."""
@@ -14,6 +15,7 @@ _FASTEST = 10.0
 """m/s."""
 _LARGEST_LENGTH, _LARGEST_ANGLE, _LARGEST_OFFSET = 1e-3, 1e-2, 5e-3
 """Standard deviations: of displacements, m; of angles, rad; of where a rotary axis lies, m."""
+_WIDE = later("The std of {name} is {size}: one machine in three lies beyond that. Is it the unit that is meant?")
 _SMALLEST = 1e-9
 """m or rad: nobody knows an error to the atom before it is measured."""
 
@@ -25,32 +27,38 @@ def questions(machine: Machine) -> tuple[str, ...]:
 
 def uncounted(machine: Machine) -> str:
     """Return the axes of which nobody said which way they count: "B and C"; "" where there are none."""
-    return " and ".join(axis.name for axis in machine.axes if axis.rotary and axis.counting is None)
+    return joined(_uncounted(machine))
+
+
+def _uncounted(machine: Machine) -> list[str]:
+    return [axis.name for axis in machine.axes if axis.rotary and axis.counting is None]
 
 
 def which_way(machine: Machine) -> tuple[str, ...]:
     """Return the question which way rotary axes count, where nobody said."""
-    names = uncounted(machine)
+    names = _uncounted(machine)
     if not names:
         return ()
-    verb = "do" if " " in names else "does"
-    return (
-        f"Which way {verb} {names} count? Nothing is said, and ISO 841 is supposed: counting up, the tool turns by the "
-        "right hand about the axis relative to the workpiece, a table the other way. Where the control counts against "
-        'that (as LinuxCNC\'s xyzac- and xyzbc-trt-kins do), write direction = "reversed" in the table of the axis, '
-        'else "iso".',
+    one, many = "Which way does {names} count?", "Which way do {names} count?"
+    supposed = (
+        "Nothing is said, and ISO 841 is supposed: counting up, the tool turns by the right hand about the axis "
+        "relative to the workpiece, a table the other way. Where the control counts against that (as LinuxCNC's "
+        'xyzac- and xyzbc-trt-kins do), write direction = "reversed" in the table of the axis, else "iso".'
     )
+    return (listed(" ", [counted(one, many, len(names), names=joined(names)), said(supposed)]),)
 
 
 def _axes(machine: Machine) -> Iterator[str]:
     for axis in machine.axes:
         if not axis.rotary and not _SHORTEST <= axis.length <= _LONGEST:
-            travel = format_quantity(axis.length, "m", 3)
-            yield f"The travel of {axis.name} is {travel}: is that the unit that is meant?"
+            travel = said_quantity(axis.length, "m")
+            yield said("The travel of {axis} is {size}: is that the unit that is meant?", axis=axis.name, size=travel)
         if not axis.rotary and axis.speed > _FASTEST:
-            yield f"{axis.name} moves at {format_quantity(axis.speed, 'm/min', 3)}: is that the unit that is meant?"
+            speed = said_quantity(axis.speed, "m/min")
+            yield said("{axis} moves at {size}: is that the unit that is meant?", axis=axis.name, size=speed)
     if machine.tool > _TOOL:
-        yield f"The tool is {format_quantity(machine.tool, 'm', 3)} long: is that the unit that is meant?"
+        tool = said_quantity(machine.tool, "m")
+        yield said("The tool is {size} long: is that the unit that is meant?", size=tool)
 
 
 def _errors(machine: Machine) -> Iterator[str]:
@@ -59,12 +67,8 @@ def _errors(machine: Machine) -> Iterator[str]:
         most = _LARGEST_ANGLE if name.angular else _LARGEST_OFFSET if name.kind == "location" else _LARGEST_LENGTH
         if not _SMALLEST <= entry.std <= most:
             unit = "mrad" if name.angular else "mm"
-            yield (
-                f"The std of {entry.name} is {format_quantity(entry.std, unit, 3)}: one machine in three lies beyond "
-                "that. Is it the unit that is meant?"
-            )
+            yield said(_WIDE, name=entry.name, size=said_quantity(entry.std, unit))
     for plane in machine.planes:
         most, unit = (_LARGEST_ANGLE, "mrad") if plane.angular else (_LARGEST_LENGTH, "mm")
         if plane.std and not _SMALLEST <= plane.std <= most:
-            size = format_quantity(plane.std, unit, 3)
-            yield f"The std of {plane.name} is {size}: one machine in three lies beyond that. Is the unit meant so?"
+            yield said(_WIDE, name=plane.name, size=said_quantity(plane.std, unit))

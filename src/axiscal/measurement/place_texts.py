@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
@@ -26,13 +27,19 @@ def shown_pose(axes: Sequence[Axis], pose: Sequence[float]) -> dict[str, float]:
 def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] | None = None) -> str:
     """Return a pose as "X = 120 mm, C = 30 deg", of all axes or of some."""
     chosen = range(len(axes)) if only is None else only
-    return ", ".join(f"{axes[k].name} = {shown_coordinate(pose[k], axes[k]):.9g} {axes[k].unit}" for k in chosen)
+    return listed(", ", [_coordinate(axes[k], shown_coordinate(pose[k], axes[k])) for k in chosen])
+
+
+def _coordinate(axis: Axis, shown: float) -> str:
+    return put("{axis} = {at:.9g} {unit}", axis=axis.name, at=float(shown), unit=axis.unit)
 
 
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
     """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
-    place = place_text(axes, reading.pose, setup.moves)
-    return f'reading {reading.numbered(index)} in "{setup.name}"{" at " if place else ""}{place}'
+    place, number = place_text(axes, reading.pose, setup.moves), reading.numbered(index)
+    if not place:
+        return said('reading {number} in "{setup}"', number=number, setup=setup.name)
+    return said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)
 
 
 def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:

@@ -13,22 +13,23 @@ from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import OPEN, Defence, Departed, defence
+from axiscal.language.spoken import counted, later, listed, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _NAMED = 3
 """Departures in a sentence that is read."""
 _WORDS: Mapping[Family, str] = MappingProxyType(
     {
-        "drift": 'a drift of "{}"',
-        "levelling": 'a drift of "{}"',
-        "step": "a step in {}",
-        "pitch": "an error of {} within a turn of its screw",
-        "bump": "a detail of {}",
-        "reversal": "a reversal that varies, {},",
-        "together": "what two axes do together, {},",
+        "drift": later('a drift of "{owner}"'),
+        "levelling": later('a drift of "{owner}"'),
+        "step": later("a step in {owner}"),
+        "pitch": later("an error of {owner} within a turn of its screw"),
+        "bump": later("a detail of {owner}"),
+        "reversal": later("a reversal that varies, {owner},"),
+        "together": later("what two axes do together, {owner},"),
     }
 )
 
@@ -69,14 +70,19 @@ def _planned(case: Case, plan: Plan) -> list[Reading]:
 
 def vouched_words(case: Case, found: Defence) -> str:
     """Return in a sentence what readings can vouch for, and what they could not show if that is much more."""
-    count, size = _counted(found.readings), f"{to_unit(found.u_def, 'um'):.3g} um"
-    open_ones = _open(found)
+    size, open_ones = said_quantity(found.u_def, "um"), _open(found)
     if not open_ones:
-        return f"{count} could vouch for {size} (standard uncertainty)."
+        one = "{count} reading could vouch for {size} (standard uncertainty)."
+        many = "{count} readings could vouch for {size} (standard uncertainty)."
+        return counted(one, many, found.readings, size=size)
     shown = dict.fromkeys(_limit(case, each) for each in open_ones)
-    named = ", ".join(list(shown)[:_NAMED])
-    said = f"These {count} could not show {named}; what they can vouch for is a standard uncertainty of {size}"
-    return f"{said.replace('These 1 reading', 'This 1 reading')}."
+    return counted(
+        "This {count} reading could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
+        "These {count} readings could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
+        found.readings,
+        named=listed(", ", list(shown)[:_NAMED]),
+        size=size,
+    )
 
 
 def lacking(found: Defence) -> bool:
@@ -130,10 +136,10 @@ def _open(found: Defence) -> list[Departed]:
 
 def _limit(case: Case, each: Departed) -> str:
     """Return one departure and from where it would be seen."""
-    named, unit = _WORDS[each.family].format(each.owner), _unit(case, each)
+    named = said(_WORDS[each.family], owner=each.owner)
     if not math.isfinite(each.seen_from):
-        return f"{named} of any size"
-    return f"{named} above {to_unit(each.seen_from, unit):.2g} {unit}"
+        return said("{departure} of any size", departure=named)
+    return said("{departure} above {size}", departure=named, size=said_quantity(each.seen_from, _unit(case, each), 2))
 
 
 def _unit(case: Case, each: Departed) -> str:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from axiscal.language.spoken import said
 from axiscal.report.digits import numbers
 from axiscal.report.drawing.colours import ColourScale, colour_of, map_image
 from axiscal.report.drawing.strokes import short_number, text_safe, title, words
@@ -52,12 +53,16 @@ class _Look:
 def volume_panels(volume: VolumeError) -> list[VolumePanel]:
     """Return the pictures: as found, as left where there are tables, and ±; arrows of one scale and colours."""
     look = _look(volume)
-    panels = [VolumePanel("As found", _largest_words(volume.found_um), _arrows(volume, volume.found_um, look))]
+    panels = [VolumePanel(said("As found"), _largest_words(volume.found_um), _arrows(volume, volume.found_um, look))]
     if volume.left_um:
-        left = f"with the tables for {volume.controller}, as estimated; {_largest_words(volume.left_um)}"
-        panels.append(VolumePanel("As left", left, _arrows(volume, volume.left_um, look)))
-    known = f"95 % along x, y and z; {_largest_words(volume.half_um)}"
-    return [*panels, VolumePanel("How well that is known", known, _crosses(volume, look))]
+        left = said(
+            "with the tables for {controller}, as estimated; {largest}",
+            controller=volume.controller,
+            largest=_largest_words(volume.left_um),
+        )
+        panels.append(VolumePanel(said("As left"), left, _arrows(volume, volume.left_um, look)))
+    known = said("95 % along x, y and z; {largest}", largest=_largest_words(volume.half_um))
+    return [*panels, VolumePanel(said("How well that is known"), known, _crosses(volume, look))]
 
 
 def magnification(volume: VolumeError) -> float:
@@ -66,7 +71,7 @@ def magnification(volume: VolumeError) -> float:
 
 
 def _largest_words(vectors: Sequence[Triple]) -> str:
-    return f"largest {quantity(_size(vectors), 'um')}"
+    return said("largest {size}", size=quantity(_size(vectors), "um"))
 
 
 def _size(vectors: Sequence[Triple]) -> float:
@@ -111,9 +116,9 @@ def _arrows(volume: VolumeError, vectors: Sequence[Triple], look: _Look) -> str:
     for place, vector in zip(volume.tcp_mm, vectors, strict=True):
         tip = _moved(place, vector, look.magnified)
         hue = colour_of(math.hypot(*vector), _SIZES, 0.0, look.largest)
-        said = f"{_place_words(place)}: {_vector_words(vector)}"
-        parts.append(f'<g stroke="{hue}" fill="{hue}">{title(said)}{_line(place, tip, look, 1.6)}{_dot(tip, look)}</g>')
-    return _picture(volume, "".join(parts), look, _SIZES, look.largest, "length of the arrows")
+        what = f"{_place_words(place)}: {_vector_words(vector)}"
+        parts.append(f'<g stroke="{hue}" fill="{hue}">{title(what)}{_line(place, tip, look, 1.6)}{_dot(tip, look)}</g>')
+    return _picture(volume, "".join(parts), look, _SIZES, look.largest, said("length of the arrows"))
 
 
 def _crosses(volume: VolumeError, look: _Look) -> str:
@@ -127,7 +132,7 @@ def _crosses(volume: VolumeError, look: _Look) -> str:
             low, high = (_moved(place, (arm[0], arm[1], arm[2]), sign * look.magnified) for sign in (-1, 1))
             arms.append(_line(low, high, look, 1.4))
         parts.append(f'<g stroke="{hue}">{title(f"{_place_words(place)}: ± {_vector_words(half)}")}{"".join(arms)}</g>')
-    return _picture(volume, "".join(parts), look, _WIDER, largest, "± in space")
+    return _picture(volume, "".join(parts), look, _WIDER, largest, said("± in space"))
 
 
 def _moved(place: Triple, vector: Triple, magnified: float) -> Triple:
@@ -154,7 +159,7 @@ def _picture(volume: VolumeError, inside: str, look: _Look, scale: ColourScale, 
     view = json.dumps([*numbers([*look.middle, look.scale], "view"), _WIDTH / 2, _HEIGHT / 2, _TURN, _TILT])
     return (
         f'<svg class="picture space" viewBox="0 0 {_WIDTH} {_HEIGHT + 40}" width="{_WIDTH}" height="{_HEIGHT + 40}" '
-        f'role="img" aria-label="Error of the volume" data-view3="{text_safe(view)}">'
+        f'role="img" aria-label="{text_safe(said("Error of the volume"))}" data-view3="{text_safe(view)}">'
         f'<g fill="none">{_box(volume, look)}{inside}</g>{_bar(scale, largest, what)}</svg>'
     )
 
@@ -195,8 +200,12 @@ def _bar(scale: ColourScale, largest: float, what: str) -> str:
 
 
 def _place_words(place: Triple) -> str:
-    return ", ".join(f"{name} {figure(value)}" for name, value in zip("xyz", place, strict=True)) + " mm"
+    return _components(place) + " mm"
 
 
 def _vector_words(vector: Triple) -> str:
-    return ", ".join(f"{name} {figure(value)}" for name, value in zip("xyz", vector, strict=True)) + " µm"
+    return _components(vector) + " µm"
+
+
+def _components(vector: Triple) -> str:
+    return said("x {x}, y {y}, z {z}", **{name: figure(value) for name, value in zip("xyz", vector, strict=True)})

@@ -9,11 +9,12 @@ from axiscal.error_model.iso230 import words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruling_of
 from axiscal.inference.contradiction import SURE, Comparison, Explanation
+from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.departures import TWIST
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _CODES = {
     "drift": "drift",
@@ -35,10 +36,11 @@ def contradictions(estimation: Estimation, found: Comparison) -> Iterator[Findin
         return
     first, *others = found.explanations
     what, remedy = _described(first, estimation)
-    text = f"The readings contradict the model ({_how_surely(found)}): {what}; {remedy}."
+    contradicted = "The readings contradict the model ({surely}): {what}; {remedy}."
+    text = said(contradicted, surely=_how_surely(found), what=what, remedy=remedy)
     near = [_described(each, estimation)[0] for each in others if each.odds >= _AS_LIKELY * first.odds]
     if near:
-        text += f" About as likely: {'; or '.join(near)}."
+        text = listed(" ", [text, said("About as likely: {causes}.", causes=listed(said("; or "), near))])
     owner = first.owner if first.owner in estimation.case.errors.names else None
     yield Finding(_CODES.get(first.family, "lack-of-fit"), owner, text)
 
@@ -47,8 +49,8 @@ def _how_surely(found: Comparison) -> str:
     """Return by which odds, or by which chance where the odds are less than those that are acted on."""
     if found.highest >= SURE:
         odds = min(math.floor(math.log10(found.highest)), _MOST)
-        return f"odds of 10^{odds} to 1 at least"
-    return "chance does so in less than one campaign of twenty"
+        return said("odds of 10^{power} to 1 at least", power=odds)
+    return said("chance does so in less than one campaign of twenty")
 
 
 def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:
@@ -56,39 +58,54 @@ def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     if each.family in ("drift", "levelling", "bad"):
         return _of_setup(each, estimation)
     if each.family == "together":
-        size = f"{abs(to_unit(each.size, 'um')):.2g} ± {2 * to_unit(each.std, 'um'):.2g} um"
-        shape = "twist" if each.place == TWIST else "sag"
-        what = f"two axes seem to act together beyond the sum of their curves, a {shape} of {size} ({each.owner})"
-        return what, f'describe {each.owner} = {{ std = "…", knots = [9, 9] }}'
+        twist = "two axes seem to act together beyond the sum of their curves, a twist of {size} ({owner})"
+        sag = "two axes seem to act together beyond the sum of their curves, a sag of {size} ({owner})"
+        what = said(twist if each.place == TWIST else sag, size=_sized(each, "um"), owner=each.owner)
+        return what, said('describe {owner} = {{ std = "…", knots = [9, 9] }}', owner=each.owner)
     return _of_error(each, estimation)
 
 
 def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     setup = estimation.case.description.setup(each.owner)
     unit = reading_unit(setup)
-    size = f"{abs(to_unit(each.size, unit)):.2g} ± {2 * to_unit(each.std, unit):.2g} {unit}"
+    size = _sized(each, unit)
     if each.family == "bad":
         index = estimation.readings.index(ruling_of(estimation).readings[int(each.place)])
-        return f"{estimation.name_of(index)} seems to be wrong by {size}", "take it again"
-    again = f'state drift = "{abs(to_unit(each.size, unit)):.2g} {unit}/h" in the set-up, or measure when it is warm'
-    how = f"by {size} in an hour" if each.family == "drift" else f"and level off after {size}"
-    return f'the zero of "{each.owner}" seems to drift {how}', again
+        wrong = said("{reading} seems to be wrong by {size}", reading=estimation.name_of(index), size=size)
+        return wrong, said("take it again")
+    rate = f"{abs(to_unit(each.size, unit)):.2g} {unit}/h"
+    remedy = said('state drift = "{rate}" in the set-up, or measure when it is warm', rate=rate)
+    steady = 'the zero of "{owner}" seems to drift by {size} in an hour'
+    levelling = 'the zero of "{owner}" seems to drift and level off after {size}'
+    return said(steady if each.family == "drift" else levelling, owner=each.owner, size=size), remedy
+
+
+def _sized(each: Explanation, unit: str) -> str:
+    """Return the size of a departure with its band."""
+    size, half = abs(to_unit(each.size, unit)), 2 * to_unit(each.std, unit)
+    return put("{size:.2g} ± {half:.2g} {unit}", size=float(size), half=float(half), unit=unit)
 
 
 def _of_error(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     function = estimation.case.errors.names[each.owner]
     axis = estimation.case.errors.machine.axes[function.axis]
-    unit, place = value_unit(function), f"{to_unit(each.place, axis.unit):.4g} {axis.unit}"
-    size = f"{abs(to_unit(each.size, unit)):.2g} ± {2 * to_unit(each.std, unit):.2g} {unit}"
-    name = f"{each.owner} ({words(each.owner)})"
+    written, place = f"{to_unit(each.place, axis.unit):.4g} {axis.unit}", said_quantity(each.place, axis.unit, 4)
+    name = put("{name} ({words})", name=each.owner, words=words(each.owner))
+    told = {"name": name, "size": _sized(each, value_unit(function)), "place": place}
     if each.family == "pitch":
-        return f"{name} seems to repeat every {place}, by ±{size}", f'state period = "{place}" for it'
+        return said("{name} seems to repeat every {place}, by ±{size}", **told), said(
+            'state period = "{period}" for it', period=written
+        )
     if each.family == "step":
-        return f"{name} seems to step by {size} near {place}", "read closely on both sides of it"
+        return said("{name} seems to step by {size} near {place}", **told), said("read closely on both sides of it")
     if each.family == "bump":
-        return f"{name} seems to have a bump of {size} near {place}", "read more densely there, and give it more knots"
+        remedy = said("read more densely there, and give it more knots")
+        return said("{name} seems to have a bump of {size} near {place}", **told), remedy
     if each.family == "reversal":
-        return f"{name} seems to be another by {size} near {place}", "give the reversal knots"
-    kelvin = abs(each.size) / axis.length / _STEEL
-    like = f", like 11.7 um/m/K × {kelvin:.2g} K" if not (axis.rotary or function.angular) else ""
-    return f"{name} seems to be linear, {size} over the travel{like}", "state the temperature, or a larger std"
+        return said("{name} seems to be another by {size} near {place}", **told), said("give the reversal knots")
+    remedy = said("state the temperature, or a larger std")
+    if axis.rotary or function.angular:
+        return said("{name} seems to be linear, {size} over the travel", **told), remedy
+    kelvin = float(abs(each.size) / axis.length / _STEEL)
+    like = "{name} seems to be linear, {size} over the travel, like {steel:.3g} um/m/K × {kelvin:.2g} K"
+    return said(like, **told, steel=_STEEL * 1e6, kelvin=kelvin), remedy

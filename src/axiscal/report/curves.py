@@ -13,6 +13,7 @@ from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
+from axiscal.language.spoken import later, put, said
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.reading import Reading
@@ -20,13 +21,25 @@ from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.report.summary import ConstantSummary, CurvePoint, CurveSummary
 from axiscal.simulation import VirtualMachine
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _POSITIONS = 101
 """Points of a drawn curve."""
 _BEARS_ON = 0.1
 """Share of a reading's sight of an error, from which the reading is drawn at its curve."""
 _SEEN = 0.5
+_UNKNOWNS = {
+    "growth": later("growth"),
+    "lag": later("lag"),
+    "place": later("place"),
+    "scale": later("scale"),
+    "slope": later("slope"),
+    "square": later("square"),
+    "station": later("station"),
+    "tool": later("tool"),
+    "turn": later("turn"),
+    "zero": later("zero"),
+}
 
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
@@ -118,7 +131,7 @@ def _setup_unknowns(wide: Banded, truth: VirtualMachine | None) -> list[Constant
             result.append(
                 ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
-                    words=f"{unknown.name} of the set-up",
+                    words=said("{unknown} of the set-up", unknown=_unknown_words(unknown.name)),
                     mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
                     std=to_unit(float(np.linalg.norm(wide.knowledge.belief.factor[column])), unit),
                     prior_std=to_unit(unknown.std, unit),
@@ -127,6 +140,12 @@ def _setup_unknowns(wide: Banded, truth: VirtualMachine | None) -> list[Constant
                 )
             )
     return result
+
+
+def _unknown_words(name: str) -> str:
+    """Return the name of an unknown of a set-up: "zero", "station_x"; that of a ball stays as it is."""
+    stem, between, way = name.partition("_")
+    return put("{stem}{rest}", stem=said(_UNKNOWNS[stem]), rest=between + way) if stem in _UNKNOWNS else name
 
 
 def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
@@ -141,7 +160,7 @@ def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[Consta
             result.append(
                 ConstantSummary(
                     name=name,
-                    words=f"how far its zero came in {to_unit(last - first, 'min'):.3g} min",
+                    words=said("how far its zero came in {time}", time=said_quantity(last - first, "min")),
                     mean=to_unit(float(path.mean[-1]), unit),
                     std=to_unit(float(path.std[-1]), unit),
                     prior_std=to_unit(float(path.prior[-1]), unit),

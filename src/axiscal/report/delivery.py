@@ -17,10 +17,12 @@ from axiscal.compensation.effect import Deviation, rms, tour
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, effect_sentence
 from axiscal.compensation.on_top import informed
+from axiscal.description.particulars import Particulars
 from axiscal.error_model.volume import Box
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
+from axiscal.language.spoken import named_language, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
@@ -48,7 +50,14 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
 
     A table that a control cannot hold is not written; the report says why.
+    The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
+    language = language_of_report(campaign.description.particulars)
+    with speaking("en"):
+        return _delivered(campaign, estimation, out, extras, language)
+
+
+def _delivered(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras, language: str) -> Summary:
     summary = summarise(campaign, estimation, extras)
     home = out / RECORD
     live = home if home.exists() and home.samefile(campaign.path) else None
@@ -63,9 +72,9 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report as a page", 2, 3):
-            write_report(summary, folder / "report.html")
+            write_report(summary, folder / "report.html", language)
         with stage("the report on paper", 3, 3):
-            write_report(summary, folder / "report.pdf")
+            write_report(summary, folder / "report.pdf", language)
         write_whole(folder / "certificate.xml", certificate(summary))
         (folder / "data").mkdir()
         for name, text in data_files(summary).items():
@@ -82,8 +91,24 @@ def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
         write_manifest(folder, record, versions(), manifest)
 
 
-def write_report(summary: Summary, path: Path) -> None:
-    """Write the report, as certificate, as PDF or as a page, by the name of its file; raises OSError."""
+def language_of_report(particulars: Particulars, wanted: str | None = None) -> str:
+    """Return the language of a report: wanted or AXISCAL_LANGUAGE, else of campaign.toml, else that is spoken now.
+
+    That of the computer does not count: the same command gives the same bytes everywhere.
+    """
+    return named_language(wanted) or particulars.language or spoken_now()
+
+
+def write_report(summary: Summary, path: Path, language: str | None = None) -> None:
+    """Write the report, as certificate, as PDF or as a page, by the name of its file; raises OSError.
+
+    language : that somebody wants the page or the PDF in; the certificate is in English
+    """
+    with speaking("en" if path.suffix.lower() == ".xml" else language_of_report(summary.particulars, language)):
+        _write(summary, path)
+
+
+def _write(summary: Summary, path: Path) -> None:
     if path.suffix.lower() == ".xml":
         write_whole(path, certificate(summary))
         return
@@ -169,7 +194,7 @@ def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float
 
 def left_out(offered: Export) -> str:
     """Say what the files leave of the deviation."""
-    return f"All files together {effect_sentence(offered.effect, offered.unknown)}"
+    return effect_sentence(said("All files together"), offered.effect, offered.unknown)
 
 
 def _poses(box: Box) -> Array:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from axiscal.language.spoken import later, said
 from axiscal.report.digits import number, numbers
 from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.sentences import (
@@ -52,9 +53,9 @@ def accuracy(summary: Summary) -> Figure:
     levels = _levels(summary)
     traces = [_accuracy_trace(line, steps) for line in lines] + [_level_trace(level, steps) for level in levels]
     span = _log_range([value for line in lines for value in line.values] + [level.value for level in levels])
-    y = axis_style("standard uncertainty, µm", type="log", range=span)
-    drawn = layout(axis_style("readings"), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN)
-    usual = [index for index, line in enumerate(lines) if line.name == _TRADITIONAL]
+    y = axis_style(said("standard uncertainty, µm"), type="log", range=span)
+    drawn = layout(axis_style(said("readings")), y, _ACCURACY_HEIGHT, margin=_ACCURACY_MARGIN)
+    usual = [index for index, line in enumerate(lines) if line.name == said(_TRADITIONAL)]
     ends = [
         _label(li, f"{li.name} {figure(li.value)}", up, True)
         for li, up in zip(lines, _shifts(lines, span), strict=True)
@@ -63,13 +64,18 @@ def accuracy(summary: Summary) -> Figure:
     labels = [_label(level, f"{level.name} {short(level.value)} µm", up, False) for level, up in marks]
     kept = [label for index, label in enumerate(ends) if index not in usual]
     views = {
-        "readings": {"x": steps, "title": "readings", "hidden": [], "annotations": [*ends, *labels]},
-        "minutes": {"x": minutes, "title": "minutes of machine time", "hidden": usual, "annotations": [*kept, *labels]},
+        "readings": {"x": steps, "title": said("readings"), "hidden": [], "annotations": [*ends, *labels]},
+        "minutes": {
+            "x": minutes,
+            "title": said("minutes of machine time"),
+            "hidden": usual,
+            "annotations": [*kept, *labels],
+        },
     }
     return {"data": traces, "layout": drawn, "views": views, "wide": True}
 
 
-_TRADITIONAL = "traditional plan"
+_TRADITIONAL = later("traditional plan")
 _ACCURACY_HEIGHT = 350
 """Pixels; a matter of taste."""
 _ACCURACY_MARGIN = {"l": 56, "r": 150, "t": 12, "b": 44}
@@ -98,8 +104,8 @@ def _accuracy_lines(summary: Summary) -> list[_Line]:
     rows = summary.history
     usual = [row.traditional_rms_um for row in rows]
     lines = [
-        _line("worst place", [row.worst_um for row in rows], "var(--worst)", 1.6, "solid"),
-        _line(_TRADITIONAL, usual, "var(--soft)", 1.4, "dot"),
+        _line(said("worst place"), [row.worst_um for row in rows], "var(--worst)", 1.6, "solid"),
+        _line(said(_TRADITIONAL), usual, "var(--soft)", 1.4, "dot"),
         _line("RMS", [row.rms_um for row in rows], "var(--accent)", 2.6, "solid"),
     ]
     return [line for line in lines if any(value is not None for value in line.values)]
@@ -116,9 +122,9 @@ def _positive(value: float | None, what: str) -> float | None:
 
 def _levels(summary: Summary) -> list[_Line]:
     wanted = (
-        ("target RMS", summary.target_rms_um, "var(--accent)", "dash"),
-        ("target worst", summary.target_worst_um, "var(--worst)", "dash"),
-        ("cannot be seen", _unseen(summary), "var(--soft)", "dot"),
+        (said("target RMS"), summary.target_rms_um, "var(--accent)", "dash"),
+        (said("target worst"), summary.target_worst_um, "var(--worst)", "dash"),
+        (said("cannot be seen"), _unseen(summary), "var(--soft)", "dot"),
     )
     levels = [_line(name, [value], colour, 1.2, dash) for name, value, colour, dash in wanted]
     return [level for level in levels if level.values != [None]]
@@ -188,8 +194,8 @@ def innovations(summary: Summary) -> Figure | None:
         "y0": -2,
         "y1": 2,
     }
-    y = axis_style("surprise, standard deviations", range=[-reach - 0.5, reach + 0.5], dtick=2)
-    x = axis_style("reading")
+    y = axis_style(said("surprise, standard deviations"), range=[-reach - 0.5, reach + 0.5], dtick=2)
+    x = axis_style(said("reading"))
     drawn = layout(x, y, 260, shapes=[{**band, "fillcolor": "var(--whole)"}])
     return {"data": traces, "layout": drawn, "wide": True}
 
@@ -204,7 +210,8 @@ def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol
     symbols = [
         symbol if not out else "triangle-up" if z > 0 else "triangle-down" for out, z in zip(off, shown, strict=True)
     ]
-    text = [f"{_reading_text(row)}\nsurprise {figure(z)} standard deviations" for row, z in found]
+    surprise = "surprise {size} standard deviations"
+    text = [f"{_reading_text(row)}\n{said(surprise, size=figure(z))}" for row, z in found]
     marker = {"color": colour, "size": 8 if symbol == "x" else 6.5, "symbol": symbols}
     points = {"x": [row.reading for row, _ in found], "y": numbers(shown, "innovations"), "text": text}
     return {"type": "scatter", "mode": "markers", "marker": marker, "cliponaxis": False, **points}
@@ -212,7 +219,8 @@ def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol
 
 def _reading_text(row: HistoryRow) -> str:
     value = "" if row.value_um is None else f"\n{quantity(row.value_um, row.unit)}"
-    return f"reading {row.reading}, {row.setup or ''}\n{position_text(row.position)}{value}"
+    number = said("reading {number}", number=row.reading)
+    return f"{number}, {row.setup or ''}\n{position_text(row.position)}{value}"
 
 
 def places(summary: Summary) -> list[Figure]:
@@ -235,7 +243,7 @@ def _place_figure(rows: list[HistoryRow], across: str, up: str | None, summary: 
     both = [row for row in rows if across in (row.position or {}) and (up is None or up in (row.position or {}))]
     first = [(row.position or {})[across] for row in both]
     second = [float(row.reading) if up is None else (row.position or {})[up] for row in both]
-    title = "reading" if up is None else axis_title(up)
+    title = said("reading") if up is None else axis_title(up)
     trace = {
         "x": numbers(first, across),
         "y": numbers(second, title),
@@ -261,10 +269,10 @@ def axis_title(axis: str) -> str:
 
 def iso230(block: Iso230) -> Figure:
     """Return mean and mean ± 2 s of both directions at each target (ISO 230-2)."""
-    title = f"deviation, {unit_text(block.value_unit)}"
+    title = said("deviation, {unit}", unit=unit_text(block.value_unit))
     traces = [
-        *_direction("up", block, block.mean_up, block.std_up, "var(--accent)", "var(--seen)"),
-        *_direction("down", block, block.mean_down, block.std_down, "var(--truth)", "var(--truth-band)"),
+        *_direction(said("up"), block, block.mean_up, block.std_up, "var(--accent)", "var(--seen)"),
+        *_direction(said("down"), block, block.mean_down, block.std_down, "var(--truth)", "var(--truth-band)"),
     ]
     x = axis_style(f"{block.axis}, {unit_text(block.position_unit)}")
     drawn = layout(x, axis_style(title), 300, margin={"l": 56, "r": 12, "t": 8, "b": 42})
@@ -280,7 +288,13 @@ def _direction(
     target, middle = numbers(block.target, "targets"), numbers(mean, f"mean {name}", size)
     spread = numbers(std, f"std {name}", size)
     text = [
-        f"{name}: {figure(m)} ± {quantity(2 * s, block.value_unit)} (2 s) at {coordinate(t)}"
+        said(
+            "{name}: {mean} ± {spread} (2 s) at {place}",
+            name=name,
+            mean=figure(m),
+            spread=quantity(2 * s, block.value_unit),
+            place=coordinate(t),
+        )
         for t, m, s in zip(target, middle, spread, strict=True)
     ]
     marks = {"line": {"color": colour, "width": 1.8}, "marker": {"size": 5.5, "color": colour}}

@@ -17,6 +17,7 @@ from axiscal.estimation.zero_drift import paths
 from axiscal.inference.aliasing import Alias, aliases
 from axiscal.inference.misfit import Misfit, misfits
 from axiscal.inference.repeats import Trend, trend
+from axiscal.language.spoken import capital, listed, put, said
 from axiscal.machine.description import Machine
 from axiscal.machine.names import COMPONENTS
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -30,7 +31,7 @@ from axiscal.report.curves import value_unit
 from axiscal.report.strangers import strangers
 from axiscal.report.summary import Finding, ResidualCheck
 from axiscal.report.wide_bands import wide_bands
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _OUTLIER, _MANY = 4.0, 0.1
 _MISFIT = 1e-3
@@ -40,7 +41,6 @@ _SHOWS, _AN_HOUR = 3.0, 3600.0
 _OTHER = 1.5
 """A noise that differs by this factor is not as stated."""
 _MATTERS = 0.1
-_LEARN = 'give it rest = "estimate", or learn all priors with scales = "estimate" in the campaign'
 
 
 def observability(case: Case) -> list[str]:
@@ -81,21 +81,19 @@ def findings(estimation: Estimation) -> list[Finding]:
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
     """Return warnings of set-ups whose zero may drift, where given readings do not tell when they were taken."""
     silent = {reading.setup for reading in readings if reading.time is None}
-    said = (
-        'The readings of "{}", whose zero may drift, do not tell when they were taken: they count as taken one after '
-        "the other, as a plan would have it. If that took longer, the bands are too narrow: add a column time."
+    text = (
+        'The readings of "{setup}", whose zero may drift, do not tell when they were taken: they count as taken one '
+        "after the other, as a plan would have it. If that took longer, the bands are too narrow: add a column time."
     )
-    return [
-        Finding("drift", None, said.format(s.name)) for s in setups if s.drift_said == "stated" and s.name in silent
-    ]
+    drifting = [setup.name for setup in setups if setup.drift_said == "stated" and setup.name in silent]
+    return [Finding("drift", None, said(text, setup=name)) for name in drifting]
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
     yardstick = estimation.case.yardstick
     if yardstick.unseen_rms > _MATTERS * estimation.accuracy.rms:
-        size = to_unit(yardstick.unseen_rms, "um")
-        text = f"No allowed reading can bring the RMS below {size:.3g} um: see what could not be seen."
-        yield Finding("unobservable", None, text)
+        text = "No allowed reading can bring the RMS below {size}: see what could not be seen."
+        yield Finding("unobservable", None, said(text, size=said_quantity(yardstick.unseen_rms, "um")))
 
 
 def _outliers(estimation: Estimation) -> Iterator[Finding]:
@@ -105,19 +103,24 @@ def _outliers(estimation: Estimation) -> Iterator[Finding]:
         2.0, _MANY * len(surprises)
     )  # then it is not the readings
     for index, (reading, surprise) in enumerate(zip(estimation.readings, surprises, strict=True)):
-        doubt, name = doubted.get(index), estimation.name_of(index).replace("reading", "Reading", 1)
+        doubt, name = doubted.get(index), estimation.name_of(index)
         if doubt is not None and doubt.implausible:
-            said = estimation.objection_to(doubt)
-            text = f"{said[:1].upper()}{said[1:]}: it is not used; take it again, or record it with --accept."
-            yield Finding("outlier", None, text)
+            text = "{objection}: it is not used; take it again, or record it with --accept."
+            yield Finding("outlier", None, capital(said(text, objection=estimation.objection_to(doubt))))
         elif doubt is not None:
-            fate = "it is not used" if doubt.rejected else f"it counts with weight {doubt.weight:.2g}"
-            away = f"{doubt.surprise:.1f} standard deviations from what the other readings say"
-            remedy = "take it again, or record it with --accept if it is right"
-            yield Finding("outlier", None, f"{name} is {away}: {fate}; {remedy}.")
+            fate = said("it is not used")
+            if not doubt.rejected:
+                fate = said("it counts with weight {weight:.2g}", weight=float(doubt.weight))
+            text = (
+                "{reading} is {away:.1f} standard deviations from what the other readings say: {fate}; take it again, "
+                "or record it with --accept if it is right."
+            )
+            yield Finding("outlier", None, capital(said(text, reading=name, away=float(doubt.surprise), fate=fate)))
         elif surprise > _OUTLIER and not reading.accepted and not misfit:
-            away = f"{surprise:.1f} standard deviations from what the readings before it predict"
-            yield Finding("outlier", None, f"{name} is {away}; take it again.")
+            text = (
+                "{reading} is {away:.1f} standard deviations from what the readings before it predict; take it again."
+            )
+            yield Finding("outlier", None, capital(said(text, reading=name, away=surprise)))
 
 
 def _scales(estimation: Estimation) -> Iterator[Finding]:
@@ -146,24 +149,37 @@ def _noises(estimation: Estimation) -> Iterator[Finding]:
 def _rough(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
     function = estimation.case.errors.names[misfit.owner]
     axis = estimation.case.errors.machine.axes[function.axis]
-    detail = f"{to_unit(misfit.detail, axis.unit):.3g} {axis.unit}"
-    unit = value_unit(function)
-    size = f"about {to_unit(misfit.rest, unit):.2g} {unit} of it"
-    text = f"The {axis.name} curve {misfit.owner} ({words(misfit.owner)}) has detail finer than {detail} that "
-    text += f"this model does not follow, {size}. "
-    text += "Its band counts this as learnt from the readings; " if learnt else "Its band does not count this: "
-    text += f"knots = {misfit.knots} would follow it" if learnt else f"{_LEARN}; knots = {misfit.knots} would follow it"
-    return Finding("lack-of-fit", misfit.owner, text + ".")
+    text = said(
+        "The {axis} curve {name} ({words}) has detail finer than {detail} that this model does not follow, about "
+        "{size} of it.",
+        axis=axis.name,
+        name=misfit.owner,
+        words=words(misfit.owner),
+        detail=said_quantity(misfit.detail, axis.unit),
+        size=said_quantity(misfit.rest, value_unit(function), 2),
+    )
+    counted_in = "Its band counts this as learnt from the readings; knots = {knots} would follow it."
+    left_out = (
+        'Its band does not count this: give it rest = "estimate", or learn all priors with scales = "estimate" in the '
+        "campaign; knots = {knots} would follow it."
+    )
+    told = said(counted_in if learnt else left_out, knots=misfit.knots)
+    return Finding("lack-of-fit", misfit.owner, listed(" ", [text, told]))
 
 
 def _off(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
     unit, what = _named(misfit, estimation)
-    stated, found = (f"{to_unit(value, unit):.2g} {unit}" for value in (misfit.stated, misfit.found))
-    end = "the bands use what the readings say" if learnt else 'review it, or let scales = "estimate" learn it'
-    text = f"The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
+    stated, found = (said_quantity(value, unit, 2) for value in (misfit.stated, misfit.found))
+    end = (
+        said("the bands use what the readings say")
+        if learnt
+        else said('review it, or let scales = "estimate" learn it')
+    )
+    off = "The readings do not fit the prior: {what} is stated as {stated} and looks like {found}; {end}."
+    text = said(off, what=what, stated=stated, found=found, end=end)
     if misfit.kind == "noise" and misfit.found > misfit.stated:
         together = _together(estimation.case.description.setup(misfit.owner), estimation.case.description.machine)
-        text += f" Or {together}" if together else ""
+        text = listed(" ", [text, said("Or {together}", together=together)]) if together else text
     return Finding("prior-misfit", None if misfit.kind == "noise" else misfit.owner, text)
 
 
@@ -174,7 +190,7 @@ def _missing_planes(estimation: Estimation) -> Iterator[Finding]:
         return
     for setup in described.setups:
         if together := _together(setup, described.machine):
-            yield Finding("lack-of-fit", None, f"Perhaps {together}")
+            yield Finding("lack-of-fit", None, said("Perhaps {together}", together=together))
 
 
 def _together(setup: Setup, machine: Machine) -> str:
@@ -186,15 +202,16 @@ def _together(setup: Setup, machine: Machine) -> str:
     along = int(np.argmax(np.abs(setup.direction))) + (3 if INSTRUMENTS[setup.instrument].reads == "angle" else 0)
     first, second = sorted(moving)
     name = f"E{COMPONENTS[along]}{first}{second}"
-    return f"{first} and {second} do together what no sum of their curves follows: describe it as {name}."
+    text = "{first} and {second} do together what no sum of their curves follows: describe it as {name}."
+    return said(text, first=first, second=second, name=name)
 
 
 def _named(misfit: Misfit, estimation: Estimation) -> tuple[str, str]:
     if misfit.kind == "noise":
         setup = estimation.case.description.setup(misfit.owner)
-        return reading_unit(setup), f'the noise of "{misfit.owner}"'
+        return reading_unit(setup), said('the noise of "{setup}"', setup=misfit.owner)
     function = estimation.case.errors.names[misfit.owner]
-    return value_unit(function), f"the std of {misfit.owner} ({words(misfit.owner)})"
+    return value_unit(function), said("the std of {name} ({words})", name=misfit.owner, words=words(misfit.owner))
 
 
 def _aliasing(estimation: Estimation) -> Iterator[Finding]:
@@ -203,30 +220,36 @@ def _aliasing(estimation: Estimation) -> Iterator[Finding]:
 
 
 def _alias_text(alias: Alias) -> str:
-    unit = alias.axis.unit
-    name = alias.axis.name
-    spaced = f"The positions read on {name} are equally spaced"
+    unit, name = alias.axis.unit, alias.axis.name
+    spacing = said("The positions read on {axis} all lie alike in the period", axis=name)
     if alias.spacing is not None:
-        spaced += f", {to_unit(alias.spacing, unit):.4g} {unit} apart"
-    period = f"{to_unit(alias.period, unit):.4g} {unit}"
-    seen_as = alias.seen_as
-    slow = "a constant" if np.isinf(seen_as) else f"one of {to_unit(seen_as, unit):.4g} {unit}"
-    spacing = spaced if alias.spacing is not None else f"The positions read on {name} all lie alike in the period"
-    return f"{spacing}: what repeats every {period} in {alias.error} looks like {slow}; vary the targets."
+        spaced = "The positions read on {axis} are equally spaced, {spacing} apart"
+        spacing = said(spaced, axis=name, spacing=said_quantity(alias.spacing, unit, 4))
+    slow = said("a constant")
+    if not np.isinf(alias.seen_as):
+        slow = said("one of {period}", period=said_quantity(alias.seen_as, unit, 4))
+    return said(
+        "{spacing}: what repeats every {period} in {error} looks like {slow}; vary the targets.",
+        spacing=spacing,
+        period=said_quantity(alias.period, unit, 4),
+        error=alias.error,
+        slow=slow,
+    )
 
 
 def _misfit(estimation: Estimation) -> Iterator[Finding]:
     check = residual_check(estimation)
     if check is None or min(check.probability, 1 - check.probability) > _MISFIT:
         return
-    size = np.sqrt(check.chi_square / check.degrees)
-    guess = " Values about a thousand times too small (mm written as um?) look like that." if size < _TINY else ""
-    text = (
-        f"The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: "
-        "the bands are not to be trusted; review the std of the errors and the noise of the set-ups, or let "
-        'scales = "estimate" in the campaign learn them.'
+    size = float(np.sqrt(check.chi_square / check.degrees))
+    text = said(
+        "The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: the "
+        "bands are not to be trusted; review the std of the errors and the noise of the set-ups, or let "
+        'scales = "estimate" in the campaign learn them.',
+        size=size,
     )
-    yield Finding("prior-misfit", None, text + guess)
+    guess = said("Values about a thousand times too small (mm written as um?) look like that.")
+    yield Finding("prior-misfit", None, listed(" ", [text, guess]) if size < _TINY else text)
 
 
 def _drift(estimation: Estimation) -> Iterator[Finding]:
@@ -240,37 +263,48 @@ def _drift(estimation: Estimation) -> Iterator[Finding]:
 
 def _stated_drift(estimation: Estimation, setup: Setup) -> str:
     """Return by how much a zero has drifted that may, and whether that is more than stated; empty if it hardly has."""
-    unit, said = reading_unit(setup), ""
+    unit, found = reading_unit(setup), list[str]()
     for number, path in enumerate(paths(estimation, setup)):
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
         if abs(far) > _SHOWS * std:
-            which = f"zero along {'xyz'[number]}" if len(directions_of(setup)) > 1 else "zero"
-            size = f"{to_unit(far, unit):.2g} ± {to_unit(std, unit):.2g} {unit}"
-            after = _lasting(float(path.times[worst] - path.times[0]))
-            said += f'The {which} of "{setup.name}" had moved by {size} after {after}; the estimate takes that off. '
+            one = 'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
+            many = 'The zero along {way} of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
+            moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
+            found.append(
+                said(
+                    many if len(directions_of(setup)) > 1 else one,
+                    way="xyz"[number],
+                    setup=setup.name,
+                    size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
+                    time=_lasting(float(path.times[worst] - path.times[0])),
+                )
+            )
             if abs(far) > _OUTLIER * path.prior[worst]:
                 rate = abs(far) / max(float(path.times[worst] - path.times[0]), 60.0)
-                usual = setup.drift_said == "usual"
-                said += "That is more than is usual: state " if usual else "That is more than is stated: "
-                said += f"drift = {_rate_text(rate, unit)}{'' if usual else ' would be'}. "
-    return said.strip()
+                usual = "That is more than is usual: state drift = {rate}."
+                stated = "That is more than is stated: drift = {rate} would be."
+                found.append(said(usual if setup.drift_said == "usual" else stated, rate=_rate_text(rate, unit)))
+    return listed(" ", found)
 
 
 def _shown_drift(found: Trend, setup: Setup) -> str:
     if found.std == 0 or abs(found.rate) <= _OUTLIER * found.std:
         return ""
     unit = reading_unit(setup)
-    return (
-        f'The zero of "{setup.name}" moved by {to_unit(found.rate * found.seconds, unit):.2g} {unit} in '
-        f"{_lasting(found.seconds)}, as readings repeated in one place show ({abs(found.rate) / found.std:.1f} "
-        "standard deviations). The estimate takes it for noise: state drift = "
-        f"{_rate_text(abs(found.rate), unit)} in the set-up."
+    return said(
+        'The zero of "{setup}" moved by {size} in {time}, as readings repeated in one place show ({away:.1f} standard '
+        "deviations). The estimate takes it for noise: state drift = {rate} in the set-up.",
+        setup=setup.name,
+        size=said_quantity(found.rate * found.seconds, unit, 2),
+        time=_lasting(found.seconds),
+        away=float(abs(found.rate) / found.std),
+        rate=_rate_text(abs(found.rate), unit),
     )
 
 
 def _lasting(seconds: float) -> str:
-    return f"{to_unit(seconds, 'h'):.2g} h" if seconds >= _AN_HOUR else f"{to_unit(seconds, 'min'):.2g} min"
+    return said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2)
 
 
 def _rate_text(rate: float, unit: str) -> str:
@@ -281,9 +315,13 @@ def _changes(estimation: Estimation) -> Iterator[Finding]:
     """Say which curves have changed since the campaign whose result is the prior."""
     for change in changes(estimation):
         unit, place = ("urad" if change.angular else "um"), "deg" if change.rotary else "mm"
-        text = (
-            f"{change.name} ({words(change.name)}) has changed since the last campaign: by up to "
-            f"{abs(to_unit(change.size, unit)):.2g} {unit} at {to_unit(change.position, place):.4g} {place} "
-            f"(by chance once in {1 / max(change.chance, 1e-12):.0e})."
+        text = said(
+            "{name} ({words}) has changed since the last campaign: by up to {size} at {place} (by chance once in "
+            "{times:.0e}).",
+            name=change.name,
+            words=words(change.name),
+            size=said_quantity(abs(change.size), unit, 2),
+            place=said_quantity(change.position, place, 4),
+            times=float(1 / max(change.chance, 1e-12)),
         )
         yield Finding("drift", change.name, text)

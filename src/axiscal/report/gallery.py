@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.language.spoken import said
 from axiscal.report.digits import number, numbers
 from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.figures import axis_style, band, finite_range, layout
@@ -48,7 +49,8 @@ def _turned(axis: str, chain: str) -> str:
     """Return why curves do not have the sign of their readings: they name what the carriage does (ISO 230-1)."""
     if f"{axis}'" not in chain.split("-"):
         return ""
-    return f"{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
+    turned = "{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
+    return said(turned, axis=axis)
 
 
 def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:
@@ -135,5 +137,5 @@ def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, col
 
 
 def _point_text(point: CurvePoint, unit: str) -> str:
-    label = "" if point.reading is None else f"reading {point.reading}, "
-    return f"{label}{point.setup}\n{f'{figure(point.value)} ± {quantity(BAND * point.std, unit)}'}"
+    label = "" if point.reading is None else f"{said('reading {number}', number=point.reading)}, "
+    return f"{label}{point.setup}\n{figure(point.value)} ± {quantity(BAND * point.std, unit)}"

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
+from axiscal.language.spoken import listed, resaid, said, spoken_now
 from axiscal.report.drift_words import drift_words
-from axiscal.report.sentences import figure, quantity
+from axiscal.report.sentences import figure, quantity, spelt
 from axiscal.report.summary import Summary, TableEffect
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 _AS_GOOD = 1.02
 """A standard uncertainty that is larger by a fiftieth is printed alike."""
@@ -20,25 +21,33 @@ _MANY = 12
 def conditions(case: Case) -> str:
     """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
     machine, setups = case.description.machine, case.description.setups
-    volume = "the part" if case.description.target.part is not None else "the volume"
+    volume = said("the part") if case.description.target.part is not None else said("the volume")
     stated = any(setup.growth for setup in setups)
-    warm = "at 20 degC where a set-up states its temperature" if stated else "as warm as when it was read"
-    count, names = len(machine.error_names), " ".join(machine.error_names)
-    tool = format_quantity(machine.tool, "mm", 4)
-    assumed = "".join(f"{words}, " for words in drift_words(setups))
-    return f"for a tool of {tool}, over {volume}, {warm}, {assumed}of the {count} errors that are described ({names})"
+    warm = said("at 20 degC where a set-up states its temperature") if stated else said("as warm as when it was read")
+    return said(
+        "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
+        tool=said_quantity(machine.tool, "mm", 4),
+        volume=volume,
+        assumed=listed(", ", [warm, *drift_words(setups)]),
+        count=len(machine.error_names),
+        names=" ".join(machine.error_names),
+    )
 
 
 def expanded_words(summary: Summary) -> str:
     """Return in a sentence what U is, along which axes how much, and what for."""
     found = summary.expanded
-    along = ", ".join(f"{axis} {figure(value)}" for axis, value in zip("xyz", found.axes, strict=True))
+    between = "; " if spoken_now() == "de" else ", "
+    along = between.join(f"{axis} {figure(value)}" for axis, value in zip("xyz", found.axes, strict=True))
     named = errors_named(summary)
     linear = "".join(f" {line}" for line in linear_lines(summary))
     meant = found.conditions.replace(f" ({named})", "") if named else found.conditions
-    what = f"Expanded uncertainty, {LEVEL:.0%}, k = {found.k:.2f}, {meant}".rstrip(", ")
-    mixed = "".join(f" {line}".replace(" um", "\u00a0µm") for line in mixed_lines(summary))
-    return f"{what}. Along {along}; in the worst place {quantity(found.worst, 'um')}.{mixed}{linear}"
+    what = said(
+        "Expanded uncertainty, {level:.0%}, k = {k:.2f}, {conditions}", level=LEVEL, k=found.k, conditions=meant
+    )
+    mixed = "".join(f" {spelt(line)}" for line in mixed_lines(summary))
+    ways = said("Along {along}; in the worst place {worst}.", along=along, worst=quantity(found.worst, "um"))
+    return f"{what.rstrip(', ')}. {ways}{mixed}{linear}"
 
 
 def errors_named(summary: Summary) -> str:
@@ -60,8 +69,11 @@ def mixed_lines(summary: Summary) -> Sequence[str]:
     standard = summary.expanded.standard
     if standard is None or standard <= _AS_GOOD * summary.rms_um:
         return []
-    mixed = f"U is of a standard uncertainty of {standard:.3g} um RMS"
-    return [f"{mixed}: what else could explain the readings counts in it; the model alone promises the other."]
+    mixed = (
+        "U is of a standard uncertainty of {standard:.3g} um RMS: what else could explain the readings counts in it; "
+        "the model alone promises the other."
+    )
+    return [said(mixed, standard=standard)]
 
 
 def checked_lines(summary: Summary) -> Sequence[str]:
@@ -76,21 +88,40 @@ def linear_lines(summary: Summary) -> Sequence[str]:
 
 def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
     """Return what is to be expected with all files of a control loaded.  factor : k"""
-    expanded, before, after = (f"{each:.3g} um" for each in (factor * effect.expected, effect.before, effect.after))
-    expected = f"With the files for {controller} U = {expanded} is to be expected"
-    return f"{expected}: of {before} RMS as estimated they leave {after}."
+    return said(
+        "With the files for {controller} U = {expanded:.3g} um is to be expected: of {before:.3g} um RMS as estimated "
+        "they leave {after:.3g} um.",
+        controller=controller,
+        expanded=factor * effect.expected,
+        before=effect.before,
+        after=effect.after,
+    )
 
 
 def first_lines(summary: Summary) -> str:
-    """Return the same for a terminal."""
+    """Return the same for a terminal, in the language that is spoken."""
+    summary = resaid(summary)
     if summary.withheld:
         return summary.verdict_words
     found = summary.expanded
-    lines = [
-        f"U = {found.space:.3g} um in space ({LEVEL:.0%}, k = {found.k:.2f}), {found.conditions}.",
-        f"Along x, y, z {', '.join(f'{each:.3g}' for each in found.axes)} um; worst place {found.worst:.3g} um. "
-        f"Standard uncertainty {summary.rms_um:.3g} um RMS, {summary.worst_um:.3g} um in the worst place."
-        + "".join(f" {line}" for line in mixed_lines(summary)),
-    ]
-    said = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
-    return "\n".join([*lines, *said, *table_lines(summary)])
+    x, y, z = found.axes
+    known = said(
+        "U = {space:.3g} um in space ({level:.0%}, k = {k:.2f}), {conditions}.",
+        space=found.space,
+        level=LEVEL,
+        k=found.k,
+        conditions=found.conditions,
+    )
+    along = said(
+        "Along x, y, z {x:.3g}, {y:.3g}, {z:.3g} um; worst place {worst:.3g} um. Standard uncertainty {rms:.3g} um "
+        "RMS, {worst_rms:.3g} um in the worst place.",
+        x=x,
+        y=y,
+        z=z,
+        worst=found.worst,
+        rms=summary.rms_um,
+        worst_rms=summary.worst_um,
+    )
+    lines = [known, " ".join([along, *mixed_lines(summary)])]
+    rest = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
+    return "\n".join([*lines, *rest, *table_lines(summary)])

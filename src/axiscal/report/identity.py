@@ -3,35 +3,37 @@
 from __future__ import annotations
 
 from axiscal.description.particulars import Equipment
+from axiscal.language.spoken import later, said
 from axiscal.report.sentences import spelt
 from axiscal.report.summary import Summary
 
-_UNSAID = "not stated"
+UNSAID = later("not stated")
 
 
 def pairs(summary: Summary) -> list[tuple[str, str]]:
     """Return what is said of machine and people, each with its name; what nobody said is left out."""
-    said = summary.particulars
-    ended = f" to {summary.ended}" if summary.ended and summary.ended != summary.date else ""
+    known, measured = summary.particulars, summary.date
+    if summary.ended and summary.ended != summary.date:
+        measured = said("{begun} to {ended}", begun=summary.date, ended=summary.ended)
     rows = [
-        ("Machine", ", ".join(each for each in (summary.machine, said.maker) if each)),
-        ("Serial number", said.serial),
-        ("Chain of axes", summary.chain),
-        ("Customer", said.customer),
-        ("Laboratory", said.laboratory),
-        ("Place", said.place),
-        ("Operator", said.operator),
-        ("Responsible", said.responsible),
-        ("Temperature", spelt(said.temperature)),
-        ("Measured", f"{summary.date}{ended}"),
-        ("Remarks", said.remarks),
+        (said("Machine"), ", ".join(each for each in (summary.machine, known.maker) if each)),
+        (said("Serial number"), known.serial),
+        (said("Chain of axes"), summary.chain),
+        (said("Customer"), known.customer),
+        (said("Laboratory"), known.laboratory),
+        (said("Place"), known.place),
+        (said("Operator"), known.operator),
+        (said("Responsible"), known.responsible),
+        (said("Temperature"), spelt(known.temperature)),
+        (said("Measured"), measured),
+        (said("Remarks"), known.remarks),
     ]
-    artefacts = [(name, _equipment(each)) for name, each in said.artefacts.items()]
+    artefacts = [(name, _equipment(each)) for name, each in known.artefacts.items()]
     return [(name, text) for name, text in (*rows, *artefacts) if text]
 
 
 def _equipment(each: Equipment) -> str:
-    certificate = f"certificate {each.certificate}" if each.certificate else ""
+    certificate = said("certificate {number}", number=each.certificate) if each.certificate else ""
     return ", ".join(part for part in (each.serial, certificate) if part)
 
 
@@ -41,8 +43,8 @@ def setup_rows(summary: Summary) -> list[list[str]]:
         [
             use.name,
             use.instrument,
-            use.serial or _UNSAID,
-            use.certificate or _UNSAID,
+            use.serial or said(UNSAID),
+            use.certificate or said(UNSAID),
             use.direction,
             " ".join(use.moves),
             spelt(use.noise),

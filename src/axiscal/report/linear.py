@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from axiscal.estimation.linearity import Linearity
+from axiscal.language.spoken import said
 from axiscal.report.promises import Linear
 from axiscal.report.summary import Finding
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 
 def linear_of(found: Linearity) -> Linear:
     """Return the same for people."""
     bound = to_unit(found.bound, "um")
-    words = f"Linear to {bound:.2g} um: by no more the first order is off at the tool for a machine within these bands."
-    return Linear(bound, found.largest, words)
+    words = "Linear to {size}: by no more the first order is off at the tool for a machine within these bands."
+    return Linear(bound, found.largest, said(words, size=said_quantity(found.bound, "um", 2)))
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:
@@ -22,8 +23,7 @@ def not_gaussian(found: Linearity) -> Iterator[Finding]:
     if found.gaussian or found.reading is None:
         return
     text = (
-        f"Reading {found.reading} is not linear within what is left open: its second order is {found.largest:.2g} "
-        "times its noise, so the bands are only about right. State stations or location errors nearer to "
-        "the truth, or read more."
+        "Reading {reading} is not linear within what is left open: its second order is {times:.2g} times its noise, "
+        "so the bands are only about right. State stations or location errors nearer to the truth, or read more."
     )
-    yield Finding("not-gaussian", None, text)
+    yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))

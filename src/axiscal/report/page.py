@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 
 from jinja2 import Environment
+from markupsafe import Markup
 
+from axiscal.language.spoken import capital, later, resaid, said
 from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, sentences, side_by_side, whiskers
 from axiscal.report.drawing.shown import shown
-from axiscal.report.glossary import WORDS
-from axiscal.report.identity import pairs
+from axiscal.report.glossary import words
+from axiscal.report.identity import UNSAID, pairs
 from axiscal.report.standalone import environment, inlined
 from axiscal.report.summary import Summary
 
@@ -19,28 +21,36 @@ _FILTERS = {
     "quantity": sentences.quantity,
     "unit": sentences.unit_text,
     "duration": sentences.duration,
-    "count": sentences.count,
     "iso_name": sentences.iso_name,
     "position": sentences.position_text,
     "standardised": sentences.standardised,
     "spelt": sentences.spelt,
     "curve_note": sentences.curve_note,
+    "percent": sentences.percent,
+    "beginning": capital,
 }
-CODES = {
-    "lack-of-fit": "more detail than the model follows",
-    "aliasing": "targets too regular",
-    "prior-misfit": "not as stated beforehand",
-    "drift": "drift",
-    "outlier": "reading that does not fit",
-    "unobservable": "cannot be seen",
+_CODES = {
+    "lack-of-fit": later("more detail than the model follows"),
+    "aliasing": later("targets too regular"),
+    "prior-misfit": later("not as stated beforehand"),
+    "drift": later("drift"),
+    "outlier": later("reading that does not fit"),
+    "unobservable": later("cannot be seen"),
+    "not-a-sister": later("not like its sisters"),
+    "not-gaussian": later("not linear enough"),
 }
 """What the kinds of warnings are called on a page."""
 _GLYPHS = "●■◆▲✚✖▼⬟★⬢"
 
 
 def render(summary: Summary) -> str:
-    """Return the report as one self-contained HTML page; raises SummaryError for figures that are not finite."""
+    """Return the report as one self-contained HTML page in the language that is spoken.
+
+    Raises SummaryError for figures that are not finite.
+    """
+    summary = resaid(summary)
     known = math.inf if summary.withheld else 1.0
+    magnified = 1.0 if summary.volume is None else arrow_pictures.magnification(summary.volume)
     values = {
         "s": summary,
         "draw": shown,
@@ -50,14 +60,19 @@ def render(summary: Summary) -> str:
         "scales": whiskers.scales([each for each in summary.constants if ": " not in each.name]),
         "setup_scales": whiskers.scales([each for each in summary.constants if ": " in each.name]),
         "volume": [] if summary.volume is None else arrow_pictures.volume_panels(summary.volume),
-        "magnified": 1.0 if summary.volume is None else arrow_pictures.magnification(summary.volume),
         "sides": side_by_side.sides(summary),
         "controls": list(side_by_side.effects(summary)),
         "axis_rows": side_by_side.axis_rows(summary),
         "files_of": side_by_side.files_of_controls(summary.tables),
-        "codes": CODES,
+        "codes": {code: said(words) for code, words in _CODES.items()},
+        "unsaid": said(UNSAID),
+        "strong": Markup("<strong>{}</strong>").format,
+        "code": Markup("<code>{}</code>").format,
+        "link": Markup('<a href="{}">{}</a>').format,
+        "volume_words": sentences.volume_words(summary, magnified),
+        "residual": sentences.residual_words(summary),
         "pairs": pairs(summary),
-        "words": WORDS,
+        "words": words(),
         "accuracy": figures.accuracy(summary) if summary.history else None,
         "innovations": figures.innovations(summary),
         "places": figures.places(summary),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.language.spoken import joined, said
 from axiscal.report.digits import number, numbers
 from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.figures import axis_style, layout
@@ -40,13 +41,13 @@ def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure,
     unit = unit_text(plane.value_unit)
     bands = [[BAND * value for value in row] for row in plane.whole_std]
     alone = [[plane.sign * value for value in row] for row in plane.mean]
-    names = " and ".join(plane.axes)
+    names = joined(plane.axes)
     whole = _map(plane, plane.whole_mean, _EITHER_WAY, both=True)
     whole["data"].append(_places(plane, rows))
     return [
-        (whole, f"The tool over {names}, their curves included, {unit}; dots: readings"),
-        (_map(plane, bands, _WIDER, both=False), f"95 % of it: ± so many {unit}"),
-        (_map(plane, alone, _EITHER_WAY, both=True), f"Of it, what no sum of two curves holds, {unit}"),
+        (whole, said("The tool over {axes}, their curves included, {unit}; dots: readings", axes=names, unit=unit)),
+        (_map(plane, bands, _WIDER, both=False), said("95 % of it: ± so many {unit}", unit=unit)),
+        (_map(plane, alone, _EITHER_WAY, both=True), said("Of it, what no sum of two curves holds, {unit}", unit=unit)),
     ]
 
 

@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from collections.abc import Sequence
 from datetime import UTC, date, datetime
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.exceptions import PrintingError
+from axiscal.language.spoken import capital, resaid, said, spoken_now
 from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, side_by_side
 from axiscal.report.drawing.paper import alone, paper_svg
 from axiscal.report.drawing.svg_picture import Figure
-from axiscal.report.glossary import WORDS
-from axiscal.report.identity import pairs, setup_rows
+from axiscal.report.glossary import words
+from axiscal.report.identity import UNSAID, pairs, setup_rows
 from axiscal.report.sentences import (
     constant_note,
     curve_note,
     figure,
     iso_name,
     occasion,
+    percent,
     position_text,
     quantity,
-    short,
+    residual_words,
     spelt,
     standardised,
+    volume_words,
 )
 from axiscal.report.standalone import static_text
 from axiscal.report.summary import CurveSummary, HistoryRow, Rejection, Summary
@@ -36,8 +41,16 @@ _WIDE, _PANEL = 680, 230
 """Pixels that a picture as wide as the page, and a third of it, are drawn in; a matter of taste."""
 
 
+_LEFT_OPEN = {name: f"{{{name}}}" for name in ("control", "number", "last")}
+"""Names that the template fills in itself."""
+
+
 def pdf(summary: Summary) -> bytes:
-    """Return the report as PDF/A-2b where letters hold all of its signs; raises SummaryError for an infinite figure."""
+    """Return the report in the language that is spoken, as PDF/A-2b where letters hold all of its signs.
+
+    Raises SummaryError for an infinite figure.
+    """
+    summary = resaid(summary)
     with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         document = _Document(summary, folder).content()
@@ -100,19 +113,23 @@ class _Document:
     def _first(self) -> dict[str, Any]:
         s = self._summary
         number = f" {s.particulars.number}" if s.particulars.number else ""
-        known = "not known: the readings contradict every explanation that was tried"
-        value = known if s.withheld else f"known to U = {quantity(s.expanded.space, 'um')} in space"
-        said = [] if s.withheld else [headline.expanded_words(s)]
-        said += [s.verdict_words, *headline.checked_lines(s), s.vouched.words, *headline.table_lines(s)]
+        lines = [] if s.withheld else [headline.expanded_words(s)]
+        lines += [s.verdict_words, *headline.checked_lines(s), s.vouched.words, *headline.table_lines(s)]
         return {
+            "language": spoken_now(),
+            "messages": {message: said(message, **_LEFT_OPEN) for message in _in_template()},
             "title": s.title,
             "day": [_day(s).year, _day(s).month, _day(s).day],
             "machine": s.machine,
-            "operator": s.particulars.operator or "not stated",
-            "heading": f"Calibration report{number}, {s.date}",
-            "record": "" if s.record is None else f"{s.record.file}, event {s.record.event}",
-            "result": f"{occasion(s)} the tool point is {value}.",
-            "sentences": [spelt(line) for line in (*said, f"Stopped because: {s.stopped_because}.") if line],
+            "operator": s.particulars.operator or said(UNSAID),
+            "heading": said("Calibration report{number}, {date}", number=number, date=s.date),
+            "record": ""
+            if s.record is None
+            else said("{file}, event {number}", file=s.record.file, number=s.record.event),
+            "result": _result(s),
+            "sentences": [
+                spelt(line) for line in (*lines, said("Stopped because: {because}.", because=s.stopped_because)) if line
+            ],
             "pairs": pairs(s),
             "setups": setup_rows(s),
         }
@@ -123,7 +140,7 @@ class _Document:
             "sides": [[row.words, row.found, *row.left] for row in side_by_side.sides(s)],
             "controls": list(side_by_side.effects(s)),
             "axes": side_by_side.axis_rows(s),
-            "budget": [[spelt(r.words), quantity(r.rms_um, "um"), f"{100 * r.share:.1f} %"] for r in s.budget],
+            "budget": [[spelt(r.words), quantity(r.rms_um, "um"), percent(r.share)] for r in s.budget],
             "constants": [
                 [c.name, spelt(c.words), constant_note(c), f"± {quantity(BAND * c.prior_std, c.unit)}"]
                 for c in s.constants
@@ -139,7 +156,7 @@ class _Document:
                 {"name": each.name, "words": "", "note": each.note, "file": self._file(alone(each.svg))}
                 for each in arrow_pictures.volume_panels(s.volume)
             ],
-            "volume_words": "" if s.volume is None else _volume_words(s),
+            "volume_words": "" if s.volume is None else volume_words(s, arrow_pictures.magnification(s.volume)),
             "accuracy": self._drawn(figures.accuracy(s), _WIDE) if s.history else None,
             "groups": [*self._groups(s.curves), *self._groups(s.reversals)],
             "planes": [
@@ -150,7 +167,8 @@ class _Document:
                 for each in plane_maps.panels(s)
             ],
             "iso": [
-                {"axis": block.axis, "file": self._drawn(figures.iso230(block), _WIDE), "figures": [
+                {"heading": said("ISO 230-2, axis {axis}", axis=block.axis),
+                 "file": self._drawn(figures.iso230(block), _WIDE), "figures": [
                     [iso_name(name), quantity(value, block.value_unit), _uncertain(block.uncertainties.get(name))]
                     for name, value in block.figures.items()
                 ]}
@@ -162,7 +180,7 @@ class _Document:
     def _groups(self, curves: Sequence[CurveSummary]) -> list[dict[str, Any]]:
         return [
             {
-                "axis": group.axis,
+                "heading": said("{axis} axis", axis=group.axis),
                 "note": group.note,
                 "rows": [[self._panel(panel) for panel in row] for row in group.rows],
             }
@@ -175,15 +193,16 @@ class _Document:
 
     def _last(self) -> dict[str, Any]:
         s = self._summary
-        check = s.reading_residual
-        agreement = ["Each reading against what was expected just before it; about one in twenty may lie outside ±2."]
-        if check is not None:
-            agreement.append(
-                f"Their squares add up to {figure(check.chi_square)} where {check.degrees} are to be expected; chance "
-                f"alone gives as much or more with probability {figure(check.probability)}."
-            )
+        agreement = [
+            said(
+                "Each reading against what was expected just before it. The band is ±2 standard deviations: about one "
+                "in twenty may lie outside."
+            ),
+            residual_words(s),
+        ]
         errors = headline.errors_named(s)
-        people = (("Operator", s.particulars.operator), ("Responsible", s.particulars.responsible))
+        people = (said("Operator"), s.particulars.operator), (said("Responsible"), s.particulars.responsible)
+        programs = ", ".join(f"{name} {version}" for name, version in sorted(s.versions.items()))
         return {
             "agreement": [*agreement, *(spelt(line) for line in headline.checked_lines(s))],
             "rejected": [_rejected(each) for each in s.rejected],
@@ -195,9 +214,9 @@ class _Document:
                 for each in side_by_side.files_of_controls(s.tables)
             ],
             "checksums": [[name, value] for name, value in s.checksums.items()],
-            "versions": "Programs: " + ", ".join(f"{name} {version}" for name, version in sorted(s.versions.items())),
-            "words": [*WORDS, *([("Errors described", errors)] if errors else [])],
-            "signs": [f"{role}{f': {name}' if name else ''}, date, signature" for role, name in people],
+            "versions": f"{said('Programs:')} {programs}",
+            "words": [*words(), *([(said("Errors described"), errors)] if errors else [])],
+            "signs": [f"{role}{f': {name}' if name else ''}, {said('date, signature')}" for role, name in people],
         }
 
     def _drawn(self, drawn: Figure, width: int) -> str:
@@ -210,13 +229,19 @@ class _Document:
         return name
 
 
-def _volume_words(summary: Summary) -> str:
-    volume = summary.volume
-    assert volume is not None
-    parked = f" with {volume.parked.replace(' deg', '°')}" if volume.parked else ""
-    times = short(arrow_pictures.magnification(volume))
-    over = f"over the travel of {', '.join(volume.axes)}{parked}"
-    return f"How far the tool point is from where it was sent, {times} times as long as it is, {over}."
+def _result(summary: Summary) -> str:
+    """Return the sentence that the report is about."""
+    if summary.withheld:
+        unknown = "{occasion} the tool point is {not_known}: the readings contradict every explanation that was tried."
+        return said(unknown, occasion=occasion(summary), not_known=said("not known"))
+    u = f"U = {quantity(summary.expanded.space, 'um')}"
+    return said("{occasion} the tool point is known to {u} in space", occasion=occasion(summary), u=u) + "."
+
+
+@cache
+def _in_template() -> tuple[str, ...]:
+    """Return the messages of the template."""
+    return tuple(re.findall(r'said\("([^"]*)"\)', static_text("report.typ", "templates")))
 
 
 def _uncertain(value: float | None) -> str:
@@ -225,7 +250,8 @@ def _uncertain(value: float | None) -> str:
 
 def _rejected(each: Rejection) -> str:
     value = quantity(each.value_um, each.unit)
-    return f"Reading {each.reading}, {each.setup}, {position_text(each.position)}, {value}: {each.reason}"
+    reading = said("reading {number}", number=each.reading)
+    return capital(f"{reading}, {each.setup}, {position_text(each.position)}, {value}: {each.reason}")
 
 
 def _reading_row(row: HistoryRow) -> list[str]:

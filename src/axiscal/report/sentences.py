@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 
 from axiscal.accuracy.expanded import BAND
+from axiscal.language.spoken import counted, decimals, said
 from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Position, Summary
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
+_SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
+_UNIT = re.compile(r"(?<=[0-9]) (um|urad|degC)\b")
 _LOST = 0.01
 """Share of the RMS from which it is worth a sentence."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -22,10 +26,13 @@ def unit_text(unit: str) -> str:
 
 
 def spelt(text: str) -> str:
-    """Return a sentence with its units as people write them."""
-    for plain, shown in ((" um", "µm"), (" urad", "µrad"), (" degC", "°C")):
-        text = text.replace(plain, f"{_NO_BREAK}{shown}")
-    return text
+    """Return a sentence with the units of its numbers as people write them; "um" is a word in other languages."""
+    return _UNIT.sub(lambda found: _NO_BREAK + _SHOWN[found[1]], text)
+
+
+def percent(share: float) -> str:
+    """Return a share as "12.3 %"."""
+    return f"{decimals(f'{100 * share:.1f}')} %"
 
 
 def figure(value: float) -> str:
@@ -35,15 +42,15 @@ def figure(value: float) -> str:
         return "0"
     if not 1e-3 <= float(f"{size:.3g}") < 1e6:
         mantissa, exponent = f"{value:.2e}".split("e")
-        return _minus(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}")
+        return _minus(decimals(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"))
     digits = max(0, 2 - math.floor(math.log10(float(f"{size:.3g}"))))
-    return _minus(f"{value:,.{digits}f}".replace(",", _NARROW_SPACE))
+    return _minus(decimals(f"{value:,.{digits}f}".replace(",", _NARROW_SPACE)))
 
 
 def short(value: float) -> str:
     """Return a value that a person chose, such as a target, without trailing zeros."""
-    text = figure(value)
-    return text.rstrip("0").rstrip(".") if "." in text and "×" not in text else text
+    text, point = figure(value), decimals(".")
+    return text.rstrip("0").rstrip(point) if point in text and "×" not in text else text
 
 
 def quantity(value: float, unit: str) -> str:
@@ -52,25 +59,52 @@ def quantity(value: float, unit: str) -> str:
     return f"{figure(value)}{sign if sign in '°″' else _NO_BREAK + sign}"
 
 
-def count(number: int, noun: str) -> str:
-    """Return "1 reading", "23 readings"."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", _NARROW_SPACE)
-
-
 def duration(minutes: float) -> str:
     """Return minutes as "41 minutes" or, from three hours on, "3 h 20 min"."""
     whole = round(minutes)
     if whole >= 180:
         return f"{whole // 60} h {whole % 60} min"
-    return "less than a minute" if whole == 0 else count(whole, "minute")
+    return said("less than a minute") if whole == 0 else counted("{count} minute", "{count} minutes", whole)
 
 
 def occasion(summary: Summary) -> str:
     """Return the opening of the verdict: when the stated accuracy holds."""
     if summary.readings == 0:
-        return "Before any reading"
-    time = f" in {duration(summary.minutes)}" if summary.minutes > 0 else ""
-    return f"After {count(summary.readings, 'reading')}{time}"
+        return said("Before any reading")
+    if summary.minutes > 0:
+        one, many = "After {count} reading in {time}", "After {count} readings in {time}"
+        return counted(one, many, summary.readings, time=duration(summary.minutes))
+    return counted("After {count} reading", "After {count} readings", summary.readings)
+
+
+def volume_words(summary: Summary, magnified: float) -> str:
+    """Return what the pictures of the volume show, "" where there are none.  magnified : times that arrows are long"""
+    volume = summary.volume
+    if volume is None:
+        return ""
+    told = {"times": short(magnified), "axes": ", ".join(volume.axes), "parked": volume.parked.replace(" deg", "°")}
+    parked = (
+        "How far the tool point is from where it was sent, {times} times as long as it is, over the travel of {axes} "
+        "with {parked}."
+    )
+    alone = (
+        "How far the tool point is from where it was sent, {times} times as long as it is, over the travel of {axes}."
+    )
+    return said(parked if volume.parked else alone, **told)
+
+
+def residual_words(summary: Summary) -> str:
+    """Return what the readings taken together say of the model, "" before the first."""
+    check = summary.reading_residual
+    if check is None:
+        return ""
+    return said(
+        "Taken together their squares add up to {sum} where {degrees} are to be expected (chi-square); chance alone "
+        "gives as much or more with probability {probability}.",
+        sum=figure(check.chi_square),
+        degrees=check.degrees,
+        probability=figure(check.probability),
+    )
 
 
 def unseen_size(summary: Summary) -> float:
@@ -85,20 +119,24 @@ def target_text(value_um: float, target_um: float | None, unshown: float = 1.0) 
     """
     if target_um is None:
         return ""
-    said = "reached" if unshown * value_um <= target_um else "not reached"
+    size = f"{short(target_um)}{_NO_BREAK}µm"
     if value_um <= target_um < unshown * value_um:
-        said = "promised, and not reached by what the readings can vouch for"
-    return f"target {short(target_um)}{_NO_BREAK}µm: {said}"
+        return said("target {size}: promised, and not reached by what the readings can vouch for", size=size)
+    if unshown * value_um <= target_um:
+        return said("target {size}: reached", size=size)
+    return said("target {size}: not reached", size=size)
 
 
 def curve_note(curve: CurveSummary) -> str:
     """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
     now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)
     if not curve.position:
-        return "no positions"
+        return said("no positions")
+    size = quantity(now, curve.value_unit)
     if now > 0.95 * before:
-        return f"±{quantity(now, curve.value_unit)}, hardly touched by the readings"
-    return f"±{quantity(now, curve.value_unit)}, was ±{figure(before)}; {curve.from_readings:.0%} from readings"
+        return said("±{now}, hardly touched by the readings", now=size)
+    known = "±{now}, was ±{before}; {share:.0%} from readings"
+    return said(known, now=size, before=figure(before), share=float(curve.from_readings))
 
 
 def constant_note(constant: ConstantSummary) -> str:
@@ -114,7 +152,7 @@ def position_text(position: Position | None) -> str:
 def coordinate(value: float) -> str:
     """Return a coordinate to a thousandth, without trailing zeros."""
     text = f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e9 else f"{value:.4g}"
-    return _minus("0" if text == "-0" else text)
+    return _minus("0" if text == "-0" else decimals(text))
 
 
 def standardised(row: HistoryRow) -> float | None:
@@ -126,7 +164,7 @@ def standardised(row: HistoryRow) -> float | None:
 
 def iso_name(name: str) -> str:
     """Return the sign of an ISO 230-2 figure: A_up -> A↑."""
-    return name.replace("_up", "↑").replace("_down", "↓").replace("_mean", " mean")
+    return name.replace("_up", "↑").replace("_down", "↓").replace("_mean", f" {said('mean')}")
 
 
 def axis_unit(axis: str) -> str:

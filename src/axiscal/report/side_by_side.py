@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from axiscal.language.spoken import later, said
 from axiscal.report.sentences import quantity
 from axiscal.report.summary import Summary, TableEffect, TableOffer
 
-_UNKNOWN = "not known"
+_UNKNOWN = later("not known")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,15 +40,16 @@ def sides(summary: Summary) -> list[FoundAndLeft]:
     found, known = effects(summary), not summary.withheld
     if not found:
         return []
-    expanded, factor = summary.expanded, summary.expanded.factor
+    expanded, factor, unknown = summary.expanded, summary.expanded.factor, said(_UNKNOWN)
     before = next(quantity(each.before, "um") for each in found.values())
     return [
-        FoundAndLeft("Error of the tool point as estimated, RMS over the volume", before,
+        FoundAndLeft(said("Error of the tool point as estimated, RMS over the volume"), before,
              [quantity(each.after, "um") for each in found.values()]),
-        FoundAndLeft("Standard uncertainty, what is left included, RMS", quantity(summary.rms_um, "um"),
+        FoundAndLeft(said("Standard uncertainty, what is left included, RMS"), quantity(summary.rms_um, "um"),
              [quantity(each.expected, "um") for each in found.values()]),
-        FoundAndLeft("U in space, 95 %, what is left included", quantity(expanded.space, "um") if known else _UNKNOWN,
-             [quantity(factor * each.expected, "um") if known else _UNKNOWN for each in found.values()]),
+        FoundAndLeft(said("U in space, 95 %, what is left included"),
+             quantity(expanded.space, "um") if known else unknown,
+             [quantity(factor * each.expected, "um") if known else unknown for each in found.values()]),
     ]  # fmt: skip
 
 
@@ -56,8 +58,11 @@ def axis_rows(summary: Summary) -> list[tuple[str, str]]:
     if summary.withheld:
         return []
     found = summary.expanded
-    along = [(f"along {name}", quantity(value, "um")) for name, value in zip("xyz", found.axes, strict=True)]
-    return [*along, ("in space", quantity(found.space, "um")), ("in space, worst place", quantity(found.worst, "um"))]
+    along = [
+        (said("along {way}", way=name), quantity(value, "um")) for name, value in zip("xyz", found.axes, strict=True)
+    ]
+    space, worst = quantity(found.space, "um"), quantity(found.worst, "um")
+    return [*along, (said("in space"), space), (said("in space, worst place"), worst)]
 
 
 def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
@@ -65,4 +70,4 @@ def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
     found: dict[tuple[str, str], list[str]] = {}
     for offer in offers:
         found.setdefault((offer.controller, offer.left_out), []).append(offer.file)
-    return [FilesOfControl(name, left or "They leave nothing.", files) for (name, left), files in found.items()]
+    return [FilesOfControl(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.estimation import Estimation
+from axiscal.language.spoken import later, said
 from axiscal.report.summary import BudgetRow
 from axiscal.units import to_unit
 
 _WORDS = {
-    "set-up": "Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine",
-    "drift": "Drift: zeros that wander while it is read",
-    "temperature": "Temperature of the measured material and its expansion",
-    "artefact": "Artefacts: calibrated lengths, and where they stand",
-    "detail": "Detail of the machine that the curves do not follow",
-    "prior": "What these readings leave of the machine's errors, as large as they were stated beforehand",
-    "unseen": "What no reading with the allowed set-ups can see",
-    "sizes": "That sizes were learnt from the readings, and that the model may be wrong",
+    "set-up": later("Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine"),
+    "drift": later("Drift: zeros that wander while it is read"),
+    "temperature": later("Temperature of the measured material and its expansion"),
+    "artefact": later("Artefacts: calibrated lengths, and where they stand"),
+    "detail": later("Detail of the machine that the curves do not follow"),
+    "prior": later("What these readings leave of the machine's errors, as large as they were stated beforehand"),
+    "unseen": later("What no reading with the allowed set-ups can see"),
+    "sizes": later("That sizes were learnt from the readings, and that the model may be wrong"),
 }
 _WORTH = 5e-4
 """Shares below are left out: they show as nought."""
@@ -30,4 +31,6 @@ def budget_rows(known: Estimation) -> list[BudgetRow]:
 
 
 def _words(share: BudgetShare) -> str:
-    return f'Instrument: noise of the readings of "{share.setup}"' if share.kind == "instrument" else _WORDS[share.kind]
+    if share.kind == "instrument":
+        return said('Instrument: noise of the readings of "{setup}"', setup=share.setup)
+    return said(_WORDS[share.kind])

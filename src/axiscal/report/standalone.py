@@ -10,7 +10,9 @@ from importlib import resources
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
+
+from axiscal.language.spoken import counted, said, spoken_now
 
 
 def environment(package: str) -> Environment:
@@ -18,13 +20,21 @@ def environment(package: str) -> Environment:
 
     A name that has no value is a fault, and no value is markup.
     """
-    return Environment(
+    made = Environment(
         loader=ChoiceLoader([PackageLoader(package), PackageLoader("axiscal.report")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    made.globals |= {"said": said, "counted": counted, "rich": _rich, "language": spoken_now}
+    return made
+
+
+def _rich(message: str, **values: str) -> Markup:
+    """Return a message with markup among its values: what is no markup is made safe, the message as well."""
+    words = said(message, **{name: f"{{{name}}}" for name in values})
+    return Markup(escape(words)).format(**values)
 
 
 def inlined() -> dict[str, Any]:

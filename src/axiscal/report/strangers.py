@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.membership_words import STRANGE, farthest, membership_words
+from axiscal.language.spoken import capital, said
 from axiscal.report.summary import Finding
 
 
@@ -14,6 +15,6 @@ def strangers(estimation: Estimation) -> Iterator[Finding]:
     member = estimation.membership
     if member is None or member.sister >= STRANGE:
         return
-    found, said = farthest(estimation), membership_words(estimation)
-    text = f"{said[:1].upper()}{said[1:]}. What its type has taught hardly counts; its bands are those of any machine."
-    yield Finding("not-a-sister", None if found is None else found.name, text)
+    found, unlike = farthest(estimation), membership_words(estimation)
+    text = "{unlike}. What its type has taught hardly counts; its bands are those of any machine."
+    yield Finding("not-a-sister", None if found is None else found.name, capital(said(text, unlike=unlike)))

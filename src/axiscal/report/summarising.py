@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import reaches, unshown
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
@@ -23,6 +24,7 @@ from axiscal.estimation.linearity import linearity
 from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.estimation.vouching import defended
+from axiscal.language.spoken import resaid, said, speaking
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.observation import directions_of
@@ -55,7 +57,7 @@ from axiscal.report.summary import (
 from axiscal.report.verdict import checks_words, verdict_words
 from axiscal.report.volume_error import volume_error
 from axiscal.simulation import VirtualMachine
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 Point = tuple[float, float, float]
 
@@ -80,10 +82,15 @@ class Extras:
 
 @stage("the summary")
 def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
-    """Return the summary of a campaign.
+    """Return the summary of a campaign, in English; `resaid` says it in another language.
 
     estimation : after all its readings
     """
+    with speaking("en"):
+        return resaid(_summary(campaign, estimation, extras))
+
+
+def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
     case, description = estimation.case, campaign.description
     rows = _history(campaign, estimation)
     if extras.compared:
@@ -97,13 +104,13 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
     linear = linearity(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
-        title=f"Calibration of {description.machine.name}",
+        title=said("Calibration of {machine}", machine=description.machine.name),
         machine=description.machine.name,
         chain=description.machine.chain,
         campaign_file=description.source,
         date=campaign.begun[:10],
         setups=[_setup_use(setup, campaign) for setup in description.setups],
-        stopped_because=campaign.state.finished or "not finished",
+        stopped_because=because_text(campaign.state.finished or "not finished"),
         readings=len(campaign.state.readings),
         minutes=rows[-1].minutes,
         rms_um=rows[-1].rms_um,
@@ -147,7 +154,8 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
 def _checksums(campaign: Campaign) -> dict[str, str]:
     """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
     described = campaign.description
-    before = "what its type has taught" if is_type_text(described.prior_text) else "the earlier campaign"
+    taught, earlier = said("what its type has taught"), said("the earlier campaign")
+    before = taught if is_type_text(described.prior_text) else earlier
     texts = {
         Path(described.source).name: described.text,
         Path(described.machine_source).name: described.machine.text,
@@ -222,7 +230,7 @@ def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Reje
             row.setup or "",
             row.position or {},
             row.value_um or 0.0,
-            f"{doubt.surprise:.3g} standard deviations from what the other readings say",
+            said("{away:.3g} standard deviations from what the other readings say", away=float(doubt.surprise)),
             row.unit,
         )
         for doubt in estimation.outliers
@@ -266,14 +274,16 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
     unit = reading_unit(setup)
-    noise = f"{to_unit(setup.noise, unit):.3g} {unit}"
+    noise = said_quantity(setup.noise, unit)
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
     along = "x y z" if len(directions_of(setup)) > 1 else direction_text(setup)
-    along = along if setup.length is None else "the bar"
-    own = setup.name, setup.instrument, along, moves, noise, count
+    along = along if setup.length is None else said("the bar")
+    own = setup.name, said(setup.instrument), along, moves, noise, count
     return SetupUse(*own, of.serial, of.certificate, _temperature(setup))
 
 
 def _temperature(setup: Setup) -> str:
     """Return how much the measured material has grown against 20 degC, where the set-up states its temperature."""
-    return f"{setup.growth * 1e6:.3g} um/m against 20 degC" if setup.growth else ""
+    if not setup.growth:
+        return ""
+    return said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6))

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from axiscal.estimation.checks import Checks
 from axiscal.estimation.ruling import Ruling
+from axiscal.language.spoken import later, put, said
 from axiscal.units import to_unit
 
 _CHANCE, _RARE = 0.05, 1e-12
 """What chance does less often than once in twenty is said, and no chance is said to be smaller than it can be known."""
-NOT_KNOWN = "Not known: the readings contradict every explanation that was tried"
+NOT_KNOWN = later("Not known: the readings contradict every explanation that was tried")
+_VERDICTS = {
+    "holds": later("holds"),
+    "widened": later("widened"),
+    "contradicted": later("contradicted"),
+    "unchecked": later("unchecked"),
+}
 
 
 def verdict_words(ruling: Ruling) -> str:
     """Return what the readings say of the model, and what was made of that."""
-    return f"Verdict: {ruling.verdict}. {_said(ruling)}"
+    return said("Verdict: {verdict}. {words}", verdict=said(_VERDICTS[ruling.verdict]), words=_meant(ruling))
 
 
 def checks_words(found: Checks | None) -> str:
@@ -21,20 +28,37 @@ def checks_words(found: Checks | None) -> str:
     if found is None:
         return ""
     sizes = found.promised, found.found, found.low, found.high
-    promised, seen, low, high = (f"{to_unit(each, 'um'):.2g}" for each in sizes)
-    said = f"The model promised U = {promised} um; {found.count} check readings, predicted from the others before they "
-    said += f"were used, say {seen}, between {low} and {high} um (95 %)"
-    doubted = f": not believed (by chance once in {1 / max(found.chance, _RARE):.2g})"
-    return f"{said}{doubted if found.chance < _CHANCE else ''}."
+    promised, seen, low, high = (float(to_unit(each, "um")) for each in sizes)
+    told = said(
+        "The model promised U = {promised:.2g} um; {count} check readings, predicted from the others before they were "
+        "used, say {seen:.2g}, between {low:.2g} and {high:.2g} um (95 %)",
+        promised=promised,
+        count=found.count,
+        seen=seen,
+        low=low,
+        high=high,
+    )
+    if found.chance >= _CHANCE:
+        return put("{told}.", told=told)
+    doubted = "{told}: not believed (by chance once in {times:.2g})."
+    return said(doubted, told=told, times=float(1 / max(found.chance, _RARE)))
 
 
-def _said(ruling: Ruling) -> str:
+def _meant(ruling: Ruling) -> str:
     if ruling.verdict == "contradicted":
-        return f"{NOT_KNOWN}. No accuracy is promised, and no target counts as reached."
+        nothing = "{not_known}. No accuracy is promised, and no target counts as reached."
+        return said(nothing, not_known=said(NOT_KNOWN))
     if ruling.verdict == "widened":
-        said = "The readings contradict the model: means and bands are those of all that explains them"
-        factor = f"; no explanation is believed, so variances count {ruling.inflated:.2g} times" * (ruling.inflated > 1)
-        return f"{said}, the model as it is keeps {ruling.model:.0%} of the belief{factor}."
+        explained = (
+            "The readings contradict the model: means and bands are those of all that explains them, the model as it "
+            "is keeps {share:.0%} of the belief."
+        )
+        inflated = (
+            "The readings contradict the model: means and bands are those of all that explains them, the model as it "
+            "is keeps {share:.0%} of the belief; no explanation is believed, so variances count {times:.2g} times."
+        )
+        share, times = float(ruling.model), float(ruling.inflated)
+        return said(inflated if ruling.inflated > 1 else explained, share=share, times=times)
     if ruling.verdict == "unchecked":
-        return "The readings do not contradict the model, and could hardly have done so."
-    return "The readings could have contradicted the model, and did not."
+        return said("The readings do not contradict the model, and could hardly have done so.")
+    return said("The readings could have contradicted the model, and did not.")

@@ -11,9 +11,10 @@ from axiscal.accuracy.expanded import BAND
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.language.spoken import listed, put
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
 """Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
@@ -51,11 +52,8 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     left = () if control is None else _rows(_either_way(
         lambda sides: left_by(estimate.machine, estimate.deviation, control, poses, sides), poses))  # fmt: skip
     axes = estimate.machine.axes
-    parked = ", ".join(
-        f"{axis.name} {to_unit(float(poses[0, k]), axis.unit):.4g} {axis.unit}"
-        for k, axis in enumerate(axes)
-        if k not in moving
-    )
+    still = [(axis, said_quantity(float(poses[0, k]), axis.unit, 4)) for k, axis in enumerate(axes) if k not in moving]
+    parked = listed(", ", [put("{axis} {at}", axis=axis.name, at=at) for axis, at in still])
     places = [(x, y, z) for x, y, z in to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()]
     names = [axes[k].name for k in moving]
     return VolumeError(names, parked, places, _rows(found), _rows(_half(estimate, poses)), left, controller)

@@ -12,9 +12,10 @@ from axiscal.error_model.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation
 from axiscal.inference.fit import Fit
 from axiscal.inference.mixture import POOR
+from axiscal.language.spoken import said
 from axiscal.report.curves import value_unit
 from axiscal.report.summary import Finding
-from axiscal.units import to_unit
+from axiscal.units import said_quantity
 
 _WIDER, _MOSTLY, _LARGER = 1.05, 0.5, 1.2
 """Factors from which a band, a share of it and a scale are worth a sentence."""
@@ -30,17 +31,22 @@ def wide_bands(estimation: Estimation) -> Iterator[Finding]:
         before = float(np.sqrt(stated.covariance[0, 0] + stated.rest**2))
         after = _rms(estimation, function)
         if function.kind == "motion" and after > _WIDER * before:
-            unit = value_unit(function)
-            now, was = (f"±{to_unit(BAND * each, unit):.2g} {unit}" for each in (after, before))
-            text = f"The band of {function.name} ({words(function.name)}) is {now}, wider than the {was} that were "
-            yield Finding(
-                "prior-misfit", function.name, f"{text}stated: {_reason(estimation.fit, stated, function, after)}."
+            now, was = (said_quantity(BAND * each, value_unit(function), 2) for each in (after, before))
+            text = said(
+                "The band of {name} ({words}) is ±{now}, wider than the ±{was} that were stated: {reason}.",
+                name=function.name,
+                words=words(function.name),
+                now=now,
+                was=was,
+                reason=_reason(estimation.fit, stated, function, after),
             )
+            yield Finding("prior-misfit", function.name, text)
     if estimation.fit.widening.size < POOR:
         text = (
-            f"The bands average over scales by draws of which {estimation.fit.widening.size:.1f} count: they are rough."
+            "The bands average over scales by draws of which {size:.1f} count: they are rough. State more of the "
+            "priors, or take more readings."
         )
-        yield Finding("prior-misfit", None, f"{text} State more of the priors, or take more readings.")
+        yield Finding("prior-misfit", None, said(text, size=float(estimation.fit.widening.size)))
 
 
 def _rms(estimation: Estimation, function: ErrorFunction) -> float:
@@ -53,9 +59,9 @@ def _rms(estimation: Estimation, function: ErrorFunction) -> float:
 def _reason(fit: Fit, stated: ErrorFunction, function: ErrorFunction, after: float) -> str:
     unit = value_unit(function)
     if function.rest**2 > _MOSTLY * after**2:
-        size = f"{to_unit(function.rest, unit):.2g} {unit}"
-        return f"the readings leave room for {size} of detail between them that no spline follows"
+        room = "the readings leave room for {size} of detail between them that no spline follows"
+        return said(room, size=said_quantity(function.rest, unit, 2))
     std = fit.scales.value("std", function.name)
     if std is not None and std**2 > _LARGER**2 * stated.covariance[0, 0]:
-        return f"the readings look like a std of {to_unit(std, unit):.2g} {unit}"
-    return "so few readings leave open how large and how smooth it is"
+        return said("the readings look like a std of {size}", size=said_quantity(std, unit, 2))
+    return said("so few readings leave open how large and how smooth it is")

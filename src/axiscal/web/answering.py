@@ -14,7 +14,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.guide.language import LANGUAGES, messages
+from axiscal.language.spoken import LANGUAGES, messages
 from axiscal.web.desk import SurprisingError
 from axiscal.web.problems import problem
 from axiscal.web.shapes import Shape

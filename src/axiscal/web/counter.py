@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Self, TypeVar
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.language import speaking
+from axiscal.language.spoken import speaking
 from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk, Publisher
 from axiscal.web.shapes import StateShape, TypedShape

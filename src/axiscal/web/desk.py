@@ -10,18 +10,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
 from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
-from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import SURPRISING
-from axiscal.guide.language import said, speaking
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import Question, asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.guide.stopping import results_beside, table_left
 from axiscal.guide.taking_back import take_back
+from axiscal.language.spoken import said, speaking
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.documents import Shown, state_shape

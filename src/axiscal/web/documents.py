@@ -10,9 +10,9 @@ import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
 from axiscal.guide.axis_places import axis_places
 from axiscal.guide.due import Due, due
-from axiscal.guide.endings import because_text
 from axiscal.guide.expectation import BAND, Expectation
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.picture import Dot, Picture, picture

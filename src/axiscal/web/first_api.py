@@ -13,7 +13,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from axiscal.guide.language import speaking
+from axiscal.language.spoken import speaking
 from axiscal.web.answering import answered, defect, not_here, static_routes, words
 from axiscal.web.first_desk import FirstDesk
 from axiscal.web.first_shapes import FirstRequest, SourceQuery

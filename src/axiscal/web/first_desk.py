@@ -12,7 +12,7 @@ from axiscal.description.first_files import Beginning, FirstFiles, first_files, 
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError
-from axiscal.guide.language import said
+from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
 from axiscal.web.first_shapes import (
     FilesShape,

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from axiscal.language.spoken import decimals
+
 _SLACK = 1e-9
 """Share of a step by which a tick may lie outside through rounding."""
 _WIDE_DECADES = 1.6
@@ -53,7 +55,7 @@ _MANY = 5
 def tick_text(value: float) -> str:
     """Return the text of a tick."""
     text = f"{value:.6g}"
-    return "0" if text in ("0", "-0") else text.replace("-", "−")
+    return "0" if text in ("0", "-0") else decimals(text).replace("-", "−")
 
 
 def _even(low: float, high: float, count: int, step: float | None) -> list[float]:

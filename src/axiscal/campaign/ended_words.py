@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import re
 
-from axiscal.campaign.ending import BUDGET
-from axiscal.guide.language import counted, said
+from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, NOT_VOUCHED, OUT_OF_REACH
+from axiscal.language.spoken import counted, said
 
-ENDINGS = (BUDGET, "nothing is left to measure", "ended by the operator")
+ENDINGS = (
+    BUDGET,
+    DOES_NOT_FIT,
+    NOT_VOUCHED,
+    OUT_OF_REACH,
+    "nothing is left to measure",
+    "ended by the operator",
+    "all readings evaluated",
+    "not finished",
+)
 """Those that are whole sentences."""
 _TAKEN = re.compile(r"([0-9]+) readings? taken")
 _REACHED = re.compile(r"(rms|worst|U) target reached")
+_SEEN = re.compile(_REACHED.pattern + r" in what readings can tell; with what they cannot tell it is ([0-9.e+-]+) um")
 
 
 def because_text(because: str) -> str:
@@ -19,4 +29,7 @@ def because_text(because: str) -> str:
         return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
     if (reached := _REACHED.fullmatch(because)) is not None:
         return said("{name} target reached", name=reached[1])
+    if (seen := _SEEN.fullmatch(because)) is not None:
+        told = "{name} target reached in what readings can tell; with what they cannot tell it is {size:.3g} um"
+        return said(told, name=seen[1], size=float(seen[2]))
     return said(because) if because in ENDINGS else because

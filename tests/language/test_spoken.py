@@ -10,7 +10,7 @@ from babel.messages.catalog import Message
 
 from axiscal.exceptions import InputError
 from axiscal.guide.answers import Value, Word, answer
-from axiscal.guide.language import LANGUAGES, chosen, counted, messages, said, speaking
+from axiscal.language.spoken import LANGUAGES, chosen, counted, messages, said, speaking
 from tests.docs import languages
 from tests.guide.test_answers import DIAL
 

@@ -1,0 +1,195 @@
+"""The language of the person who reads: English sentences in the code, other languages from one file each.
+
+`language/translations/de.po` is what a translator edits; `make languages` writes `de.mo`, which the program reads.
+
+    text = said("reading {number} of {last}", number=3, last=9)   # in the language that is spoken now
+    with speaking("de"):
+        again(text)                                               # the same in another one: "Messung 3 von 9"
+
+A text that was said is a `str` like any other; it also knows what it was made of, so that results keep the English of
+sentences that a report has in the reader's language.
+"""
+
+from __future__ import annotations
+
+import gettext
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from importlib import resources
+from string import Formatter
+from types import MappingProxyType
+from typing import Any, TypeVar, cast
+
+from axiscal.exceptions import InputError
+
+LANGUAGES = {"en": "English", "de": "Deutsch"}
+"""Those there are, each by its own name."""
+DECIMALS = {"en": ".", "de": ","}
+"""What stands before the decimals."""
+_SPOKEN = ContextVar("language", default="en")
+_Thing = TypeVar("_Thing")
+
+
+class Said(str):
+    """A text that knows what it was made of.
+
+    forms : of a message that is translated, one or two, with {names}; () : of the form that is not, `put`
+    raised : whether it begins with a capital
+    """
+
+    forms: tuple[str, ...] = ()
+    form: str = ""
+    values: Mapping[str, object] = MappingProxyType({})
+    raised: bool = False
+
+
+def said(message: str, /, **values: object) -> str:
+    """Return a message in the language that is spoken now, its {names} filled in."""
+    return _made((message,), "", values)
+
+
+def counted(one: str, many: str, count: int, /, **values: object) -> str:
+    """Return the message for one or for many, {count} and the other {names} filled in."""
+    return _made((one, many), "", {"count": count, **values})
+
+
+def put(form: str, /, **values: object) -> str:
+    """Return parts put together in a form that all languages share, such as "{first}: {second}"."""
+    return _made((), form, values)
+
+
+def listed(separator: str, parts: Sequence[str]) -> str:
+    """Return parts one after another, each in the language that is spoken."""
+    names = [f"part{number}" for number in range(len(parts))]
+    between = separator.replace("{", "{{").replace("}", "}}")
+    return put(between.join(f"{{{name}}}" for name in names), **dict(zip(names, parts, strict=True)))
+
+
+def joined(parts: Sequence[str]) -> str:
+    """Return parts as they stand in a sentence: "A, B and C"."""
+    if len(parts) < 2:
+        return parts[0] if parts else ""
+    return said("{first} and {last}", first=listed(", ", parts[:-1]), last=parts[-1])
+
+
+def capital(text: str) -> str:
+    """Return a text with a capital at its beginning, in every language."""
+    begun = Said(text[:1].upper() + text[1:])
+    if isinstance(text, Said):
+        begun.forms, begun.form, begun.values, begun.raised = text.forms, text.form, text.values, True
+    return begun
+
+
+def later(message: str) -> str:
+    """Return a message as it is: it is said where it is used, and translators find it here."""
+    return message
+
+
+def again(text: str) -> str:
+    """Return a text in the language that is spoken now; one that nobody has said stays as it is."""
+    if not isinstance(text, Said) or not (text.forms or text.form):
+        return text
+    made = _made(text.forms, text.form, text.values)
+    return capital(made) if text.raised else made
+
+
+def resaid(thing: _Thing) -> _Thing:
+    """Return plain data with every text in it said in the language that is spoken now."""
+    found: Any = thing
+    if isinstance(thing, Said):
+        found = again(thing)
+    elif is_dataclass(thing) and not isinstance(thing, type):
+        new = {each.name: resaid(getattr(thing, each.name)) for each in fields(thing) if each.init}
+        found = replace(thing, **new)
+    elif isinstance(thing, dict):
+        found = {resaid(key): resaid(value) for key, value in thing.items()}
+    elif isinstance(thing, (list, tuple)) and not hasattr(thing, "_fields"):
+        found = type(thing)(resaid(each) for each in thing)
+    return cast("_Thing", found)
+
+
+def messages(language: str) -> dict[str, str]:
+    """Return the messages of a language by the English ones, for the page; none for English itself."""
+    catalogue: dict[str, str] = getattr(_catalogue(language), "_catalog", {})
+    return {english: words for english, words in catalogue.items() if isinstance(english, str) and english}
+
+
+@contextmanager
+def speaking(language: str) -> Iterator[None]:
+    """Speak a language inside of the block."""
+    before = _SPOKEN.set(language)
+    try:
+        yield
+    finally:
+        _SPOKEN.reset(before)
+
+
+def spoken_now() -> str:
+    """Return the language that is spoken, by its short name."""
+    return _SPOKEN.get()
+
+
+def decimals(text: str) -> str:
+    """Return a number as it is written in the language that is spoken."""
+    return text.replace(".", DECIMALS[_SPOKEN.get()])
+
+
+def named_language(name: str | None) -> str | None:
+    """Return the language that somebody names, else that of AXISCAL_LANGUAGE, else None.
+
+    Raises InputError for a name that is none of LANGUAGES.
+    """
+    named = name or os.environ.get("AXISCAL_LANGUAGE")
+    if named and named not in LANGUAGES:
+        known = ", ".join(f"{short} ({long})" for short, long in LANGUAGES.items())
+        raise InputError(f'"{named}" is no language that is spoken here', f"There are {known}")
+    return named or None
+
+
+def chosen(name: str | None) -> str:
+    """Return the language of the person: the one that is named, else AXISCAL_LANGUAGE, else that of the computer.
+
+    Raises InputError for a name that is none of LANGUAGES; a computer in a language that is missing speaks English.
+    """
+    if named := named_language(name):
+        return named
+    usual = (os.environ.get(variable, "") for variable in ("LC_ALL", "LC_MESSAGES", "LANG"))
+    computers = next((value[:2] for value in usual if value), "en")
+    return computers if computers in LANGUAGES else "en"
+
+
+class _Filling(Formatter):
+    """Fills names in, numbers as they are written in the language that is spoken."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return one value as text."""
+        shown: str = format(value, format_spec)
+        return decimals(shown) if isinstance(value, float) else shown
+
+
+_FILLING = _Filling()
+
+
+def _made(forms: tuple[str, ...], form: str, values: Mapping[str, object]) -> Said:
+    """Return a text in the language that is spoken now, and remember what it is made of."""
+    catalogue = _catalogue(_SPOKEN.get())
+    if len(forms) == 2:
+        words = catalogue.ngettext(*forms, cast("int", values["count"]))
+    else:
+        words = catalogue.gettext(forms[0]) if forms else form
+    shown = {name: again(value) if isinstance(value, Said) else value for name, value in values.items()}
+    text = Said(_FILLING.vformat(words, (), shown) if "{" in words or "}" in words else words)
+    text.forms, text.form, text.values = forms, form, values
+    return text
+
+
+@cache
+def _catalogue(language: str) -> gettext.NullTranslations:
+    if language == "en":
+        return gettext.NullTranslations()
+    with resources.files("axiscal.language").joinpath("translations", f"{language}.mo").open("rb") as file:
+        return gettext.GNUTranslations(file)
