@@ -1,4 +1,4 @@
-"""Write docs/planes.md: `python -m benchmarks.planes` takes half an hour; --only NAME prints what one map gives."""
+"""Write docs/planes.md: `python -m benchmarks.planes` takes five minutes; --only NAME prints what one map gives."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DESIGNS = {
 _HEAD = """# What errors of two axes buy
 
 Measured maps of printer beds and of a granite plate, read in 12, 16 or 25 of their nodes; the other nodes are the
-truth. `python -m benchmarks.planes` writes this page (half an hour; the maps are not part of the project). One
+truth. `python -m benchmarks.planes` writes this page (five minutes; the maps are not part of the project). One
 description serves all maps, in round figures: `EZX` and `EZY` of 50 um over 0.35 of the travel, `EZXY` half as large
 with a rest of 5 um, `scales = "estimate"`. *Two curves* is the same without `EZXY`, the rests with the curves. Maps
 count where fewer than half of the nodes are ever read. *Missed* is the RMS over all nodes of truth less estimate, in

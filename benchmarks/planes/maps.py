@@ -21,8 +21,8 @@ travel = ["0 mm", "{x:.9g} mm"]
 [axes.Y]
 travel = ["0 mm", "{y:.9g} mm"]
 [errors]
-EZX = {{ std = "50 um", knots = 9, length = "{along:.9g} mm"{rest} }}
-EZY = {{ std = "50 um", knots = 9, length = "{across:.9g} mm"{rest} }}
+EZX = {{ std = "50 um", length = "{along:.9g} mm"{rest} }}
+EZY = {{ std = "50 um", length = "{across:.9g} mm"{rest} }}
 {plane}"""
 _PLANE = 'EZXY = {{ std = "25 um", knots = 9, length = ["{0:.9g} mm", "{1:.9g} mm"], rest = "5 um" }}\n'
 _CAMPAIGN = """machine = "map"

@@ -139,13 +139,15 @@ def test_other_lengths_give_the_covariance_of_other_lengths() -> None:
     """A machine stated with these lengths, seen through the basis of the first one."""
     plane, poses = _plane(bed(), "EZXY"), poses_of(bed(), 25)
     x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
-    shorter = 30e-6**2 * np.kron(centred(matern(x.knots, 0.07 * 0.8)), centred(matern(y.knots, 0.04 * 0.8)))
+    shorter = 30e-6**2 * np.kron(centred(matern(x.knots, 0.07 * 0.8)), centred(matern(y.knots, 0.04 * 0.6)))
     rows, dense = plane.rows(plane.coordinates(poses)), dense_rows(x, y, poses[:, 2], poses[:, 0])
-    found = rows @ plane.prior(30e-6, 0.8) @ rows.T
+    found = rows @ plane.prior(30e-6, (0.8, 0.6)) @ rows.T
     np.testing.assert_allclose(found, dense @ shorter @ dense.T, rtol=0, atol=1e-12 * 30e-6**2)
-    step = 1e-5
-    slope = (plane.prior(30e-6, 0.8 * np.exp(step)) - plane.prior(30e-6, 0.8 * np.exp(-step))) / (2 * step)
-    np.testing.assert_allclose(plane.prior_by_length(30e-6, 0.8), slope, atol=1e-8 * np.abs(slope).max())
+    up, down = np.exp(1e-5), np.exp(-1e-5)
+    for index, (more, less) in enumerate((((0.8 * up, 0.6), (0.8 * down, 0.6)), ((0.8, 0.6 * up), (0.8, 0.6 * down)))):
+        slope = (plane.prior(30e-6, more) - plane.prior(30e-6, less)) / 2e-5
+        found = plane.prior_by_length(30e-6, (0.8, 0.6), index)
+        np.testing.assert_allclose(found, slope, atol=1e-8 * np.abs(slope).max())
 
 
 def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:

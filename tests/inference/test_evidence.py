@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 from axiscal.error_model.model import ErrorModel
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
-from axiscal.inference.scales import all_scales, wanted_rests
+from axiscal.inference.scales import all_scales, wanted
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -108,6 +108,6 @@ def test_a_size_that_is_stated_wrong_by_three_everywhere_is_found(wrong: float) 
 
 
 def test_only_the_rests_that_ask_for_it_are_learnt() -> None:
-    (only,) = wanted_rests(machine_from_text(MILL))
+    (only,) = wanted(machine_from_text(MILL))
     assert only.owner == "EXZ"
     assert only.stated == pytest.approx(0.3e-6)

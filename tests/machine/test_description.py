@@ -88,7 +88,7 @@ def test_priors_are_read_in_si_units() -> None:
     assert errors["EZX"] == ErrorEntry("EZX", 5e-6, spacing=0.05, line=16)
     assert errors["C0Y"] == ErrorEntry("C0Y", 30e-6, line=17)
     assert errors["EYX"] == ErrorEntry("EYX", 5e-6, knots=13, rest=0.5e-6, line=19)
-    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, line=20)
+    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, line=20, fine=True)
     assert errors["ECC"].std == pytest.approx(math.radians(5 / 3600))
     assert (errors["ECC"].axis, errors["ECC"].kind, errors["ECC"].component) == ("C", "motion", 5)
 
@@ -102,11 +102,22 @@ def test_knots_follow_the_stated_rule() -> None:
         "C0Y": 1,
         "EXX_reversal": 1,
         "EYX": 13,
-        "EXY": 10,  # 400 mm by at most 45 mm
+        "EXY": 19,  # 400 mm by at most 22.5 mm
         "ECC": 7,
         "ECC_reversal": 4,
         "X0C": 1,
     }
+
+
+def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:
+    """Twelve curves of 17 control values are 204, and stay at half their length; eleven are 187."""
+    names = [f"E{component}{axis}" for axis in "XY" for component in "XYZABC"]
+    head = 'chain = "w-b-X-Y-t"\n' + "".join(f'[axes.{axis}]\ntravel = ["0 mm", "400 mm"]\n' for axis in "XY")
+    for count, knots in ((11, 17), (12, 9)):
+        sizes = {name: "urad" if name[1] in "ABC" else "um" for name in names[:count]}
+        lines = [f'{name} = {{ std = "10 {unit}", length = "100 mm" }}\n' for name, unit in sizes.items()]
+        machine = machine_from_text(f'{head}[errors]\n{"".join(lines)}C0Y = {{ std = "30 urad" }}\n')
+        assert {e.knot_count(machine.axis(e.axis)) for e in machine.errors if not e.constant} == {knots}
 
 
 @pytest.mark.parametrize(

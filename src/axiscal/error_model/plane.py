@@ -166,19 +166,20 @@ class PlaneError:
         variances: Array = np.minimum(rest**2 / scale, np.diagonal(self.covariance))
         return variances
 
-    def prior(self, std: float, stretch: float) -> Array:
-        """Return the covariance of the unknowns with another std, and other lengths by a factor, (c, c)."""
-        pair = zip(self.sides, self.entry.sides, strict=True)
-        first, second = (side.whitened(_correlation(side, entry, stretch)) for side, entry in pair)
+    def prior(self, std: float, stretch: tuple[float, float]) -> Array:
+        """Return the covariance of the unknowns with another std, and other lengths by a factor each, (c, c)."""
+        each = zip(self.sides, self.entry.sides, stretch, strict=True)
+        first, second = (side.whitened(_correlation(side, entry, factor)) for side, entry, factor in each)
         result: Array = std**2 * chosen(first, self.pairs[:, 0]) * chosen(second, self.pairs[:, 1])
         return result
 
-    def prior_by_length(self, std: float, stretch: float) -> Array:
-        """Return the derivative of `prior` by the logarithm of the factor, (c, c)."""
-        pairs = list(zip(self.sides, self.entry.sides, self.pairs.T, strict=True))
-        held = [chosen(side.whitened(_correlation(side, entry, stretch)), index) for side, entry, index in pairs]
-        slopes = [chosen(side.whitened(_by_length(side, entry, stretch)), index) for side, entry, index in pairs]
-        result: Array = std**2 * (slopes[0] * held[1] + held[0] * slopes[1])
+    def prior_by_length(self, std: float, stretch: tuple[float, float], index: int) -> Array:
+        """Return the derivative of `prior` by the logarithm of the factor along one of both axes, (c, c)."""
+        parts = []
+        for number, (side, entry, factor) in enumerate(zip(self.sides, self.entry.sides, stretch, strict=True)):
+            found = (_by_length if number == index else _correlation)(side, entry, factor)
+            parts.append(chosen(side.whitened(found), self.pairs[:, number]))
+        result: Array = std**2 * parts[0] * parts[1]
         return result
 
 
@@ -252,8 +253,9 @@ def _lost(plane: PlaneError) -> float:
     if not len(plane.pairs):
         return 0.0
     whole, held = 1.0, np.ones(len(plane.pairs))
-    for side, entry, index in zip(plane.sides, plane.entry.sides, plane.pairs.T, strict=True):
-        correlation = _correlation(side, entry, plane.entry.stretch)
+    each = zip(plane.sides, plane.entry.sides, plane.entry.stretch, plane.pairs.T, strict=True)
+    for side, entry, stretch, index in each:
+        correlation = _correlation(side, entry, stretch)
         whole *= float(np.trace(correlation)) / len(correlation)
         vectors = (side.basis / np.sqrt(side.values))[:, index]
         held *= np.einsum("nc,nm,mc->c", vectors, correlation, vectors) / len(correlation)

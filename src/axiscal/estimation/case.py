@@ -21,7 +21,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
-from axiscal.inference.scales import Scale, Scales, all_scales, wanted_rests
+from axiscal.inference.scales import Scale, Scales, all_scales, wanted
 from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
@@ -85,9 +85,7 @@ class Case:
         What an earlier campaign knew of the curves is more than their size and smoothness, and stays.
         """
         machine, setups = self.description.machine, self.description.setups
-        if not self.description.scales_estimated:
-            return wanted_rests(machine)
-        scales = all_scales(machine, setups)
+        scales = all_scales(machine, setups) if self.description.scales_estimated else wanted(machine)
         return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:

@@ -14,27 +14,32 @@ from axiscal.numerics import Array
 Entry = ErrorEntry | PlaneEntry
 
 
-def prior_of(term: Term, entry: Entry, std: float, factor: float) -> Array:
-    """Return s² R of one error, (k, k).  factor : on its stated correlation length"""
+def prior_of(term: Term, entry: Entry, std: float, factors: tuple[float, float]) -> Array:
+    """Return s² R of one error, (k, k).  factors : on its correlation lengths, a curve has the first"""
     if isinstance(term, PlaneError):
-        return term.prior(std, term.entry.stretch * factor)
+        return term.prior(std, _stretched(term, factors))
     if term.stated_shape:
         scaled: Array = term.covariance * (std / entry.std) ** 2
         return scaled
-    length = _length(entry, factor)
+    length = _length(entry, factors[0])
     if length is None or term.basis.size == 1:
         return std**2 * np.eye(term.basis.size)
     return std**2 * matern(distances(term.basis) / length, _smoothness(entry))
 
 
-def by_length(term: Term, entry: Entry, std: float, factor: float) -> Array:
-    """Return its derivative by the logarithm of the correlation length, (k, k)."""
+def by_length(term: Term, entry: Entry, std: float, factors: tuple[float, float], index: int = 0) -> Array:
+    """Return its derivative by the logarithm of a correlation length, (k, k).  index : of the axis of a plane"""
     if isinstance(term, PlaneError):
-        return term.prior_by_length(std, term.entry.stretch * factor)
-    length = _length(entry, factor)
+        return term.prior_by_length(std, _stretched(term, factors), index)
+    length = _length(entry, factors[0])
     if length is None or term.basis.size == 1 or term.stated_shape:
         return np.zeros((term.basis.size, term.basis.size))
     return std**2 * matern_by_length(distances(term.basis) / length, _smoothness(entry))
+
+
+def _stretched(plane: PlaneError, factors: tuple[float, float]) -> tuple[float, float]:
+    first, second = plane.entry.stretch
+    return first * factors[0], second * factors[1]
 
 
 def _length(entry: Entry, factor: float) -> float | None:

@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
 from axiscal.error_model.model import Term
 from axiscal.inference.error_priors import Entry, by_length, prior_of
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
-from axiscal.inference.scales import Kind, Scale
+from axiscal.inference.scales import Kind, Scale, length_owners
+from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -84,6 +86,19 @@ class Evidence:
         half = solution(lower_root(self.covariance(np.zeros(len(self.scales)))), self.values)
         return float(half @ half)
 
+    @property
+    def averages(self) -> bool:
+        """Whether there are errors whose smoothness is averaged over; not where the prior of errors is inherited."""
+        entries = self._entries.values() if self._inherited is None else ()
+        return any(isinstance(entry, ErrorEntry) and entry.smoothness_averaged for entry in entries)
+
+    def with_smoothness(self, smoothness: float | None) -> Evidence:
+        """Return the evidence with another smoothness of the errors that average over it; None leaves it."""
+        other = copy(self)
+        if smoothness is not None:
+            other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
+        return other
+
     def multiplied(self, factor: float) -> Evidence:
         """Return the evidence of the same readings with all values times a factor."""
         other = copy(self)
@@ -134,10 +149,11 @@ class Evidence:
         """s² R of one error."""
         return prior_of(term, *self._scales_of(term.name, logs))
 
-    def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, float]:
-        """Return an error's entry, its std, and the factor on its length."""
+    def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, tuple[float, float]]:
+        """Return an error's entry, its std, and the factors on its lengths."""
         entry = self._entries[name]
-        return entry, entry.std * self._factor("std", name, logs), self._factor("length", name, logs)
+        first, second = (self._factor("length", owner, logs) for owner in length_owners(entry))
+        return entry, entry.std * self._factor("std", name, logs), (first, second)
 
     def _variances(self, logs: Array) -> Array:
         factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
@@ -167,5 +183,12 @@ class Evidence:
         scales = self._scales_of(part.term.name, logs)
         if (i := self._index.get(("std", part.term.name))) is not None:
             result[i] = float(np.sum(prior_of(part.term, *scales) * inner))
-        if (i := self._index.get(("length", part.term.name))) is not None:
-            result[i] = 0.5 * float(np.sum(by_length(part.term, *scales) * inner))
+        for number, owner in enumerate(dict.fromkeys(length_owners(scales[0]))):
+            if (i := self._index.get(("length", owner))) is not None:
+                result[i] = 0.5 * float(np.sum(by_length(part.term, *scales, number) * inner))
+
+
+def _as_smooth(entry: Entry, smoothness: float) -> Entry:
+    if isinstance(entry, ErrorEntry) and entry.smoothness_averaged:
+        return replace(entry, smoothness=smoothness)
+    return entry

@@ -1,11 +1,14 @@
 """The scales after readings: the most probable ones, by the exact gradient of likelihood times weak priors, and how far
 others remain possible.
+
+Curves of several kinds f (how smooth) are averaged over by Z_f = ∫ p(y | θ, f) p(θ) dθ, which the draws of their scales
+give; the model goes on with the likeliest of them, its bands count all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,7 +16,8 @@ from axiscal.inference.evidence import Evidence
 from axiscal.inference.mixture import Mixture, mixture
 from axiscal.inference.scales import Scale, Scales, log_prior_precision
 from axiscal.inference.together import unfollowed
-from axiscal.inference.widening import Widening, mean_squares, widening
+from axiscal.inference.widening import Possible, Widening, mean_squares, widening
+from axiscal.machine.entry import JAGGED, ROUGH, SMOOTH
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -26,6 +30,8 @@ _STEP = 1e-3
 _STEPS, _FEW_STEPS = 200, 40
 """Iterations; whatever they reach is a set of scales like any other, and is judged by the readings."""
 _MOST = 300
+FAMILIES = (SMOOTH, ROUGH, JAGGED)
+"""Kinds of curves that are averaged over, each as probable as the others beforehand."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,6 +40,7 @@ class Fit:
 
     stated, found : log marginal likelihood as stated, and at the scales
     widening : what it adds to the bands that other scales remain possible; possible : draws of these
+    families : how probable curves of each smoothness are, by ν; empty where none is averaged over
     """
 
     scales: Scales
@@ -41,6 +48,7 @@ class Fit:
     found: float
     widening: Widening
     possible: Mixture
+    families: Mapping[float, float] = field(default_factory=dict)
 
     @property
     def gain(self) -> float:
@@ -61,28 +69,42 @@ def fit(
     prior : mean and covariance of the errors, where they are not the stated ones
     Of many readings a part tells them, drawn the same way each time: what the others would add is seconds of waiting.
     """
-    evidence = Evidence(observation, drawn(readings, _MOST), scales, prior)
+    stated = Evidence(observation, drawn(readings, _MOST), scales, prior)
+    names: tuple[float | None, ...] = FAMILIES if stated.averages else (None,)
+    evidences = [stated.with_smoothness(name) for name in names]
+    each = [_possible(evidence, scales) for evidence in evidences]
+    shares = np.exp(np.array([one.whole for one in each]) - max(one.whole for one in each))
+    parts = zip(names, evidences, each, (shares / shares.sum()).tolist(), strict=True)
+    order = sorted(parts, key=lambda part: -part[3])
+    possible = [Possible(*part[1:]) for part in order]
+    evidence, likeliest, _ = possible[0]
+    best = likeliest.logs[0]
+    found = Scales(scales, tuple(np.exp(best)), order[0][0])
+    likelihoods = stated.log_likelihood(0 * best), evidence.log_likelihood(best)
+    wider = widening(possible, _rests(observation, readings, scales, possible))
+    families = {name: share for name, _, _, share in order if name is not None}
+    return Fit(found, *likelihoods, wider, likeliest, families)
+
+
+def _possible(evidence: Evidence, scales: tuple[Scale, ...]) -> Mixture:
+    """Return the scales that readings leave possible for curves of one smoothness."""
     objective = _objective(evidence, scales)
     best = min(
         (lowest(objective, start, -_FARTHEST, _FARTHEST, _STEPS) for start in _starts(scales)),
         key=lambda at: objective(at)[0],
     )
     weak = log_prior_precision(scales)
-    possible = mixture(
+    return mixture(
         lambda logs: evidence.log_likelihood(logs) - 0.5 * float(logs @ weak @ logs),
         best,
         _curvature(lambda logs: objective(logs)[1], best),
         weak,
         len(evidence.values),
     )
-    found = Scales(scales, tuple(np.exp(best)))
-    likelihoods = evidence.log_likelihood(0 * best), evidence.log_likelihood(best)
-    wider = widening(evidence, possible, _rests(observation, readings, scales, possible))
-    return Fit(found, *likelihoods, wider, possible)
 
 
 def _rests(
-    observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...], possible: Mixture
+    observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...], possible: Sequence[Possible]
 ) -> Mapping[str, float]:
     """Return the rests that the bands count, by the name of their error: as learnt, and what no sum of curves holds."""
     rests = mean_squares(possible, scales, "rest")

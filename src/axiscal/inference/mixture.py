@@ -32,10 +32,12 @@ class Mixture:
     """Draws of the logarithms of the scales' factors.
 
     logs : (l, n), the first one the most probable; weights : (l,), sum 1
+    whole : log ∫ p(y | θ) p(θ) dθ, up to what does not depend on the density
     """
 
     logs: Array
     weights: Array
+    whole: float = 0.0
 
     @property
     def size(self) -> float:
@@ -73,7 +75,8 @@ def _drawn(density: Callable[[Array], float], best: Array, root: Array, count: i
     proposed = -(_FREEDOM + size) / 2 * np.log1p(np.sum(draws**2, axis=1) / _FREEDOM)
     ratios = np.array([density(each) for each in logs]) - proposed
     weights = np.exp(ratios - ratios.max())
-    return Mixture(logs, weights / weights.sum())
+    whole = float(ratios.max() + np.log(np.mean(weights)) + np.linalg.slogdet(root)[1])
+    return Mixture(logs, weights / weights.sum(), whole)
 
 
 def _root(curvature: Array, prior: Array) -> Array:

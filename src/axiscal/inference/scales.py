@@ -47,10 +47,14 @@ class Scale(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """The most probable scales: their factors on what was stated, in the order of `of`."""
+    """The most probable scales: their factors on what was stated, in the order of `of`.
+
+    smoothness : the most probable one of errors whose smoothness is averaged over; None where there are none
+    """
 
     of: tuple[Scale, ...]
     factors: tuple[float, ...]
+    smoothness: float | None = None
 
     def value(self, kind: Kind, owner: str) -> float | None:
         """Return the most probable scale, m, rad or the axis' unit; None where it was not estimated."""
@@ -69,10 +73,13 @@ class Scales:
         return tuple(replace(s, noise=self.value("noise", s.name) or s.noise) for s in setups)
 
     def _plane(self, entry: PlaneEntry) -> PlaneEntry:
+        first, second = (
+            self.value("length", owner) or own for owner, own in zip(length_owners(entry), entry.stretch, strict=True)
+        )
         return replace(
             entry,
             std=self.value("std", entry.name) or entry.std,
-            stretch=self.value("length", entry.name) or entry.stretch,
+            stretch=(first, second),
             rest=self.value("rest", entry.name) or entry.rest,
         )
 
@@ -86,7 +93,13 @@ class Scales:
             rest=self.value("rest", entry.name) or entry.rest,
             knots=knots,
             spacing=None,
+            smoothness=(self.smoothness or entry.smoothness) if entry.smoothness_averaged else entry.smoothness,
         )
+
+
+def length_owners(entry: ErrorEntry | PlaneEntry) -> tuple[str, str]:
+    """Return whose its correlation lengths are: of a plane one along each axis, of a curve its own, named twice."""
+    return (entry.along(0), entry.along(1)) if isinstance(entry, PlaneEntry) else (entry.name, entry.name)
 
 
 def all_scales(machine: Machine, setups: Iterable[Setup]) -> tuple[Scale, ...]:
@@ -96,18 +109,27 @@ def all_scales(machine: Machine, setups: Iterable[Setup]) -> tuple[Scale, ...]:
     return (*(scale for entry in machine.errors for scale in _scales(entry)), *planes, *noises)
 
 
-def wanted_rests(machine: Machine) -> tuple[Scale, ...]:
-    """Return the rests that the description asks to be learnt."""
-    curves = (Scale("rest", e.name, e.first_rest) for e in machine.errors if e.rest_estimated and not e.constant)
-    return (*curves, *(Scale("rest", e.name, e.first_rest) for e in machine.planes if e.rest_estimated))
+def wanted(machine: Machine) -> tuple[Scale, ...]:
+    """Return what the description asks to be learnt: rests, and of curves of each smoothness size and length."""
+    curves = [e for e in machine.errors if not e.constant]
+    kinds = (Scale("std", e.name, e.std) for e in curves if e.smoothness_averaged)
+    lengths = (Scale("length", e.name, e.length) for e in curves if e.smoothness_averaged and e.length is not None)
+    rests = (Scale("rest", e.name, e.first_rest) for e in curves if e.rest_estimated)
+    return (
+        *kinds,
+        *lengths,
+        *rests,
+        *(Scale("rest", e.name, e.first_rest) for e in machine.planes if e.rest_estimated),
+    )
 
 
 def _of_plane(entry: PlaneEntry) -> Iterator[Scale]:
-    """Yield the scales of two axes' error: one factor for both of its lengths, which few readings tell apart."""
+    """Yield the scales of two axes' error: its size, and a factor for the length along each axis."""
     if entry.std:
         yield Scale("std", entry.name, entry.std)
-        if any(side.length is not None for side in entry.sides):
-            yield Scale("length", entry.name, entry.stretch)
+        for owner, side, stretch in zip(length_owners(entry), entry.sides, entry.stretch, strict=True):
+            if side.length is not None:
+                yield Scale("length", owner, stretch)
     yield Scale("rest", entry.name, entry.rest or GUESSED_REST * entry.std)
 
 

@@ -66,6 +66,7 @@ def _as_slips(
 ) -> float:
     """Return the log probability of readings as slips, each predicted from the trusted ones."""
     together = Evidence(observation, [*drawn(trusted, _MOST), *others], found.scales.of, prior)
+    together = together.with_smoothness(found.scales.smoothness)
     covariance = together.covariance(np.log(np.array(found.scales.factors)))
     seen = int(np.searchsorted(together.reading, len(trusted)))
     lower = lower_root(covariance[:seen, :seen])

@@ -24,6 +24,9 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root, positive_root
 
+_NOTHING = 1e-4
+"""Share of a smoothness that moves no band."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Widening:
@@ -42,21 +45,38 @@ class Posterior(NamedTuple):
     covariance: Array
 
 
-def widening(evidence: Evidence, mixture: Mixture, rests: Mapping[str, float]) -> Widening:
-    """Return what the mixture adds.  rests : as in `Widening`"""
-    mode = posterior(evidence, mixture.logs[0])
+class Possible(NamedTuple):
+    """What readings leave possible of scales, for curves of one smoothness.
+
+    evidence : with that; mixture : of the scales; share : how probable the smoothness is beside the others
+    """
+
+    evidence: Evidence
+    mixture: Mixture
+    share: float
+
+
+def widening(possible: Sequence[Possible], rests: Mapping[str, float]) -> Widening:
+    """Return what the mixtures add to the first one's most probable scales.  rests : as in `Widening`"""
+    mode = posterior(possible[0].evidence, possible[0].mixture.logs[0])
     whole = np.zeros_like(mode.covariance)
-    for logs, weight in mixture.parts():
-        each = posterior(evidence, logs)
-        moved = each.mean - mode.mean
-        whole += weight * (each.covariance + np.outer(moved, moved))
-    return Widening(positive_root(whole - mode.covariance, np.diag(whole)), rests, mixture.size)
+    for evidence, mixture, share in possible:
+        for logs, weight in mixture.parts() if share > _NOTHING else ():
+            each = posterior(evidence, logs)
+            moved = each.mean - mode.mean
+            whole += share * weight * (each.covariance + np.outer(moved, moved))
+    size = 1.0 / sum(share**2 / mixture.size for _, mixture, share in possible)
+    return Widening(positive_root(whole - mode.covariance, np.diag(whole)), rests, size)
 
 
-def mean_squares(mixture: Mixture, scales: Sequence[Scale], kind: Kind) -> dict[str, float]:
-    """Return the root mean square of each scale of a kind over a mixture, by its owner, m or rad."""
-    mine = [(index, scale) for index, scale in enumerate(scales) if scale.kind == kind]
-    return {scale.owner: scale.stated * float(np.sqrt(mixture.mean_square(index))) for index, scale in mine}
+def mean_squares(possible: Sequence[Possible], scales: Sequence[Scale], kind: Kind) -> dict[str, float]:
+    """Return the root mean square of each scale of a kind over the mixtures, by its owner, m or rad."""
+    found = dict[str, float]()
+    for index, scale in enumerate(scales):
+        if scale.kind == kind:
+            square = sum(share * mixture.mean_square(index) for _, mixture, share in possible)
+            found[scale.owner] = scale.stated * float(np.sqrt(square))
+    return found
 
 
 def posterior(evidence: Evidence, logs: Array) -> Posterior:

@@ -9,7 +9,7 @@ from axiscal.document import Document, nearest, read_model, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import COUNTINGS, Axis, Counting
 from axiscal.machine.chain import Link, parse_chain
-from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import error_entries
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import AxisTable, MachineFile
@@ -58,7 +58,7 @@ def assemble(document: Document) -> Parts:
     entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
     planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    return Parts(name, axes, tool, radius, stylus, entries, planes, tables.chain)
+    return Parts(name, axes, tool, radius, stylus, as_fine_as_is_cheap(entries, known), planes, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import Axis
@@ -13,10 +14,14 @@ DEFAULT_KNOTS = 7
 FEWEST_INTERVALS = 4
 FEWEST_CYCLIC_KNOTS = 4
 MOST_KNOTS = 400
-SMOOTH, ROUGH = 2.5, 1.5
-"""ν of the Matérn correlation: a curve with two derivatives, or with one (kinks are likelier)."""
-_PARTS = {SMOOTH: 2, ROUGH: 4}
-"""Knot intervals in a correlation length: a rough curve needs finer ones."""
+SMOOTH, ROUGH, JAGGED = 2.5, 1.5, 0.5
+"""ν of the Matérn correlation: a curve with two derivatives, with one (kinks are likelier), or with none."""
+_COARSE, _FINE = 2, 4
+"""Knot intervals in a correlation length: at two a smooth curve is followed, at four also one that is rougher, or that
+turns out to be of half the length.
+"""
+CHEAP = 200
+"""Control values of a machine: a plan of so many takes half a second more than one of half as many."""
 GUESSED_REST = 0.05
 """A rest that is to be learnt begins as this share of the std of its error."""
 
@@ -34,6 +39,8 @@ class ErrorEntry:
     smoothness : ν of the Matérn correlation, 2.5 or 1.5
     harmonics : waves to a period, at most, of an error of the shape "pitch"; 0 for others
     joints : where an error of the shape "step" steps, m or rad
+    fine : knots of which nothing is said are as close as a rough curve needs them
+    smoothness_averaged : curves of each smoothness are averaged over, by how probable they make the readings
     """
 
     name: str
@@ -48,6 +55,8 @@ class ErrorEntry:
     smoothness: float = SMOOTH
     harmonics: int = 0
     joints: tuple[float, ...] = ()
+    fine: bool = False
+    smoothness_averaged: bool = False
 
     @property
     def parts(self) -> ErrorName:
@@ -83,8 +92,8 @@ class ErrorEntry:
         """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.
 
         `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: intervals not longer than half
-        the correlation length (a quarter where smoothness is 1.5), at least four; without a correlation length 7 knots,
-        as in the paper (B&H section V).
+        the correlation length (a quarter where `fine`, or where smoothness is 1.5), at least four; without a
+        correlation length 7 knots, as in the paper (B&H section V).
         Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
         """
         if self.constant:
@@ -111,8 +120,17 @@ class ErrorEntry:
         if self.spacing is not None:
             return 1 + max(1, _intervals(axis.length, self.spacing))
         if self.length is not None:
-            return 1 + max(FEWEST_INTERVALS, _intervals(axis.length, self.length / _PARTS[self.smoothness]))
+            rough = self.fine or self.smoothness != SMOOTH or self.smoothness_averaged
+            parts = _FINE if rough else _COARSE
+            return 1 + max(FEWEST_INTERVALS, _intervals(axis.length, self.length / parts))
         return DEFAULT_KNOTS
+
+
+def as_fine_as_is_cheap(entries: tuple[ErrorEntry, ...], axes: Mapping[str, Axis]) -> tuple[ErrorEntry, ...]:
+    """Return the errors with fine knots where nothing is said of knots, if all control values stay few even so."""
+    finer = tuple(replace(e, fine=e.length is not None and e.knots is None and e.spacing is None) for e in entries)
+    counts = [entry._wanted_knots(axes[entry.axis]) for entry in finer if not entry.constant]
+    return finer if sum(counts) <= CHEAP else entries
 
 
 def _intervals(travel: float, longest: float) -> int:

@@ -13,6 +13,10 @@ LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
 """m or rad."""
 
 
+AVERAGED = "estimate"
+"""What is said of a smoothness that is to be averaged over."""
+
+
 def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
     """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
     if table.rest is None or table.rest.strip() == "estimate":
@@ -29,14 +33,18 @@ def error_size(document: Document, keys: Keys, text: str, dimension: Dimension) 
     return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)
 
 
-def smoothness_of(table: ErrorTable) -> float:
-    """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not."""
+def smoothness_of(table: ErrorTable, averaged: bool = False) -> float:
+    """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
+
+    averaged : it may also be averaged over, "estimate"; it begins as a smooth one then
+    """
     if table.smoothness is None:
         return SMOOTH
-    if table.smoothness not in (SMOOTH, ROUGH):
+    if table.smoothness not in (SMOOTH, ROUGH) and not (averaged and table.smoothness == AVERAGED):
         what = f"smoothness = {shown(table.smoothness)} is not possible"
-        raise DescriptionError(what, f"Write {SMOOTH} for a smooth curve, {ROUGH} for one that may have kinks")
+        remedy = f"Write {SMOOTH} for a smooth curve, {ROUGH} for one that may have kinks"
+        raise DescriptionError(what, f'{remedy}, "{AVERAGED}" to average over both' if averaged else remedy)
     if table.length is None:
         what = f"smoothness = {shown(table.smoothness)} is said of an error without a correlation length"
         raise DescriptionError(what, 'Add over which distance it changes, such as length = "150 mm"')
-    return table.smoothness
+    return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)

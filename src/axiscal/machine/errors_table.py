@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeVar
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
-from axiscal.machine.error_sizes import error_size, rest_of, smoothness_of
+from axiscal.machine.error_sizes import AVERAGED, error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
@@ -89,9 +90,10 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     std, rest = _std(document, keys, table, value), rest_of(document, keys, table, value)
     estimated = rest is None and table.rest is not None
     line = document.line(*keys)
-    knots, smoothness = _one(table.knots), smoothness_of(table)
+    knots, smoothness = _one(table.knots), smoothness_of(table, averaged=True)
     shape = shaped(document, keys, table, name, axis)
-    return ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness, *shape)
+    entry = ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness, *shape)
+    return replace(entry, smoothness_averaged=table.smoothness == AVERAGED)
 
 
 def _one(value: Value | tuple[Value, Value] | None) -> Value | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, StrictFloat, StrictStr
 from pydantic_core import PydanticKnownError
@@ -84,7 +84,7 @@ class ErrorTable(_Table):
     length: QuantityTexts | None = Field(None, examples=['"150 mm"'])
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
     period: QuantityText | None = Field(None, examples=['"5 mm"'])
-    smoothness: StrictFloat | None = Field(None, examples=["1.5"])
+    smoothness: StrictFloat | Literal["estimate"] | None = Field(None, examples=["1.5", '"estimate"'])
     harmonics: int | None = Field(None, examples=["2"])
     at: list[QuantityText] | None = Field(None, examples=['["500 mm", "1000 mm"]'])
 

@@ -15,7 +15,7 @@ class PlaneEntry:
     name : "EZXY"; component : 0…5; std : m or rad, of a plane that held its axes' own curves as well; 0 for a rest only
     sides : knots and correlation lengths along each axis, as of an error of std 1
     rest : of cells of the plane, m or rad; rest_estimated : it is to be learnt from the readings
-    stretch : factor on both lengths that readings have taught; the splines stay those of the stated lengths
+    stretch : factor on the length along each axis that readings have taught; the splines stay those as stated
     """
 
     name: str
@@ -25,13 +25,17 @@ class PlaneEntry:
     rest: float | None = None
     rest_estimated: bool = False
     line: int | None = None
-    stretch: float = 1.0
+    stretch: tuple[float, float] = (1.0, 1.0)
 
     @property
     def axes(self) -> tuple[str, str]:
         """Names of both axes."""
         first, second = self.sides
         return first.axis, second.axis
+
+    def along(self, index: int) -> str:
+        """Return what the length along one of its axes is called: "EZXY along X"."""
+        return f"{self.name} along {self.axes[index]}"
 
     @property
     def angular(self) -> bool:

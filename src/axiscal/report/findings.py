@@ -19,6 +19,7 @@ from axiscal.inference.misfit import Misfit, misfits
 from axiscal.inference.repeats import Trend, trend
 from axiscal.language.spoken import capital, listed, put, said
 from axiscal.machine.description import Machine
+from axiscal.machine.entry import SMOOTH
 from axiscal.machine.names import COMPONENTS
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import directions_of
@@ -38,6 +39,8 @@ _MISFIT = 1e-3
 _TINY = 0.02
 """Readings that scatter by less than this share of what is stated are in another unit, or are no readings."""
 _SHOWS, _AN_HOUR = 3.0, 3600.0
+_SURE = 20.0
+"""Odds below which nothing is said of kinks: as for what contradicts the model."""
 _OTHER = 1.5
 """A noise that differs by this factor is not as stated."""
 _MATTERS = 0.1
@@ -128,6 +131,7 @@ def _scales(estimation: Estimation) -> Iterator[Finding]:
     if estimation.stated.inherited is not None:
         yield from _noises(estimation)
         return
+    yield from _kinks(estimation)
     learnt = {(scale.kind, scale.owner) for scale in estimation.fit.scales.of} if estimation.fit else set()
     stated = estimation.stated.linear_as(estimation.case)
     for misfit in misfits(stated.observation, trusted(estimation)):
@@ -144,6 +148,20 @@ def _noises(estimation: Estimation) -> Iterator[Finding]:
         noise = found.scales.value("noise", setup.name) if found else None
         if noise is not None and not 1 / _OTHER < noise / setup.noise < _OTHER:
             yield _off(Misfit(setup.name, "noise", setup.noise, noise), estimation, True)
+
+
+def _kinks(estimation: Estimation) -> Iterator[Finding]:
+    """Say where readings want curves that are not smooth, among those that are averaged over."""
+    families = estimation.fit.families if estimation.fit else {}
+    likeliest = max(families, key=lambda each: families[each], default=SMOOTH)
+    odds = families.get(likeliest, 0.0) / max(1.0 - families.get(likeliest, 0.0), np.finfo(float).tiny)
+    if likeliest == SMOOTH or odds < _SURE:
+        return
+    names = [entry.name for entry in estimation.case.description.machine.errors if entry.smoothness_averaged]
+    several = f"The curves of {', '.join(names)} have" if len(names) > 1 else f"The curve {names[0]} has"
+    times = f"{odds:.0f} to 1" if odds < 1000 else "more than 1000 to 1"
+    text = f"{several} kinks: a smoothness of {likeliest} is {times} against the others that were averaged over."
+    yield Finding("prior-misfit", names[0] if len(names) == 1 else None, text)
 
 
 def _rough(misfit: Misfit, estimation: Estimation, learnt: bool) -> Finding:
