@@ -90,6 +90,7 @@ class SetupTable(Table):
     turning: dict[str, float | int] | None = Field(None, examples=["{ C = 1.0 }"])
     retract: Length | None = Field(None, examples=['"50 mm"'])
     sides: Literal["mean", "touched"] | None = Field(None, examples=['"mean"'])
+    touches: Literal[3] | None = Field(None, examples=["3"])
     range: list[QuantityText] | None = Field(None, examples=['["1 m", "8 m"]'])
     sight: Angle | None = Field(None, examples=['"60 deg"'])
     faces: str | list[float | int] | None = Field(None, examples=['"z"'])

@@ -142,9 +142,11 @@ class _Reader:
         refuse_no_sight(table, self._at)
         with self._at("stroke"):
             stroke = parse_quantity(table.stroke, "length") if table.stroke else STROKE
-        evened = setup.instrument == "sphere" if table.sides is None else table.sides == "mean"
+        usual = setup.instrument == "sphere" and table.touches is None
+        evened = usual if table.sides is None else table.sides == "mean"
         setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
         setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened, length=site.length)
+        setup = replace(setup, three_touches=table.touches is not None)
         with self._at("artefact" if site.artefact else "length" if site.length else "along"):
             refuse_unreachable(self._machine, setup)
         if setup.contact != "held":

@@ -26,6 +26,7 @@ from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.instruments.kind import TOOL
+from axiscal.measurement.instruments.nest import RADIUS
 from axiscal.measurement.owners import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.numerics import Array
@@ -36,6 +37,8 @@ At = Callable[..., AbstractContextManager[None]]
 
 TOUCHING = ("rtest", "sphere", "probe")
 OPEN_LENGTH = 1e-3
+OPEN_RADIUS = 1e-4
+"""m, std of the radius at which a stylus meets a sphere, where nobody measured it: that of a tool, see Setup."""
 CALIBRATED_LENGTH = 1e-6
 STROKE = 1e-3
 RETRACT = 0.05
@@ -104,6 +107,10 @@ class SiteReader:
                 first, second = sorted(pair)
                 with self._at(second):
                     raise DescriptionError(f"{first} and {second} exclude one another", "Give one of them")
+        if table.touches and (table.instrument != "sphere" or table.sides == "mean"):
+            what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
+            with self._at("touches"):
+                raise DescriptionError(what, "Take sides out, or touches")
         for key in ("plane", "arc", "turning", "stroke"):
             if getattr(table, key) and table.length is None and table.instrument != "rtest":
                 with self._at(key):
@@ -276,7 +283,8 @@ class SiteReader:
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 else Balls(each)
-        unknowns = (*unknowns_at(artefact, balls), *self._tool)
+        size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self._table.touches else ()
+        unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
         moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
         return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)
 

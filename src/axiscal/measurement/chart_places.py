@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.description import Machine
+from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.charts.arrivals import arrivals, has_room, side_choices
 from axiscal.measurement.charts.chart import Chart, Coordinate
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touch_sides import touching_sides
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 
@@ -37,12 +39,23 @@ def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -
 
 
 def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
-    """Return from where each axis comes to places of a set-up; linear axes from none where it evens their sides."""
+    """Return from where each axis comes to places of a set-up.
+
+    Linear axes come from where they follow, from none where both sides are evened, or as they touch three of them.
+    """
     overruns = np.array([axis.overrun for axis in machine.axes])
-    found = arrivals(chart, overruns, places, sides)
-    if setup.mean_sides:
-        found[:, [k for k, axis in enumerate(machine.axes) if not axis.rotary]] = 0.0
+    found = turned_to(machine, setup, arrivals(chart, overruns, places, sides))
+    if setup.three_touches:
+        linear = list(linear_axes(machine))
+        found[:, linear] = touching_sides(machine, chart.poses(places))
     return found
+
+
+def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
+    """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
+    if setup.sides_follow:
+        return approaches
+    return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
 
 
 def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
@@ -61,7 +74,7 @@ def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
 def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
     """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
     reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in _reversals(machine)]
-    shown = [k for k in reverses if machine.axes[k].rotary or not setup.mean_sides]
+    shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
     middle = np.array([[(chart.bounds(n).low + chart.bounds(n).high) / 2 for n in range(chart.size)]])
     result = np.zeros(chart.size, dtype=bool)
     for number in range(chart.size):

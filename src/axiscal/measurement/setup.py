@@ -69,6 +69,8 @@ class Setup:
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
     mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
+    three_touches : it reads a sphere by its pole and two sides, so that their size counts and the linear axes come from
+        where they touch
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
     lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
@@ -102,6 +104,7 @@ class Setup:
     contact: Contact = "free"
     retract: float = 0.0
     mean_sides: bool = False
+    three_touches: bool = False
     length: float | None = None
     stroke: float | None = None
     driving: Driving = USUAL
@@ -115,6 +118,11 @@ class Setup:
         if self.chart is None or self.chart.size == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+
+    @property
+    def sides_follow(self) -> bool:
+        """Whether the linear axes come to a place of its chart from where its coordinates bring them."""
+        return not (self.mean_sides or self.three_touches)
 
     @property
     def sides(self) -> tuple[int, ...]:

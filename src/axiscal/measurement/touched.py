@@ -14,9 +14,10 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import linear_axes, tip_at
+from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touch_sides import touch_frames
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, from_unit
 
@@ -68,7 +69,13 @@ class Sphere:
 
 
 def cycle_of(machine: Machine, setup: Setup) -> Cycle:
-    """Return how the spheres of a set-up are touched; raises DescriptionError where nobody says how large they are."""
+    """Return how the spheres of a set-up are touched from all sides.
+
+    Raises DescriptionError where nobody says how large they are, or where they are to be touched from three sides.
+    """
+    if setup.three_touches:
+        what = f"{shown(setup.name)} reads spheres by three touches, and this cycle touches them from all sides"
+        raise DescriptionError(what, "Take touches out of the set-up, and its readings are what the cycle finds")
     if setup.artefact is None or setup.artefact.diameter is None:
         name = "the sphere" if setup.artefact is None else f"each ball of {shown(setup.artefact.name)}"
         remedy = 'Give it under [[artefacts]], as in diameter = "25 mm"'
@@ -108,13 +115,7 @@ def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...
 
 def sides(machine: Machine, pose: Array) -> Array:
     """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
-    at = frames(machine, pose[None])
-    stem = at.stem[0]
-    ways = [at.rotations[k][0] @ np.array(machine.axes[k].direction) for k in linear_axes(machine)]
-    level = [way - (way @ stem) * stem for way in ways]
-    first = max(level, key=lambda way: round(float(np.linalg.norm(way)), 6))  # the first of those across the stem
-    first = first / np.linalg.norm(first)
-    second = np.cross(stem, first)
+    first, second, stem = touch_frames(machine, pose[None])[0]
     return np.array([stem, first, second, -first, -second, stem]) + 0.0
 
 

@@ -230,7 +230,7 @@ class LinuxcncSource:
             machine = LinuxcncMachine(self._truth, self._tables, self._build)
             self._running = machine, self._simulated(machine.seen)
         machine, source = self._running
-        if machine.spheres is None or request.setup.instrument != "sphere":
+        if machine.spheres is None or request.setup.instrument != "sphere" or request.setup.three_touches:
             return source.read(request)
         import numpy as np
 

@@ -175,8 +175,8 @@ class _BoxCutting:
         self._rows, self._found, spans = rows, found, _spans(part)
         self._limits, self._within = _limits(part, self._before, self._machine)
         self._ways = TravellingWaves.of(self._way, spans)
-        evened = observation.setups[setup].mean_sides
-        sided = (k for k, axis in enumerate(self._machine.axes) if axis.rotary or not evened)
+        follow = observation.setups[setup].sides_follow
+        sided = (k for k, axis in enumerate(self._machine.axes) if axis.rotary or follow)
         self._reversing = [k for k in sided if k in observation.errors.reversing]
 
     def _way(self, values: Array) -> Array:

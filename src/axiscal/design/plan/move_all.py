@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
-from axiscal.measurement.chart_places import arrivals_of
+from axiscal.measurement.chart_places import arrivals_of, turned_to
 from axiscal.measurement.charts.arrivals import has_room
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.place import Places
@@ -93,7 +93,8 @@ def _that_can_be_taken(state: Covariance, before: Places, after: Places) -> Plac
         chart = setups[number].chart
         if chart is None or np.array_equal(poses[i], before.poses[i]):
             continue
-        sides = sides_of(chart, chart.places(before.poses[[i]]), before.approaches[[i]])
+        come = turned_to(machine, setups[number], before.approaches[[i]])
+        sides = sides_of(chart, chart.places(before.poses[[i]]), come)
         at = chart.places(poses[[i]])
         if has_room(chart, at, sides)[0]:
             approaches[i] = arrivals_of(machine, setups[number], chart, at, sides)[0]

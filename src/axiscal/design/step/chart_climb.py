@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.chart_line import pieces, places_along
 from axiscal.design.step.newton_step import ascent, derivatives, stencil
-from axiscal.measurement.chart_places import arrivals_of
+from axiscal.measurement.chart_places import arrivals_of, turned_to
 from axiscal.measurement.charts.arrivals import has_room
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.observation import directions_of
@@ -53,11 +53,13 @@ class ChartClimb:
     @classmethod
     def begun(cls, scorer: Scorer, setup: int, pose: Array, approach: Array) -> ChartClimb | None:
         """Return the climb from a candidate, pose and approach (q,); None where it is read on no chart."""
-        chart = scorer.observation.setups[setup].chart
+        observation = scorer.observation
+        chart = observation.setups[setup].chart
         if chart is None:
             return None
         place = chart.places(pose[None])
-        sides = sides_of(chart, place, approach[None])[0]
+        come = turned_to(observation.machine, observation.setups[setup], approach[None])
+        sides = sides_of(chart, place, come)[0]
         climb = cls(scorer, setup, chart, place[0], np.where(sides == 0, 1.0, sides), -np.inf)
         return replace(climb, gain=float(climb._gains(place)[0]))
 
