@@ -34,6 +34,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 
 _HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
+_BOTH = "; what two axes do together as a table of the later one over both"
 _APART = "; and what each axis is apart between its directions"
 _LEFT = "the reversal of straightness and of angles, and the orientation of the tool."
 _RECORDS = 1000
@@ -65,7 +66,7 @@ def _draft(
         k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
         for k, axis in enumerate(machine.axes)
     }
-    found = curves(estimate, grids)
+    found = curves(estimate, grids, together=kind == "ISG_CSV")
     _refuse_names(found)
     if not found:
         raise TableError("there is no deviation that these files could hold", "take readings first")
@@ -84,7 +85,7 @@ def _draft(
         unit = leadscrew.unit(machine.axis(table.axis).unit)
         resolution[table.axis] = resolution.get(table.axis, 0.0) + 0.5 * unit + 1e-12
     notes = _notes(machine, found, name, options.flip) + _leadscrew_notes(lists)
-    holds = _HOLDS.format(_APART if lists else "")
+    holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
     return Draft(files, held, wanted, resolution, halves, holds, _LEFT, notes, tried=False)
 
 
@@ -123,7 +124,7 @@ def _refuse_names(found: Mapping[str, SampledError]) -> None:
 
 
 def _notes(machine: Machine, found: Mapping[str, SampledError], name: str, flip: bool) -> tuple[str, ...]:
-    records = sum(len(curve.positions) for curve in found.values())
+    records = sum(curve.values.size for curve in found.values())
     negated = " The list file negates them, as --flip asks." if flip else ""
     return (
         f"Put volcomp.lis and {name} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "

@@ -31,14 +31,27 @@ def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
         values = [_shown(name, curve.values)[0] for name, curve in constants.items()]
         blocks.append(_row(constants) + _row(f"{value:.9e}" for value in values))
     for axis in machine.axes:
-        own = {n: c for n, c in found.items() if n not in constants and parse_error_name(n).axis == axis.name}
+        own = {
+            n: c for n, c in found.items() if not (n in constants or c.over) and parse_error_name(n).axis == axis.name
+        }
         if own:
             at = to_unit(next(iter(own.values())).positions, axis.unit)
             columns = [_shown(name, curve.values) for name, curve in own.items()]
             rows = zip(at, *columns, strict=True)
             lines = (_row([f"{p:.6f}", *(f"{value:.9e}" for value in values)]) for p, *values in rows)
             blocks.append(_row([axis.name, *own]) + "".join(lines))
+    blocks += [_over_both(name, curve, machine) for name, curve in found.items() if curve.over]
     return "// mm, deg and rad\n" + "#\n".join(blocks)
+
+
+def _over_both(name: str, curve: SampledError, machine: Machine) -> str:
+    """Return the block of an error that depends on two axes: all positions of its own at each of the other one."""
+    own, other = machine.axis(parse_error_name(name).axis), machine.axis(curve.over)
+    lines = [_row([other.name, own.name, name])]
+    for across, values in zip(to_unit(curve.across, other.unit), curve.values, strict=True):
+        rows = zip(to_unit(curve.positions, own.unit), _shown(name, values), strict=True)
+        lines += [_row([f"{across:.6f}", f"{at:.6f}", f"{value:.9e}"]) for at, value in rows]
+    return "".join(lines)
 
 
 def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
@@ -60,15 +73,29 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Sample
     header, *lines = rows
     arguments = [name for name in header if name in {axis.name for axis in machine.axes}]
     table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
-    at = np.zeros(1)
-    if arguments:
-        at = from_unit(np.asarray(table[:, header.index(arguments[0])]), machine.axis(arguments[0]).unit)
+    at = {n: from_unit(np.asarray(table[:, header.index(n)]), machine.axis(n).unit) for n in arguments}
     for column, name in enumerate(header):
         if name in arguments:
             continue
         if not NAMES.fullmatch(name) or name in found:
             raise TableError(f"the kernel would refuse the column {name[:20]!r}", "this is a defect of axiscal")
-        found[name] = SampledError(at, _inside(name, np.asarray(table[:, column])))
+        found[name] = _sampled(name, at, _inside(name, np.asarray(table[:, column])))
+
+
+def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
+    """Return a column over one axis, over two, or of a constant; raises TableError for a grid that is none."""
+    if len(at) < 2:
+        return SampledError(next(iter(at.values()), np.zeros(1)), values)
+    own = parse_error_name(name).axis
+    others = [axis for axis in at if axis != own]
+    if own not in at or len(others) > 1:
+        raise TableError(f"{name} over {', '.join(at)} is not read", "give it over its own axis and one other")
+    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, others[0]))
+    grid = np.full((len(across), len(positions)), np.nan)
+    grid[outer, inner] = values
+    if len(values) != grid.size or np.any(np.isnan(grid)):
+        raise TableError(f"{name} is not there at every pair of {others[0]} and {own}", "give the whole grid")
+    return SampledError(positions, grid, others[0], across)
 
 
 def write_etalon(found: Mapping[str, SampledError], machine: Machine) -> str:

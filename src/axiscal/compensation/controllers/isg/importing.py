@@ -47,6 +47,7 @@ def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> 
 def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -> dict[str, SampledError]:
     """Return the sums of errors: the motions of an axis are all at the positions that any of them has."""
     parts = {name: [each[name] for each in (new, old) if name in each] for name in {**new, **old}}
+    _refuse_third_axes(parts)
     grids = dict[str, list[Array]]()
     for name, both in parts.items():
         grids.setdefault(_block(name, both), []).extend(one.positions for one in both)
@@ -55,8 +56,15 @@ def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -
 
 
 def _block(name: str, both: Sequence[SampledError]) -> str:
-    """Return which errors have their positions in common: those of one axis; a constant has its own."""
-    return name if all(len(one.positions) == 1 for one in both) else parse_error_name(name).axis
+    """Return which errors have their positions in common: those of one axis; constants and planes have their own."""
+    alone = all(len(one.positions) == 1 for one in both) or any(one.over for one in both)
+    return name if alone else parse_error_name(name).axis
+
+
+def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
+    for name, both in parts.items():
+        if len(overs := sorted({one.over for one in both} - {""})) > 1:
+            raise TableError(f"{name} depends on {overs[0]} before and on {overs[1]} now", "take the old one out first")
 
 
 def _distinct(positions: Array) -> Array:
@@ -65,5 +73,11 @@ def _distinct(positions: Array) -> Array:
 
 
 def _sum(both: Sequence[SampledError], at: Array) -> SampledError:
-    values: Array = np.sum([np.interp(at, one.positions, one.values) for one in both], axis=0)
-    return SampledError(at, values)
+    across = [one.across for one in both if one.over]
+    if not across:
+        values: Array = np.sum([np.interp(at, one.positions, one.values) for one in both], axis=0)
+        return SampledError(at, values)
+    rows = _distinct(np.concatenate(across))
+    own, other = np.meshgrid(at, rows)
+    total: Array = np.sum([one.at(own.ravel(), other.ravel()) for one in both], axis=0).reshape(own.shape)
+    return SampledError(at, total, next(one.over for one in both if one.over), rows)
