@@ -138,3 +138,12 @@ def test_forms_that_are_no_ratio_are_refused() -> None:
     for bad in (counted(np.ones_like, lambda t: t - 0.5), counted(lambda t: np.full_like(t, np.inf), np.ones_like)):
         with pytest.raises(ShapeError):
             maximise_along(bad[0], np.array([0.0]), np.array([1.0]), 4)
+
+
+def test_a_needle_beside_zero_that_no_halving_reaches_ends_at_the_best_node() -> None:
+    """Between 0 and 1e-30 there are more floats than sixty halvings can tell apart; the end of an interval is there."""
+    forms, calls = counted(np.ones_like, lambda t: np.abs(t - 1e-30) + 1e-200)
+    position, value = maximise_along(forms, np.array([-1.0]), np.array([1.0]), 5)
+    assert position[0] == 0.0
+    assert value[0] == pytest.approx(1e30)
+    assert calls[0] < 2000  # places at which the forms are evaluated

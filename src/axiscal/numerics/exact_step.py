@@ -27,7 +27,7 @@ _SPAN = 1e4
 _MISFIT = 1e-10
 """Largest relative difference of series and fresh value before an interval is halved."""
 _HALVINGS = 60
-"""An interval that is halved so often is one float64; this only ends what would go round."""
+"""An interval that is halved so often is one float64, but beside zero; there the best of its nodes stands."""
 _WITHIN = 1 - 1e-11
 """An end is looked at from inside, where the forms may jump: beyond it another interval begins."""
 
@@ -47,9 +47,9 @@ def maximise_along(
     """
     owner = np.arange(len(left))
     search = _Search.begin(forms, left, np.zeros_like(owner) if group is None else group)
-    for halvings in range(_HALVINGS):
+    for _ in range(_HALVINGS):
         work = search.sample(left, right, owner, count)
-        left, right, owner = search.solve(work, last=halvings == _HALVINGS - 1)
+        left, right, owner = search.solve(work)
         if len(owner) == 0:
             break
     return search.position, search.value
@@ -126,15 +126,15 @@ class _Search:
         numerator, denominator = self.offer(_Work(left, right, owner, empty, empty).at(points[None, :]), owner)
         return _Work(left, right, owner, numerator[:, 1:-1], denominator[:, 1:-1])
 
-    def solve(self, work: _Work, last: bool) -> tuple[Array, Array, NDArray[np.intp]]:
+    def solve(self, work: _Work) -> tuple[Array, Array, NDArray[np.intp]]:
         """Solve every interval that is tame, and return the halves of those that are not."""
         work = work.take(self._hopeful(work))
-        wild = np.zeros(len(work.owner), dtype=bool) if last else _span(work.denominator) > _SPAN
+        wild = _span(work.denominator) > _SPAN
         tame = work.take(~wild)
         left, right, owner = work.halves(wild)
         if len(tame.owner) == 0:
             return left, right, owner
-        again = tame.halves(self._misfits(tame) & (not last))
+        again = tame.halves(self._misfits(tame))
         return np.concatenate([left, again[0]]), np.concatenate([right, again[1]]), np.concatenate([owner, again[2]])
 
     def _misfits(self, work: _Work) -> NDArray[np.bool_]:
