@@ -56,7 +56,8 @@ from axiscal.record.events import (
     Undoable,
     Undone,
 )
-from axiscal.record.store import Record
+from axiscal.record.log import EventLog
+from axiscal.record.opening import created_log, opened_log
 
 Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
@@ -73,7 +74,7 @@ class Campaign:
     planner : says where to read next
     """
 
-    def __init__(self, record: Record, description: CampaignDescription, planner: Planner = plan_ahead) -> None:
+    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = plan_ahead) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._case: Case | None = None
@@ -88,12 +89,12 @@ class Campaign:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         texts = description.machine.text, description.text, description.machine_source, description.source
         created = Created(*texts, versions(), description.prior_text, description.usual_doubts)
-        return cls(Record.create(path, created), description, planner)
+        return cls(created_log(path, created), description, planner)
 
     @classmethod
     def open(cls, path: str | Path, planner: Planner = plan_ahead, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
-        record = Record.open(path, write=write)
+        record = opened_log(path, write=write)
         try:
             return cls(record, described(record), planner)
         except BaseException:
@@ -185,8 +186,7 @@ class Campaign:
         return self._contest[1]
 
     def _plan_stands(self) -> bool:
-        state = self.state
-        return bool(state.plan) and not state.renew and self._plan_basis() == state.plan_basis
+        return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
         known, found = self.known(), self.contest()

@@ -95,8 +95,8 @@ class Kept:
     def keep(self, known: Estimation) -> None:
         """Write what is known where it has grown by enough; where the folder takes no file it is not kept."""
         count = len(known.readings)
-        if count < FEWEST or 0 <= count - self._count < _EVERY:
-            return
+        if count < FEWEST or 0 <= count - self._count < _EVERY or not self._record.exists():
+            return  # a record on a server has no place beside it
         self._count = count
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
             _write(kept_beside(self._record), _key(self._first.event), known)

@@ -10,7 +10,7 @@ from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
-from axiscal.record.store import Record
+from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
 
 LARGEST = 1e3
@@ -19,7 +19,7 @@ _SLACK = 1e-6
 """Of the travel: rounding of places that were computed, far above that of a float and far below what is measured."""
 
 
-def described(record: Record) -> CampaignDescription:
+def described(record: EventLog) -> CampaignDescription:
     """Return the description that a record carries; raises RecordError where what happened cannot be on its machine."""
     created = record.state().created
     if created is None:

@@ -40,6 +40,7 @@ _FILES = {
     "type": "type",
     "fleet": "fleet",
     "bring": "bring",
+    "sync": "sync",
     "due": "due",
     "check": "check",
 }

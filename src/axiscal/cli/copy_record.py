@@ -11,6 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
+from axiscal.record.opening import file_name, is_stored
 
 
 def copy_record(
@@ -30,8 +31,9 @@ def copy_record(
       axiscal copy mill.axiscal /media/stick
     """
 
-    beside = record.with_name(f"{record.name}.copy")
-    target = beside if to is None else to / record.name if to.is_dir() else to
+    name = file_name(record).name
+    beside = Path(name) if is_stored(record) else record.with_name(f"{name}.copy")
+    target = beside if to is None else to / name if to.is_dir() else to
     with Campaign.open(record, write=False) as campaign:
         campaign.copy(target)
         state = campaign.state

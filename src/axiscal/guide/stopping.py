@@ -11,6 +11,7 @@ from axiscal.compensation import registry
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.on_top import informed
 from axiscal.exceptions import ReadingError, TableError
+from axiscal.record.opening import file_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,4 +46,4 @@ def table_left(campaign: Campaign, controller: str) -> TableLeft:
 
 def results_beside(record: Path) -> Path:
     """Return the folder for the results of a record, beside it."""
-    return record.with_suffix("").with_name(f"{record.stem}-results")
+    return (file := file_name(record)).with_name(f"{file.stem}-results")

@@ -60,7 +60,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
 def _delivered(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras, language: str) -> Summary:
     summary = summarise(campaign, estimation, extras)
     home = out / RECORD
-    live = home if home.exists() and home.samefile(campaign.path) else None
+    live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)

@@ -1,0 +1,103 @@
+"""`axiscal sync`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.cli.arguments import Json, own_record, records_here
+from axiscal.cli.printing import say, say_document
+from axiscal.cli.texts import count_text
+from axiscal.record.postgres.address import store_address
+from axiscal.record.postgres.database import opened_database
+from axiscal.record.postgres.schema import ROLES, prepare
+from axiscal.record.postgres.syncing import Synced, synced
+from axiscal.record.store import Record
+
+
+def sync(
+    record: Annotated[
+        Path | None,
+        typer.Argument(metavar="RECORD", autocompletion=records_here, help="The record; default: the only one here."),
+    ] = None,
+    store: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="postgresql://USER@HOST/DATABASE; default: AXISCAL_STORE."),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of a campaign that is new there; default: that of the file.")
+    ] = None,
+    prepared: Annotated[
+        bool, typer.Option("--prepare", help="Make the database a store: tables, triggers, roles. Once, as its owner.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Bring a laptop's record and the shop's store together, whichever of them has gone on; nothing is ever lost.
+
+    Where both have gone on by themselves, the laptop's part becomes a branch, a campaign of its own: nothing is merged,
+    for plan, question and undo are about an order. What is measured on the laptop later goes there, too.
+
+    \b
+    Examples:
+      axiscal sync --prepare --store postgresql://keeper@server/shop
+      axiscal sync mill.axiscal
+    """
+    database = opened_database(store_address(store))
+    try:
+        if prepared:
+            new = prepare(database)
+            _tell_prepared(database.address.shown, new, json)
+            return
+        with Record.open(record or own_record()) as opened:
+            found = synced(database, opened, name or opened.path.stem)
+            path = opened.path
+    finally:
+        database.close()
+    if json:
+        say_document(_document(path, found))
+    else:
+        say(_words(path, found))
+
+
+def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
+    if as_json:
+        say_document({"schema": "axiscal-sync/1", "store": address, "prepared": new})
+        return
+    state = "is a store now" if new else "is a store already"
+    say(f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto.")
+
+
+def _words(path: Path, found: Synced) -> str:
+    sent, taken = count_text(found.sent, "event"), count_text(found.taken, "event")
+    branch = f"branch {found.campaign.id[:13]} of store:{found.campaign.name}, from event {found.shared + 1}"
+    match found.case:
+        case "new":
+            return f"{path}: new in the store as store:{found.campaign.name}, {sent}."
+        case "ahead":
+            return f"{path}: the store had less, and has {sent} more now."
+        case "behind":
+            return f"{path}: the store had more; the record has {taken} more now."
+        case "same":
+            return f"{path}: the store has the same."
+        case "fork":
+            return f"{path}: it and the store have each gone on. Nothing is merged: {sent} are kept as {branch}."
+        case "fork again":
+            return f"{path}: the store has the same, as {branch}."
+    moved = f"the record has {taken}" if found.taken else f"the store has {sent}"
+    return f"{path}: {moved} more now, of {branch}."
+
+
+def _document(path: Path, found: Synced) -> dict[str, object]:
+    return {
+        "schema": "axiscal-sync/1",
+        "record": str(path),
+        "case": found.case,
+        "campaign": found.campaign.id,
+        "name": found.campaign.name,
+        "branch_of": found.campaign.branch_of,
+        "branch_at": found.campaign.branch_at,
+        "sent": found.sent,
+        "taken": found.taken,
+    }

@@ -1,0 +1,74 @@
+"""Where a store is: postgresql://USER@HOST:PORT/DATABASE, as PostgreSQL's own programs write it."""
+
+from __future__ import annotations
+
+import getpass
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from urllib.parse import parse_qs, unquote, urlsplit
+
+from axiscal.exceptions import RecordError
+
+VARIABLE = "AXISCAL_STORE"
+"""The variable of the environment that names the store."""
+_FORM = "postgresql://USER@HOST/DATABASE"
+_MODES = "", "disable", "prefer", "require", "verify-ca", "verify-full"
+"""Of TLS, as PostgreSQL names them: none, where the server has it, always, with a certificate that is checked."""
+_PORT = 5432
+"""PostgreSQL's own."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoreAddress:
+    """A database on a server.
+
+    socket : the folder of its socket on this computer, "" for one reached by the network
+    sslmode : as PostgreSQL names it; "" as "prefer": TLS where the server has it
+    """
+
+    host: str
+    port: int
+    user: str
+    password: str | None
+    database: str
+    socket: str = ""
+    sslmode: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The address without its password."""
+        host = self.socket or f"{self.host}:{self.port}"
+        return f"postgresql://{self.user}@{host}/{self.database}"
+
+
+def store_address(text: str | None, environment: Mapping[str, str] = os.environ) -> StoreAddress:
+    """Return the address that is given, or the one in the environment; raises RecordError."""
+    text = text or environment.get(VARIABLE, "")
+    if not text:
+        raise RecordError("No store is named", f"Put its address into {VARIABLE}, or give --store: {_FORM}")
+    try:
+        parts = urlsplit(text)
+        port = parts.port or int(environment.get("PGPORT", _PORT))
+        asked = parse_qs(parts.query, strict_parsing=bool(parts.query))
+    except ValueError as failure:
+        raise RecordError(f"{_hidden(text)} is no address of a store: {failure}", f"Write it as {_FORM}") from None
+    if parts.scheme not in ("postgresql", "postgres") or not parts.path.strip("/"):
+        raise RecordError(f"{_hidden(text)} is no address of a store", f"Write it as {_FORM}")
+    options = {name: values[-1] for name, values in asked.items()}
+    sslmode = options.pop("sslmode", environment.get("PGSSLMODE", ""))
+    host = unquote(options.pop("host", parts.hostname or environment.get("PGHOST", "localhost")))
+    port = int(options.pop("port", port))
+    if options or sslmode not in _MODES:
+        wrong = next(iter(options), f"sslmode={sslmode}")
+        raise RecordError(f'"{wrong}" in the address of the store is not known', "Use host, port and sslmode alone")
+    user = unquote(parts.username or environment.get("PGUSER", "") or getpass.getuser())
+    password = unquote(parts.password) if parts.password is not None else environment.get("PGPASSWORD")
+    socket = host if host.startswith("/") else ""
+    return StoreAddress(host, port, user, password, unquote(parts.path.strip("/")), socket, sslmode)
+
+
+def _hidden(text: str) -> str:
+    """Return an address as it may be shown."""
+    before, at, after = text.rpartition("@")
+    return f"{before.partition('://')[0]}://...@{after}" if at else text

@@ -1,0 +1,197 @@
+"""A connection to a PostgreSQL server that comes back after the server has been away; the one place with its driver."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import ssl
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Literal
+
+from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.record.postgres.address import StoreAddress
+
+_PATIENCE = 15.0
+"""Seconds for an answer: a server of a shop answers in hundredths, a lost network never."""
+_LOCK = "4s"
+"""How long another writer is waited for."""
+_SENTENCES = {
+    "28P01": ("The store does not take this password", "Put the right one into PGPASSWORD"),
+    "28000": ("The store does not let this user in", "Ask whoever keeps it for an account"),
+    "3D000": ("The server has no such database", "Make one with createdb, then: axiscal sync --prepare"),
+    "42501": ("This user may not do that in the store", "Ask for the role axiscal_measurer; to read, axiscal_reader"),
+    "42P01": ("The database is no store yet", "Prepare it once, as its owner: axiscal sync --prepare"),
+    "3F000": ("The database is no store yet", "Prepare it once, as its owner: axiscal sync --prepare"),
+    "55P03": ("Another program holds this campaign and is writing", "Wait, then give the command again"),
+}
+"""What is said for the states of SQL that a person can do something about."""
+_UNIQUE, _GONE = "23505", ("57P01", "57P02", "57P03", "08")
+"""A number that is taken; the server ends, or is not there."""
+
+
+class Database:
+    """A database; every failure is a RecordError that names it."""
+
+    def __init__(self, address: StoreAddress) -> None:
+        self.address = address
+        self._connection: Any = None
+        self._within = False
+
+    def rows(self, query: str, **values: object) -> list[list[Any]]:
+        """Return what a query gives; `:name` in it stands for a value."""
+        with self._failures():
+            found = self._opened().run(query, **values)
+        return list(found or [])
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """Do all that the block does, or nothing; where the server goes away at the end it is not known which."""
+        self.rows("START TRANSACTION")
+        self._within = True
+        try:
+            self.rows(f"SET LOCAL lock_timeout = '{_LOCK}'")
+            yield
+            self._commit()
+        except BaseException:
+            with contextlib.suppress(RecordError):
+                self.rows("ROLLBACK")
+            raise
+        finally:
+            self._within = False
+
+    def _commit(self) -> None:
+        try:
+            self.rows("COMMIT")
+        except RecordError as failure:
+            what = f"{failure.what}, and whether the last entry is kept is not known"
+            raise RecordError(
+                what, "Look at it, then give the command again if it is not there", failure.file
+            ) from None
+
+    def held(self, name: str) -> None:
+        """Keep all others from writing to what has this name, until the transaction ends."""
+        self.rows("SELECT pg_advisory_xact_lock(hashtextextended(:name, 20))", name=name)
+
+    def close(self) -> None:
+        """Close the connection."""
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            with contextlib.suppress(*_network_failures()):
+                connection.close()
+
+    @property
+    def _named(self) -> str:
+        return self.address.shown
+
+    def _opened(self) -> Any:
+        if self._connection is None:
+            if self._within:
+                raise RecordError("The server went away in the middle", "Give the command again", self._named)
+            self._connection = _connected(self.address)
+        return self._connection
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        """Turn what server, network and driver did into a RecordError."""
+        try:
+            yield
+        except _network_failures() as failure:
+            found = failure.args[0] if failure.args else ""
+            state = str(found.get("C", "")) if isinstance(found, dict) else ""
+            if not state or state.startswith(_GONE):
+                self.close()
+                raise RecordError(
+                    f"The store does not answer: {_words(failure)}",
+                    "Look whether server and network are there, then give the command again; what was kept is kept",
+                    self._named,
+                ) from failure
+            if state == _UNIQUE:
+                raise OvertakenError(
+                    "Another process has written to this record in the meantime",
+                    "Look at it with `axiscal status`, then give the command again",
+                    self._named,
+                ) from failure
+            what, remedy = _SENTENCES.get(
+                state, (f"The store refuses it: {_words(failure)}", "Ask whoever keeps the store")
+            )
+            raise RecordError(what, remedy, self._named) from failure
+
+
+def _words(failure: BaseException) -> str:
+    found = failure.args[0] if failure.args else ""
+    said = found.get("M", "") if isinstance(found, dict) else str(failure)
+    return str(said) or type(failure).__name__
+
+
+def _network_failures() -> tuple[type[BaseException], ...]:
+    from pg8000.exceptions import Error
+
+    return (Error, OSError, struct.error)
+
+
+def _connected(address: StoreAddress) -> Any:
+    """Return a connection; raises what the driver raises, OSError where nobody answers."""
+    from pg8000.exceptions import DatabaseError, Error
+    from pg8000.native import Connection
+
+    line = _line(address)
+    try:
+        return Connection(
+            address.user,
+            host=address.host,
+            database=address.database,
+            password=address.password,
+            sock=line,
+            ssl_context=_tls(address),
+            application_name="axiscal",
+        )
+    except (Error, OSError, struct.error) as failure:
+        line.close()
+        said: BaseException | None = failure
+        while said is not None and not isinstance(said, DatabaseError):
+            said = said.__context__  # the server's own words, where it hung up and the driver fails at the farewell
+        raise said or failure from None
+
+
+def _line(address: StoreAddress) -> socket.socket:
+    """Return a socket to the server; raises OSError."""
+    if not address.socket:
+        line = socket.create_connection((address.host, address.port), _PATIENCE)
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        return line
+    line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        line.settimeout(_PATIENCE)
+        line.connect(f"{address.socket}/.s.PGSQL.{address.port}")
+    except BaseException:
+        line.close()
+        raise
+    return line
+
+
+def _tls(address: StoreAddress) -> ssl.SSLContext | Literal[False] | None:
+    """Return how TLS is asked for: False for none, None where the server may choose."""
+    if address.socket or address.sslmode == "disable":
+        return False
+    if address.sslmode in ("", "prefer"):
+        return None
+    context = ssl.create_default_context()
+    if address.sslmode == "require":
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    elif address.sslmode == "verify-ca":
+        context.check_hostname = False
+    return context
+
+
+def opened_database(address: StoreAddress) -> Database:
+    """Return a database that answers; raises RecordError, also where its driver is not installed."""
+    try:
+        import pg8000  # noqa: F401
+    except ImportError:
+        remedy = "Install it: pip install 'axiscal[postgres]'"
+        raise RecordError("The driver for PostgreSQL is not installed", remedy) from None
+    database = Database(address)
+    database.rows("SELECT 1")
+    return database

@@ -1,0 +1,246 @@
+"""The log of one campaign on a server: what `store.Record` is in a file.
+
+The next number of a campaign is the primary key, so of two writers that know the same last event one wins. A branch
+holds what was measured elsewhere behind an event of another campaign: its log begins with that one's, up to there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from axiscal.exceptions import RecordError
+from axiscal.record.events import Created, Event, State, Stored
+from axiscal.record.line_form import DamageError, EventText, chained
+from axiscal.record.log import (
+    EMPTY,
+    ChainedText,
+    Story,
+    campaign_of,
+    chained_texts,
+    refuse_overtaken,
+    rows_of,
+)
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.schema import refuse_newer
+
+PREFIX = "store:"
+"""How the name of a campaign on the server begins, where a record is asked for."""
+_FEWEST = 8
+"""Digits of an id by which a campaign may be named, too."""
+
+
+class Entry(NamedTuple):
+    """A campaign on the server: its id, the name people gave it, and where it branches off another one."""
+
+    id: str
+    name: str
+    branch_of: str | None
+    branch_at: int | None
+
+
+class ServerLog:
+    """The open log of one campaign on a server; a context manager. Every failure is a RecordError.
+
+    path : "store:NAME", as people name it
+    """
+
+    def __init__(self, database: Database, entry: Entry, *, write: bool = True) -> None:
+        self.entry, self.path = entry, Path(f"{PREFIX}{entry.name}")
+        self._database, self._write = database, write
+        self._texts, self._story = list[ChainedText](), Story()
+        self._sources = [entry, *_ancestors(database, entry)]
+
+    @classmethod
+    def create(cls, database: Database, name: str, created: Created) -> Self:
+        """Return a new campaign that holds the event `created`; raises RecordError where there is one of this name."""
+        first = chained_texts(rows_of([created]))[0]
+        entry = Entry(campaign_of(first), name, None, None)
+        with _closed_at_a_fault(database):
+            refuse_newer(database)
+            with database.transaction():
+                database.held(f"name {name}")
+                if entries(database, name):
+                    remedy = "Go on with it by `axiscal next`, or give the campaign another name"
+                    raise RecordError("The store has a campaign of this name already", remedy, f"{PREFIX}{name}")
+                enter(database, entry)
+                insert(database, entry.id, 0, [first])
+            log = cls(database, entry)
+            log.last()
+        return log
+
+    @classmethod
+    def open(cls, database: Database, name: str, *, write: bool = True) -> Self:
+        """Return the log of a campaign, by its name or the beginning of its id, checked; raises RecordError."""
+        with _closed_at_a_fault(database):
+            refuse_newer(database)
+            log = cls(database, _only(name, entries(database, name)), write=write)
+            log.last()
+        return log
+
+    @property
+    def name(self) -> str:
+        """The name of what it holds: a hash chained over the contents of its events, 64 hex digits."""
+        return self._texts[-1].chain if self._texts else EMPTY
+
+    def append(self, *events: Event, after: int | None = None) -> int:
+        """Keep `events` in one transaction and return the number of the last one.
+
+        after : number of the last event the caller knows of; OvertakenError if another one has written since
+        Raises ValueError for an event that cannot be kept.
+        """
+        return self.extend(rows_of(events), after)
+
+    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
+        """Keep events as they were written elsewhere, in one transaction; else as `append`."""
+        if not self._write:
+            raise RecordError("The record was opened to be read", "Open it to write", self.path)
+        with self._database.transaction():
+            self._database.held(self.entry.id)
+            self._catch_up()
+            refuse_overtaken(len(self._texts), after, self.path)
+            story = self._story.then(rows, self.path)
+            texts = chained_texts((row._replace(closes=True) for row in rows), self.name)
+            insert(self._database, self.entry.id, len(self._texts), texts)
+        self._texts += texts
+        self._story = story
+        return len(self._texts)
+
+    def last(self) -> int:
+        """Return the number of the last event."""
+        self._catch_up()
+        return len(self._texts)
+
+    def events(self) -> tuple[Stored, ...]:
+        """Return all events, oldest first."""
+        self._catch_up()
+        return tuple(self._story.events)
+
+    def texts(self) -> tuple[ChainedText, ...]:
+        """Return all events as they were written."""
+        self._catch_up()
+        return tuple(self._texts)
+
+    def state(self) -> State:
+        """Return the state folded from all events."""
+        self._catch_up()
+        return replace(self._story.state(), name=self.name)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._database.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close()
+
+    def _catch_up(self) -> None:
+        """Take over what has been written since the last look; raises RecordError where it does not follow."""
+        try:
+            for number, text in self._new():
+                self._take(number, text)
+        except DamageError as error:
+            remedy = "Tell whoever keeps the store, to restore it from a backup; nothing was changed"
+            raise RecordError(f"The campaign in the store is damaged: {error}", remedy, self.path) from error
+
+    def _new(self) -> list[tuple[int, ChainedText]]:
+        """Return the events behind those that are known, and the last one that is."""
+        known, found = len(self._texts), list[tuple[int, ChainedText]]()
+        until: int | None = None
+        for source in self._sources:
+            rows = self._database.rows(
+                "SELECT number, at, kind, payload, digest FROM axiscal.events "
+                "WHERE campaign = CAST(:id AS uuid) AND number >= :first AND number <= :until ORDER BY number",
+                id=source.id,
+                first=known,
+                until=2**62 if until is None else until,
+            )
+            found = [
+                (number, ChainedText(EventText(at, kind, payload), chain)) for number, at, kind, payload, chain in rows
+            ] + found
+            until = source.branch_at
+        if known and (not found or found[0][0] != known):
+            raise DamageError("an older state of the store has been put in its place")
+        return found
+
+    def _take(self, number: int, text: ChainedText) -> None:
+        if number == len(self._texts):
+            if text.chain != self.name:
+                raise DamageError("another campaign has been put in its place")
+            return
+        if number != len(self._texts) + 1 or chained(self.name, text.row) != text.chain:
+            raise DamageError(f"event {number} does not follow from the events before it")
+        self._story.happened(number, text.row)
+        self._texts.append(text)
+
+
+@contextmanager
+def _closed_at_a_fault(database: Database) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        database.close()
+        raise
+
+
+def entries(database: Database, name: str | None = None) -> list[Entry]:
+    """Return the campaigns of a store: all, or those of a name or an id that begins so."""
+    rows = database.rows(
+        "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns "
+        "WHERE CAST(:name AS text) IS NULL OR name = :name "
+        "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name)) "
+        "ORDER BY name, id",
+        name=name,
+        few=_FEWEST,
+    )
+    return [Entry(*row) for row in rows]
+
+
+def enter(database: Database, entry: Entry) -> None:
+    """Add a campaign to a store; nothing where it is there."""
+    database.rows(
+        "INSERT INTO axiscal.campaigns (id, name, branch_of, branch_at) "
+        "VALUES (CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), :branch_at) ON CONFLICT (id) DO NOTHING",
+        **entry._asdict(),
+    )
+
+
+def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
+    """Add events behind the last one of a campaign."""
+    if not texts:
+        return
+    columns = list(zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True))
+    database.rows(
+        "INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest) "
+        "SELECT CAST(:id AS uuid), :last + e.n, e.kind, e.payload, e.at, e.digest "
+        "FROM unnest(CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), "
+        "CAST(:digests AS text[])) WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n",
+        id=campaign,
+        last=last,
+        **{name: list(values) for name, values in zip(("kinds", "payloads", "times", "digests"), columns, strict=True)},
+    )
+
+
+def _ancestors(database: Database, entry: Entry) -> list[Entry]:
+    """Return the campaigns that a branch begins with, the nearest first."""
+    found = list[Entry]()
+    while entry.branch_of is not None:
+        entry = entries(database, entry.branch_of)[0]
+        found.append(entry)
+    return found
+
+
+def _only(name: str, found: Sequence[Entry]) -> Entry:
+    path = Path(f"{PREFIX}{name}")
+    if not found:
+        raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
+    if len(found) > 1:
+        ids = ", ".join(entry.id[: _FEWEST + 5] for entry in found)
+        raise RecordError(f"The store has {len(found)} campaigns of this name", f"Name one by its id: {ids}", path)
+    return found[0]

@@ -1,0 +1,88 @@
+"""A record of a laptop and the store brought together: nothing is lost, and nothing is merged.
+
+Both logs are chained, so what they share is a beginning. Where both went on from there, the laptop's rest becomes a
+campaign of its own, a branch: its id follows from what it branches off and its first event, so that a second time, or
+another laptop with the same rest, comes to the same branch, and what is measured later goes there too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+from uuid import UUID, uuid5
+
+from axiscal.record.log import ChainedText, EventLog, campaign_of
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.schema import refuse_newer
+from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entries, insert
+
+Case = Literal["new", "ahead", "same", "behind", "fork", "fork again", "fork goes on"]
+"""What the laptop is against the store."""
+
+
+@dataclass(frozen=True, slots=True)
+class Synced:
+    """What was found, and what was done.
+
+    campaign : where the store has what the laptop has; sent, taken : numbers of events; shared : event of the fork
+    """
+
+    case: Case
+    campaign: Entry
+    sent: int = 0
+    taken: int = 0
+    shared: int = 0
+
+
+def synced(database: Database, record: EventLog, name: str) -> Synced:
+    """Bring a record and the store together; raises RecordError, and then the store has all of it or what it had.
+
+    name : what the campaign is called in the store if it is new there
+    """
+    refuse_newer(database)
+    texts = record.texts()
+    entry = Entry(campaign_of(texts[0]), name, None, None)
+    with database.transaction():
+        database.held(entry.id)
+        there = entries(database, entry.id)
+        if not there:
+            enter(database, entry)
+            insert(database, entry.id, 0, texts)
+            return Synced("new", entry, sent=len(texts))
+        found, rest = _sent(database, there[0], texts)
+    if rest:
+        record.extend([text.row for text in rest], after=len(texts))
+    return found
+
+
+def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tuple[Synced, Sequence[ChainedText]]:
+    """Return what was done in the store, and what the laptop lacks."""
+    stored = ServerLog(database, entry).texts()
+    shared = _shared(stored, texts)
+    fork = entry.branch_of is not None
+    at = entry.branch_at or 0
+    if shared == len(stored):
+        insert(database, entry.id, len(stored), texts[shared:])
+        case: Case = "same" if shared == len(texts) else "ahead"
+        if fork:
+            case = "fork again" if case == "same" else "fork goes on"
+        return Synced(case, entry, sent=len(texts) - shared, shared=at), ()
+    if shared == len(texts):
+        rest = stored[shared:]
+        return Synced("fork goes on" if fork else "behind", entry, taken=len(rest), shared=at), rest
+    branch = Entry(str(uuid5(UUID(entry.id), texts[shared].chain)), entry.name, entry.id, shared)
+    if known := entries(database, branch.id):
+        return _sent(database, known[0], texts)
+    enter(database, branch)
+    insert(database, branch.id, shared, texts[shared:])
+    return Synced("fork", branch, sent=len(texts) - shared, shared=shared), ()
+
+
+def _shared(one: Sequence[ChainedText], other: Sequence[ChainedText]) -> int:
+    """Return how many events two logs begin with alike: what is chained is alike up to one place, and never after."""
+    low, high = 0, min(len(one), len(other))
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if one[middle - 1].chain == other[middle - 1].chain else (low, middle - 1)
+    return low

@@ -1,0 +1,77 @@
+"""A real PostgreSQL server for the tests, in a folder of its own, on a socket of its own, as a user without rights."""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+_QUICK = ["-c", "fsync=off", "-c", "full_page_writes=off", "-c", "shared_buffers=16MB", "-c", "max_connections=50"]
+"""A server that lives for a minute need not outlive the power."""
+OWNER = "keeper"
+
+
+def programs() -> Path:
+    """Return the folder of PostgreSQL's programs; skips where there is none."""
+    found = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
+    named = shutil.which("initdb")
+    if not found and named is None:
+        pytest.skip("needs Debian's postgresql")
+    return (found[-1] if found else Path(str(named))).parent
+
+
+class RunningServer:
+    """A server that runs; address : of one of its databases."""
+
+    def __init__(self, folder: Path, bin_folder: Path) -> None:
+        self.folder, self._bin = folder, bin_folder
+
+    def address(self, database: str = "postgres", user: str = OWNER) -> str:
+        """Return the address of a database."""
+        return f"postgresql://{user}@/{database}?host={self.folder}"
+
+    def control(self, *words: str) -> None:
+        """Start or stop it."""
+        _as_nobody_much([str(self._bin / "pg_ctl"), "-D", str(self.folder / "data"), "-w", "-s", *words], self.folder)
+
+    def start(self) -> None:
+        """Start it."""
+        options = [*_QUICK, "-c", "listen_addresses=", "-c", f"unix_socket_directories={self.folder}"]
+        self.control("-l", str(self.folder / "log"), "-o", " ".join(options), "start")
+
+    def stop(self, mode: str = "immediate") -> None:
+        """Stop it as a pulled plug does."""
+        self.control("-m", mode, "stop")
+
+
+def _as_nobody_much(command: list[str], folder: Path) -> None:
+    user = {"user": "postgres", "group": "postgres", "extra_groups": []} if os.geteuid() == 0 else {}
+    subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL, **user)  # type: ignore[call-overload]
+
+
+@contextmanager
+def running_server() -> Iterator[RunningServer]:
+    """Yield a server; it and its folder are gone afterwards."""
+    bin_folder = programs()
+    folder = Path(tempfile.mkdtemp(prefix="axiscal-pg-"))  # a socket's name has to be short
+    try:
+        if os.geteuid() == 0:
+            account = pwd.getpwnam("postgres")
+            os.chown(folder, account.pw_uid, account.pw_gid)
+        make = [str(bin_folder / "initdb"), "-D", str(folder / "data"), "-U", OWNER, "-A", "trust", "-N", "-E", "UTF8"]
+        _as_nobody_much([*make, "--locale=C"], folder)
+        server = RunningServer(folder, bin_folder)
+        server.start()
+        try:
+            yield server
+        finally:
+            server.stop()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)

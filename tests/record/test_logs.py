@@ -1,0 +1,255 @@
+"""Both logs, the file and the server, do the same in every case: one matrix of cases, generated, over both."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.record.copies import write_copy
+from axiscal.record.events import Asked, Created, Event, Finished, Noted, Planned, Recorded, Skipped, Undone, fold
+from axiscal.record.line_form import EventText
+from axiscal.record.log import EMPTY, EventLog, chained_texts
+from axiscal.record.postgres.address import store_address
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.server_log import ServerLog
+from axiscal.record.store import Record
+from tests.record.postgres_server import RunningServer
+
+CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
+_numbers = itertools.count()
+
+
+class Keeping(Protocol):
+    """A way to keep a log: where a new one goes, and how it is opened."""
+
+    def create(self) -> EventLog:
+        """Return a new log."""
+
+    def open(self, path: Path, *, write: bool = True) -> EventLog:
+        """Return one that is there."""
+
+
+class InFiles:
+    """Each log is a file."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def create(self) -> EventLog:
+        """Return a new log."""
+        return Record.create(self.folder / f"{next(_numbers)}.axiscal", CREATED)
+
+    def open(self, path: Path, *, write: bool = True) -> EventLog:
+        """Return one that is there."""
+        return Record.open(path, write=write)
+
+
+class OnAServer:
+    """Each log is a campaign on a server."""
+
+    def __init__(self, address: str) -> None:
+        self.address = store_address(address)
+
+    def create(self) -> EventLog:
+        """Return a new log."""
+        return ServerLog.create(Database(self.address), f"mill {next(_numbers)}", CREATED)
+
+    def open(self, path: Path, *, write: bool = True) -> EventLog:
+        """Return one that is there."""
+        return ServerLog.open(Database(self.address), str(path).removeprefix("store:"), write=write)
+
+
+@pytest.fixture(params=["file", "server"])
+def keeping(request: pytest.FixtureRequest, tmp_path: Path) -> Keeping:
+    return InFiles(tmp_path) if request.param == "file" else OnAServer(request.getfixturevalue("address"))
+
+
+def recorded(value: float) -> Recorded:
+    return Recorded(Reading("laser", (0.1, 0.2), (1, 0), value))
+
+
+ASKED = Asked(1, Place("laser", (0.1, 0.2), (1, 0)))
+CASES: dict[str, Callable[[], list[list[Event]]]] = {
+    "nothing more": list,
+    "one reading": lambda: [[recorded(1e-6)]],
+    "two at once": lambda: [[recorded(1e-6), recorded(2e-6)]],
+    "asked and answered": lambda: [[ASKED], [recorded(1e-6)]],
+    "planned": lambda: [[Planned((ASKED.place,), "a plan")], [ASKED], [recorded(0.0)]],
+    "skipped": lambda: [[ASKED], [Skipped("the cable is too short", rest=True)]],
+    "taken back": lambda: [[recorded(1e-6)], [Undone(2)], [recorded(3e-6)]],
+    "ended": lambda: [[recorded(1e-6)], [Finished("target reached")], [Noted("after the end")]],
+    "ended and taken back": lambda: [[recorded(1e-6)], [Finished("by mistake")], [Undone(3)], [recorded(2e-6)]],
+    "every letter": lambda: [[Noted("Spindel 3: ±½ µm, “fett” \\ ' \" ; -- %s :name \x00 \n ☃ 𝛿")]],
+    "every digit": lambda: [[recorded(0.1 + 0.2), recorded(5e-324), recorded(-1.7976931348623157e5)]],
+    "a long text": lambda: [[Noted("µ" * 100_000)]],
+    "many at once": lambda: [[recorded(1e-9 * n) for n in range(500)]],
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_is_kept_is_read_again(keeping: Keeping, case: str) -> None:
+    with keeping.create() as log:
+        kept: list[Event] = [CREATED]
+        for events in CASES[case]():
+            kept += events
+            assert log.append(*events) == len(kept)
+        assert [stored.event for stored in log.events()] == kept
+        assert [stored.number for stored in log.events()] == list(range(1, len(kept) + 1))
+        state, texts = log.state(), log.texts()
+        assert log.name == state.name == texts[-1].chain
+        assert tuple(chained_texts(text.row for text in texts)) == texts
+    with keeping.open(log.path, write=False) as again:
+        assert again.state() == state
+        assert again.events() == log_events(again)
+        assert again.texts() == texts
+        assert fold(again.events()).readings == state.readings
+
+
+def log_events(log: EventLog) -> tuple[object, ...]:
+    """Return the events a second time: nothing is taken in twice."""
+    return log.events()
+
+
+WRONG: dict[str, list[Event]] = {
+    "created twice": [CREATED],
+    "a skip of nothing": [Skipped("why")],
+    "taken back what is none": [Undone(1)],
+    "one good, one bad": [recorded(1e-6), Undone(7)],
+    "behind the end": [Finished("done"), recorded(1e-6)],
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_follow_is_refused_whole(keeping: Keeping, case: str) -> None:
+    with keeping.create() as log:
+        name = log.name
+        with pytest.raises(RecordError, match="cannot follow"):
+            log.append(*WRONG[case])
+        assert (log.last(), log.name) == (1, name)
+        assert log.append(recorded(1e-6)) == 2
+
+
+def test_a_number_that_is_none_is_refused_whole(keeping: Keeping) -> None:
+    with keeping.create() as log:
+        with pytest.raises(ValueError, match="float"):
+            log.append(recorded(1e-6), recorded(float("nan")))
+        assert log.last() == 1
+
+
+def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(keeping: Keeping) -> None:
+    with keeping.create() as one, keeping.open(one.path) as other:
+        assert one.append(recorded(1e-6), after=1) == 2
+        with pytest.raises(OvertakenError, match=r"Another process has written .* `axiscal status`"):
+            other.append(recorded(2e-6), after=1)
+        assert other.append(recorded(3e-6), after=2) == 3
+        assert one.append(recorded(4e-6)) == 4  # whoever does not say what he knows comes behind
+        assert one.events() == other.events()
+
+
+def test_writers_that_fight_leave_no_gap_and_lose_nothing(keeping: Keeping) -> None:
+    with keeping.create() as log:
+        won = list[float]()
+        writers = [threading.Thread(target=_fight, args=(keeping, log.path, n, won)) for n in range(4)]
+        for writer in writers:
+            writer.start()
+        for writer in writers:
+            writer.join()
+        values = [reading.value for reading in log.state().readings]
+        assert sorted(values) == sorted(won)
+        assert len(values) >= 12
+        assert tuple(chained_texts(text.row for text in log.texts())) == log.texts()
+
+
+def _fight(keeping: Keeping, path: Path, writer: int, won: list[float]) -> None:
+    with keeping.open(path) as log:
+        for n in range(12):
+            value = 1e-6 * (100 * writer + n)
+            try:
+                log.append(recorded(value), after=log.last())
+            except OvertakenError:
+                continue
+            won.append(value)
+
+
+def test_what_is_opened_to_be_read_is_not_written(keeping: Keeping) -> None:
+    with keeping.create() as log, keeping.open(log.path, write=False) as reader:
+        with pytest.raises(RecordError, match="opened to be read"):
+            reader.append(recorded(1e-6))
+        log.append(recorded(1e-6))
+        assert reader.last() == 2
+
+
+def test_what_is_not_there_is_a_sentence(keeping: Keeping) -> None:
+    with keeping.create() as log:
+        nowhere = log.path.with_name(f"{log.path.name} and no other")
+        if isinstance(keeping, OnAServer):
+            nowhere = Path("store:no such mill")
+    with pytest.raises(RecordError, match="no such"):
+        keeping.open(nowhere)
+
+
+def test_events_written_elsewhere_keep_their_time_and_their_name(keeping: Keeping) -> None:
+    rows = [EventText(f"2020-01-0{n}T00:00:00.000+00:00", "noted", f'{{"text":"{n}"}}') for n in (1, 2)]
+    with keeping.create() as log:
+        before = log.name
+        log.extend(rows, after=1)
+        assert [stored.at for stored in log.events()[1:]] == [row.at for row in rows]
+        assert log.name == chained_texts(rows, before)[-1].chain != EMPTY
+
+
+def test_a_copy_of_either_is_the_same_record(keeping: Keeping, tmp_path: Path) -> None:
+    with keeping.create() as log:
+        log.append(recorded(1e-6))
+        write_copy(log, tmp_path / "copy.axiscal")
+        log.append(recorded(2e-6))
+        write_copy(log, tmp_path / "copy.axiscal")
+        with Record.open(tmp_path / "copy.axiscal") as copied:
+            assert copied.state() == log.state()
+            copied.append(Noted("by itself"))
+        with pytest.raises(RecordError, match="gone on by itself"):
+            write_copy(log, tmp_path / "copy.axiscal")
+
+
+@pytest.fixture(scope="module")
+def both(server: RunningServer, tmp_path_factory: pytest.TempPathFactory) -> tuple[Keeping, Keeping]:
+    return InFiles(tmp_path_factory.mktemp("files")), OnAServer(server.address())
+
+
+_steps = st.lists(
+    st.one_of(
+        st.floats(-1, 1).map(recorded),
+        st.text(st.characters(exclude_categories=["Cs"]), max_size=20).map(Noted),
+        st.just(ASKED),
+        st.just(Skipped("no")),
+        st.integers(1, 12).map(Undone),
+        st.just(Finished("done")),
+    ),
+    max_size=12,
+)
+
+
+@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(steps=_steps)
+def test_any_steps_come_to_the_same_in_both(both: tuple[Keeping, Keeping], steps: list[Event]) -> None:
+    came_to = list[object]()
+    for keeping in both:
+        with keeping.create() as log:
+            said = list[str]()
+            for step in steps:
+                try:
+                    log.append(step)
+                    said.append("kept")
+                except RecordError as fault:
+                    said.append(fault.what)
+            came_to.append((said, [stored.event for stored in log.events()], log.name))
+    assert came_to[0] == came_to[1]

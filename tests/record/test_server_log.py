@@ -1,0 +1,261 @@
+"""The store on a server: what it refuses whoever asks, what is said where it is not there, and commands over it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Created, Noted, Recorded
+from axiscal.record.opening import opened_log
+from axiscal.record.postgres import database as database_module
+from axiscal.record.postgres.address import store_address
+from axiscal.record.postgres.database import Database, opened_database
+from axiscal.record.postgres.schema import prepare
+from axiscal.record.postgres.server_log import ServerLog, entries
+from axiscal.record.store import Record
+from tests.generators.sisters import CAMPAIGN, MACHINE
+from tests.record.postgres_server import RunningServer, running_server
+
+CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {})
+READING = Recorded(Reading("laser", (0.1, 0.2), (1, 0), 1e-6))
+_NEXT = "1 + (SELECT max(number) FROM axiscal.events AS e WHERE e.campaign = events.campaign)"
+_INSERT = (
+    "INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest) "
+    "SELECT campaign, {number}, kind, {payload}, at, {digest} FROM axiscal.events WHERE number = 1 LIMIT 1"
+)
+
+
+def as_user(server: RunningServer, user: str) -> Database:
+    return Database(store_address(server.address(user=user)))
+
+
+def name_of(request: pytest.FixtureRequest) -> str:
+    """Return a name that no other test gives a campaign."""
+    return str(request.node.name)
+
+
+@pytest.fixture
+def log(database: Database, request: pytest.FixtureRequest) -> ServerLog:
+    """Return a campaign with two readings."""
+    made = ServerLog.create(database, name_of(request), CREATED)
+    made.append(READING, READING)
+    return made
+
+
+@pytest.mark.parametrize("user", ["keeper", "measurer", "reader", "stranger"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE axiscal.events SET payload = ''",
+        "DELETE FROM axiscal.events",
+        "TRUNCATE axiscal.events CASCADE",
+        "UPDATE axiscal.campaigns SET name = ''",
+        "DELETE FROM axiscal.campaigns",
+        "UPDATE axiscal.events SET writer = 'somebody else'",
+    ],
+)
+def test_nobody_changes_or_deletes_and_its_owner_neither(
+    server: RunningServer, log: ServerLog, user: str, change: str
+) -> None:
+    before = log.texts()
+    other = as_user(server, user)
+    with pytest.raises(RecordError, match="may not do that"):
+        other.rows(change)
+    other.close()
+    assert log.texts() == before
+
+
+def test_who_may_read_and_who_may_add(server: RunningServer, log: ServerLog) -> None:
+    name = log.entry.name
+    for user, may in (("measurer", True), ("reader", False)):
+        with ServerLog.open(as_user(server, user), name) as opened:
+            assert opened.state().readings == log.state().readings
+            if may:
+                assert opened.append(READING) == 4
+            else:
+                with pytest.raises(RecordError, match="axiscal_measurer"):
+                    opened.append(READING)
+    with pytest.raises(RecordError, match="axiscal_reader"):
+        ServerLog.open(as_user(server, "stranger"), name)
+    writers = log._database.rows("SELECT DISTINCT writer FROM axiscal.events WHERE number = 4 AND writer = 'measurer'")
+    assert writers == [["measurer"]]
+
+
+@pytest.mark.parametrize(
+    ("number", "payload", "digest", "said"),
+    [
+        ("9", "payload", "digest", "no event before it"),
+        ("0", "payload", "digest", "does not follow"),
+        (_NEXT, "'{}'", "digest", "another"),
+    ],
+)
+def test_the_server_itself_refuses_what_does_not_follow(
+    log: ServerLog, number: str, payload: str, digest: str, said: str
+) -> None:
+    with pytest.raises(RecordError, match=said):
+        log._database.rows(_INSERT.format(number=number, payload=payload, digest=digest))
+    assert log.last() == 3
+
+
+def test_what_was_changed_behind_its_back_is_said(log: ServerLog, database: Database) -> None:
+    database.rows("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
+    try:
+        database.rows(
+            "UPDATE axiscal.events SET payload = replace(payload, '1e-06', '2e-06') "
+            "WHERE number = 2 AND campaign = CAST(:id AS uuid)",
+            id=log.entry.id,
+        )
+    finally:
+        database.rows("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+    with pytest.raises(RecordError, match="damaged: event 2 does not follow"):
+        ServerLog.open(database, log.entry.name)
+
+
+def test_two_campaigns_of_one_name_are_refused_and_an_id_names_one(log: ServerLog, database: Database) -> None:
+    with pytest.raises(RecordError, match="of this name already"):
+        ServerLog.create(database, log.entry.name, CREATED)
+    assert ServerLog.open(database, log.entry.id[:10]).last() == 3
+    with pytest.raises(RecordError, match="no such campaign"):
+        ServerLog.open(database, log.entry.id[:5])
+
+
+ADDRESSES: dict[str, Callable[[RunningServer], str]] = {
+    "no store is named": lambda server: "",
+    "no address of a store": lambda server: "mysql://host/db",
+    "no address": lambda server: "postgresql://host:port/db",
+    "is not known": lambda server: f"{server.address()}&sslmode=perhaps",
+    "has no such database": lambda server: server.address("nowhere"),
+    "does not let this user in": lambda server: server.address(user="nobody-here"),
+    "does not answer": lambda server: f"postgresql://a:secret@/db?host={server.folder}/gone",
+    "no store yet": lambda server: server.address("template1"),
+}
+
+
+@pytest.mark.parametrize("said", ADDRESSES)
+def test_what_is_wrong_with_the_store_is_a_sentence(
+    server: RunningServer, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AXISCAL_STORE", ADDRESSES[said](server))
+    assert run(["status", "store:mill"]) == 1
+    told = " ".join(capsys.readouterr().err.split())
+    assert said in told.replace("No store", "no store")
+    assert "secret" not in told
+    assert "Traceback" not in told
+
+
+def test_without_its_driver_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pg8000", None)
+    with pytest.raises(RecordError, match=r"pip install 'axiscal\[postgres\]'"):
+        opened_database(store_address("postgresql://host/db"))
+
+
+def test_addresses_are_read_as_postgresqls_own_programs_read_them() -> None:
+    surroundings = {"PGPASSWORD": "p", "PGUSER": "anna", "PGPORT": "6000", "PGHOST": "elsewhere"}
+    assert store_address("postgresql:///shop", surroundings).shown == "postgresql://anna@elsewhere:6000/shop"
+    given = store_address("postgresql://b%40d:x@host:5433/shop?sslmode=verify-full", surroundings)
+    assert (given.user, given.password, given.sslmode) == ("b@d", "x", "verify-full")
+    assert store_address(None, {"AXISCAL_STORE": "postgres://u@h/d", "PGSSLMODE": "require"}).sslmode == "require"
+
+
+def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
+    with running_server() as server:
+        database = Database(store_address(server.address()))
+        prepare(database)
+        assert not prepare(database)
+        log = ServerLog.create(database, "mill", CREATED)
+        assert log.append(READING, after=1) == 2
+        server.stop()
+        with pytest.raises(RecordError, match="does not answer"):
+            log.append(READING, after=2)
+        with pytest.raises(RecordError, match="does not answer"):
+            log.state()
+        server.start()
+        assert log.append(READING, after=2) == 3
+        assert [stored.event for stored in ServerLog.open(database, "mill").events()] == [CREATED, READING, READING]
+        _ended_in_the_middle(server, database, log)
+        log.close()
+
+
+def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerLog) -> None:
+    """End our session before each statement of an append: it is there whole or not at all, and can be given again."""
+    keeper, told = Database(store_address(server.address())), list[str]()
+    asked = database.rows
+    for nth in range(6):
+        statements, last = iter(range(99)), log.last()
+
+        def rows(query: str, _nth: int = nth, _counted: object = statements, **values: object) -> list[list[object]]:
+            if next(_counted) == _nth:  # type: ignore[call-overload]
+                keeper.rows("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND "
+                            "application_name = 'axiscal'")  # fmt: skip
+            return asked(query, **values)
+
+        database.rows = rows  # type: ignore[method-assign,assignment]
+        try:
+            log.append(READING, READING, after=last)
+        except RecordError as failure:
+            told.append(failure.what)
+        finally:
+            database.rows = asked  # type: ignore[method-assign]
+        assert log.last() in (last, last + 2)
+        assert log.append(READING, after=log.last()) == log.last()
+    assert len(told) == 6
+    assert "is not known" in told[-1]
+    keeper.close()
+
+
+def test_a_newer_store_is_refused(server: RunningServer, database: Database) -> None:
+    database.rows("CREATE DATABASE newer")
+    newer = Database(store_address(server.address("newer")))
+    prepare(newer)
+    newer.rows("INSERT INTO axiscal.form VALUES (99)")
+    with pytest.raises(RecordError, match="newer axiscal"):
+        ServerLog.create(newer, "mill", CREATED)
+    newer.close()
+
+
+def test_the_lock_of_another_program_is_waited_for_and_then_said(
+    log: ServerLog, database: Database, server: RunningServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(database_module, "_LOCK", "50ms")
+    other = Database(store_address(server.address()))
+    with other.transaction():
+        other.held(log.entry.id)
+        with pytest.raises(RecordError, match="holds this campaign"):
+            log.append(Noted("x"))
+    other.close()
+    assert log.append(Noted("x")) == 4
+
+
+def test_commands_go_on_over_the_store(
+    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AXISCAL_STORE", address)
+    monkeypatch.chdir(tmp_path)
+    Path("machine.toml").write_text(MACHINE.format(serial='serial = "7"\n', travel=500))
+    Path("campaign.toml").write_text(CAMPAIGN.format(first="").replace('rms = "2 um"', "readings = 4"))
+    assert run(["start", "campaign.toml", "store:mill 7"]) == 0, capsys.readouterr().err
+    assert run(["start", "campaign.toml", "store:mill 7"]) == 1
+    for value in range(4):
+        assert run(["next", "store:mill 7"]) == 0
+        assert run(["record", "store:mill 7", f"{value} um"]) == 0
+    assert run(["undo", "store:mill 7"]) == 0
+    assert run(["record", "store:mill 7", "3.5 um"]) == 0
+    assert run(["finish", "store:mill 7", "--out", "results"]) == 0
+    assert json.loads(Path("results/result.json").read_text())["readings"] == 4
+    assert run(["copy", "store:mill 7"]) == 0
+    capsys.readouterr()
+    with opened_log("store:mill 7", write=False) as there, Record.open("mill 7.axiscal") as copied:
+        assert copied.state() == there.state()
+    with pytest.raises(RecordError, match="No campaign of the store"):
+        opened_log("store:")
+    assert {path.name for path in tmp_path.iterdir()} == {"machine.toml", "campaign.toml", "results", "mill 7.axiscal"}
+
+
+def test_all_campaigns_of_a_store(database: Database, log: ServerLog) -> None:
+    assert log.entry in entries(database)

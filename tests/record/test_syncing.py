@@ -1,0 +1,233 @@
+"""A laptop and the store: seven cases, nothing lost, nothing merged, whatever goes away in the middle."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from axiscal.cli.app import run
+from axiscal.exceptions import RecordError
+from axiscal.record.copies import write_copy
+from axiscal.record.events import Created, Noted
+from axiscal.record.log import ChainedText
+from axiscal.record.postgres.address import store_address
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.server_log import ServerLog, entries
+from axiscal.record.postgres.syncing import Synced, synced
+from axiscal.record.store import Record
+from tests.record.postgres_server import RunningServer
+
+_numbers = itertools.count()
+
+
+class Shop:
+    """Laptops with copies of one campaign, and the store."""
+
+    def __init__(self, database: Database, folder: Path) -> None:
+        self.database, self.folder, self.name = database, folder, f"shop {next(_numbers)} {folder}"
+        with Record.create(self.file("one"), Created("", "", "", self.name, {})) as record:
+            record.append(Noted("first"), Noted("second"))
+
+    def file(self, laptop: str) -> Path:
+        """Return the record of a laptop."""
+        return self.folder / f"{laptop}.axiscal"
+
+    def copied(self, laptop: str) -> None:
+        """Give another laptop a copy of the first one's record."""
+        with Record.open(self.file("one"), write=False) as record:
+            write_copy(record, self.file(laptop))
+
+    def went_on(self, laptop: str, *texts: str) -> None:
+        """Add events on a laptop."""
+        with Record.open(self.file(laptop)) as record:
+            record.append(*map(Noted, texts))
+
+    def synced(self, laptop: str) -> Synced:
+        """Bring a laptop and the store together."""
+        with Record.open(self.file(laptop)) as record:
+            return synced(self.database, record, self.name)
+
+    def texts(self, laptop: str) -> tuple[ChainedText, ...]:
+        """Return what a laptop has."""
+        with Record.open(self.file(laptop), write=False) as record:
+            return record.texts()
+
+    def chains(self, of: Synced | None = None) -> list[str]:
+        """Return the chains of what the store has of a campaign, with what it branches off; of all its campaigns."""
+        found = [of.campaign] if of is not None else entries(self.database, self.name)
+        return [text.chain for entry in found for text in ServerLog(self.database, entry).texts()]
+
+
+@pytest.fixture
+def shop(database: Database, tmp_path: Path) -> Shop:
+    return Shop(database, tmp_path)
+
+
+def test_the_seven_cases(shop: Shop) -> None:
+    new = shop.synced("one")
+    assert (new.case, new.sent, shop.synced("one").case) == ("new", 3, "same")
+    shop.copied("two")
+    shop.went_on("one", "third")
+    assert (shop.synced("one").case, shop.synced("two").case) == ("ahead", "behind")
+    assert [text.chain for text in shop.texts("one")] == [text.chain for text in shop.texts("two")]
+    shop.went_on("one", "of one")
+    shop.went_on("two", "of two", "and more")
+    assert shop.synced("one").case == "ahead"
+    fork = shop.synced("two")
+    assert (fork.case, fork.sent, fork.campaign.branch_of, fork.campaign.branch_at) == ("fork", 2, new.campaign.id, 4)
+    assert shop.synced("two").case == "fork again"
+    shop.went_on("two", "still more")
+    goes_on = shop.synced("two")
+    assert (goes_on.case, goes_on.sent, goes_on.campaign) == ("fork goes on", 1, fork.campaign)
+    for laptop, found in (("one", new), ("two", goes_on)):
+        assert shop.chains(found) == [text.chain for text in shop.texts(laptop)]
+    assert len(entries(shop.database, shop.name)) == 2
+
+
+def test_a_third_laptop_forks_from_a_branch_and_takes_what_a_branch_has(shop: Shop) -> None:
+    shop.synced("one")
+    for laptop in ("two", "three", "four"):
+        shop.copied(laptop)
+    shop.went_on("one", "of one")
+    shop.went_on("two", "of two")
+    shop.synced("one")
+    branch = shop.synced("two").campaign
+    shop.went_on("three", "of two")  # the same event: the same branch
+    assert shop.synced("three").case == "fork again"
+    shop.went_on("two", "more of two")
+    shop.synced("two")
+    taken = shop.synced("three")
+    assert (taken.case, taken.taken, shop.texts("three")[-1].row.payload) == (
+        "fork goes on",
+        1,
+        '{"text":"more of two"}',
+    )
+    shop.went_on("four", "of two", "otherwise")
+    twig = shop.synced("four")
+    assert (twig.case, twig.campaign.branch_of, twig.campaign.branch_at) == ("fork", branch.id, 4)
+    assert shop.chains(twig) == [text.chain for text in shop.texts("four")]
+    with ServerLog.open(shop.database, twig.campaign.id) as log:
+        assert log.append(Noted("live, on the branch of a branch")) == 6
+
+
+def test_times_and_letters_come_back_as_they_were(shop: Shop) -> None:
+    shop.went_on("one", "µ \x00 \n '\" \\ ☃")
+    shop.copied("two")
+    shop.went_on("one", "more")
+    shop.synced("one")
+    shop.synced("two")
+    assert [(text.row.at, text.row.payload) for text in shop.texts("two")] == [
+        (text.row.at, text.row.payload) for text in shop.texts("one")
+    ]
+
+
+@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    steps=st.lists(st.tuples(st.sampled_from(["one", "two", "three"]), st.booleans(), st.integers(0, 3)), max_size=14)
+)
+def test_in_any_order_nothing_is_ever_lost(
+    database: Database, tmp_path: Path, steps: list[tuple[str, bool, int]]
+) -> None:
+    folder = tmp_path / str(next(_numbers))
+    folder.mkdir()
+    shop, made = Shop(database, folder), set[str]()
+    for laptop in ("two", "three"):
+        shop.copied(laptop)
+    for laptop, syncs, count in steps:
+        shop.went_on(laptop, *(f"note {n}" for n in range(count)))  # often the same on two laptops
+        made |= {text.chain for text in shop.texts(laptop)}
+        if syncs:
+            shop.synced(laptop)
+        assert made <= {
+            chain for each in ("one", "two", "three") for chain in [t.chain for t in shop.texts(each)]
+        } | set(shop.chains())
+    for laptop in ("one", "two", "three"):
+        found = shop.synced(laptop)
+        assert shop.chains(found) == [text.chain for text in shop.texts(laptop)]
+    assert made <= set(shop.chains())
+
+
+@pytest.mark.parametrize("case", ["new", "ahead", "behind", "fork", "fork goes on"])
+def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(
+    shop: Shop, server: RunningServer, case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _made(shop, case)
+    keeper, asked, told = Database(store_address(server.address())), Database.rows, 0
+    mine = shop.database
+    for nth in range(14):
+        counted = iter(range(99))
+
+        def rows(self: Database, query: str, _nth: int = nth, _counted: object = counted, **values: object) -> object:
+            if self is mine and next(_counted) == _nth:  # type: ignore[call-overload]
+                asked(keeper, "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() "
+                      "AND application_name = 'axiscal'")  # fmt: skip
+            return asked(self, query, **values)
+
+        before, mine_before = shop.chains(), [text.chain for text in shop.texts("two")]
+        with monkeypatch.context() as patched:
+            patched.setattr(Database, "rows", rows)
+            try:
+                shop.synced("two")
+            except RecordError:
+                told += 1
+        assert shop.chains()[: len(before)] == before or case.startswith("fork")
+        assert set(before) <= set(shop.chains())
+        assert [text.chain for text in shop.texts("two")][: len(mine_before)] == mine_before
+    found = shop.synced("two")
+    assert shop.chains(found) == [text.chain for text in shop.texts("two")]
+    assert told >= 5
+    keeper.close()
+
+
+def _made(shop: Shop, case: str) -> None:
+    shop.copied("two")
+    if case == "new":
+        return
+    shop.synced("one")
+    if case == "ahead":
+        shop.went_on("two", "more")
+        return
+    shop.went_on("one", "of one")
+    shop.synced("one")
+    if case.startswith("fork"):
+        shop.went_on("two", "of two")
+    if case == "fork goes on":
+        shop.synced("two")
+        shop.went_on("two", "more of two")
+
+
+def test_the_command_says_what_was_done(
+    server: RunningServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    keeper = Database(store_address(server.address()))
+    keeper.rows("CREATE DATABASE shop")
+    keeper.close()
+    monkeypatch.setenv("AXISCAL_STORE", server.address("shop"))
+    monkeypatch.chdir(tmp_path)
+    with Record.create("mill.axiscal", Created("", "", "", "", {})) as record:
+        record.append(Noted("x"))
+    assert run(["sync", "mill.axiscal"]) == 1
+    assert "axiscal sync --prepare" in " ".join(capsys.readouterr().err.split())
+    assert [run(["sync", "--prepare"]), run(["sync", "--prepare", "--json"])] == [0, 0]
+    assert "is a store now" in capsys.readouterr().out
+    said = list[str]()
+    with Record.open("mill.axiscal") as record:
+        write_copy(record, Path("other.axiscal"))
+    for path, event in (("mill", ""), ("mill", ""), ("mill", "a"), ("other", ""), ("mill", "b"), ("other", "c"),
+                        ("other", ""), ("other", "d")):  # fmt: skip
+        if event:
+            with Record.open(f"{path}.axiscal") as record:
+                record.append(Noted(event))
+        assert run(["sync", f"{path}.axiscal", "--json"]) == 0
+        said.append(json.loads(capsys.readouterr().out)["case"])
+    assert said == ["new", "same", "ahead", "behind", "ahead", "fork", "fork again", "fork goes on"]
+    assert run(["sync", "other.axiscal"]) == 0
+    assert "the store has the same, as branch" in capsys.readouterr().out
+    assert run(["sync", "mill.axiscal", "--store", server.address("shop", user="measurer")]) == 0
+    assert run(["sync", "mill.axiscal", "--store", server.address("shop", user="stranger")]) == 1
+    assert "may not do that" in " ".join(capsys.readouterr().err.split())
