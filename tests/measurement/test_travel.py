@@ -9,10 +9,14 @@ import pytest
 
 from axiscal.machine.motion import approach_seconds, travel_seconds
 from axiscal.measurement.charts.arrivals import arrivals
+from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import held_seconds, off_seconds, way_seconds
 from axiscal.numerics import Array
-from tests.measurement.test_charts import DMU, held
+from tests.generators.kinematics import pose_with_tip, stem, tip
+from tests.measurement.test_charts import DMU, UP, held
+from tests.measurement.test_ways_proven import machine
 
 SETUP = Setup("nest", "rtest", (0.0, 0.0, 1.0), (0, 1, 2, 3, 4), (0.0,) * 5, 1e-6, (), 0, 0, 0, (0.0,) * 5, "both")
 NEST = replace(SETUP, chart=held(), contact="held")
@@ -65,3 +69,16 @@ def test_coming_from_the_other_side_goes_past_the_place_and_back() -> None:
     back = held_seconds(DMU, chart, start, past) + held_seconds(DMU, chart, past, stop)
     assert turned == pytest.approx(float(back[0]))
     assert straight < turned
+
+
+def test_off_a_ball_the_tool_goes_from_where_it_is_drawn_back_to_where_it_is_drawn_back() -> None:
+    """With a head that swivels these are not as far apart as the places at the ball."""
+    built = machine("w-C'-b-X-Y-Z-B-t")
+    chart = Held(Room.empty(built), np.array([0.05, 0.0, 0.1]), UP, np.radians(100), (0, 4), np.zeros(5), (0.0, 0.0))
+    sphere = replace(SPHERE, chart=chart)
+    start, stop = chart.poses(places((10, -40), (20, 60)))
+    off = [pose_with_tip(built, pose, tip(built, pose) + 0.05 * stem(built, pose)) for pose in (start, stop)]
+    apart, nearer = (float(approach_seconds(built, a, b, np.zeros(5))) for a, b in (off, (start, stop)))
+    expected = apart + 2 * off_seconds(built, sphere)
+    assert way_seconds(built, sphere, start, stop, np.zeros(5)) == pytest.approx(expected)
+    assert apart != pytest.approx(nearer)

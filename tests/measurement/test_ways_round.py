@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
 
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.roundabout import _lattice, way_round
+from axiscal.measurement.time_taken import short_way
 from axiscal.measurement.travel import held_seconds, way_seconds
 from axiscal.numerics import Array
+from axiscal.numerics.short_way import route_seconds
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.measurement.test_charts import BALLS, DMU, held
 from tests.measurement.test_travel import NEST
@@ -83,3 +85,17 @@ def test_the_way_round_takes_the_time_of_its_legs() -> None:
         )
         assert seconds > float(held_seconds(DMU, chart, start[None], stop[None])[0])
     assert found >= 1
+
+
+def test_an_order_counts_what_ways_really_take() -> None:
+    """Against all orders of seven places, with the seconds of ways that go straight, round, or off and back."""
+    poses, free = held().poses(reachable(held(), 40)[4:11]), np.zeros((7, 5))
+    real = way_seconds(DMU, NEST, poses[:, None], poses[None], free[None])
+    thought = way_seconds(DMU, NEST, poses[:, None], poses[None], free[None], straight=True)
+    assert np.any(real > thought + 0.1)
+    shortest = min(route_seconds(list(each), real) for each in permutations(range(7)))
+    order, ways = short_way(DMU, NEST, poses, free, exact=True)
+    assert ways == pytest.approx(real[order[:-1], order[1:]])
+    assert ways.sum() <= 1.03 * shortest
+    straight, _ = short_way(DMU, NEST, poses, free)
+    assert ways.sum() <= route_seconds(straight.tolist(), real) + 1e-9

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from axiscal.machine.description import Machine
+from axiscal.machine.inverse import drawn_back
 from axiscal.machine.motion import approach_seconds, travel_seconds
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.setup import Setup
@@ -34,15 +35,23 @@ def way_seconds(
     start, stop : (..., q) m or rad; approach : (..., q) from where each axis comes, +1, −1, 0 for any side
     straight : ways in touch are taken as straight, also where they go round what is out of travel
     """
-    start, stop, approach = np.broadcast_arrays(start, stop, approach)
     if setup.chart is None or setup.contact == "free":
         return approach_seconds(machine, start, stop, approach, setup.driving)
     if setup.contact == "retracted":
-        away = np.any(start != stop, axis=-1)
-        there = approach_seconds(machine, start, stop, approach, setup.driving)
+        away = np.any(np.asarray(start) != np.asarray(stop), axis=-1)
+        off, above = (_drawn_back(machine, np.asarray(each), setup.retract) for each in (start, stop))
+        there = approach_seconds(machine, off, above, approach, setup.driving)
         return there + np.where(away, 2 * off_seconds(machine, setup), 0.0)
+    start, stop, approach = np.broadcast_arrays(start, stop, approach)
     here, there, come = (np.ascontiguousarray(each.reshape(-1, each.shape[-1])) for each in (start, stop, approach))
     return _in_touch(machine, setup, setup.chart, here, there, come, straight).reshape(start.shape[:-1])
+
+
+def _drawn_back(machine: Machine, poses: Array, far: float) -> Array:
+    """Return poses (..., q) drawn back along the tool, between which a program goes; themselves where none is."""
+    flat = poses.reshape(-1, poses.shape[-1])
+    drawn = drawn_back(machine, flat, far)
+    return np.where(np.isfinite(drawn), drawn, flat).reshape(poses.shape)
 
 
 def off_seconds(machine: Machine, setup: Setup) -> float:

@@ -9,10 +9,9 @@ from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.out_and_back import out_and_back, returns
 from axiscal.design.plan.task import Task
 from axiscal.measurement.place import Places
-from axiscal.measurement.time_taken import reading_seconds, travel_table
+from axiscal.measurement.time_taken import reading_seconds, short_way
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
-from axiscal.numerics.short_way import route
 from axiscal.numerics.ties import ALIKE, first_best
 
 
@@ -59,7 +58,7 @@ def counting(task: Task, places: Places) -> Array:
 
 def in_order(task: Task, places: Places) -> Places:
     """Return the readings in travel order; the set-up that takes J down fastest per second comes first."""
-    groups = {setup: _by_setup(task, places.within(mine)) for setup, mine in places.by_setup()}
+    groups = {setup: _by_setup(task, places.within(mine), exact=True) for setup, mine in places.by_setup()}
     if len(groups) <= 1:
         return groups.popitem()[1] if groups else places
     done, state = list[Places](), task.state
@@ -78,14 +77,19 @@ def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: di
     return list(groups)[first_best(np.array(rates), ALIKE)]
 
 
-def _by_setup(task: Task, places: Places) -> Places:
-    """Return the readings in travel order, set-ups in order of their index, the mounted one first."""
+def _by_setup(task: Task, places: Places, exact: bool = False) -> Places:
+    """Return the readings in travel order, set-ups in order of their index, the mounted one first.
+
+    exact : as for `short_way`
+    """
     mounted = -1 if task.here is None else task.here.setups[0]
     groups = sorted(places.by_setup(), key=lambda group: (group[0] != mounted, group[0]))
-    return Places.joined([places.within(slice(0, 0)), *(_on_a_short_way(task, places.within(g)) for _, g in groups)])
+    return Places.joined(
+        [places.within(slice(0, 0)), *(_on_a_short_way(task, places.within(g), exact) for _, g in groups)]
+    )
 
 
-def _on_a_short_way(task: Task, places: Places) -> Places:
+def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
     """Return the readings of one set-up out and back along its axis, or on a short way if several move.
 
     From where the machine stands, if the set-up is mounted.
@@ -100,9 +104,9 @@ def _on_a_short_way(task: Task, places: Places) -> Places:
     if returns(setup):
         return out_and_back(machine, setup, places, approaches, here)
     once, again = _repeats(places)
-    table = travel_table(machine, setup, places.poses[once], approaches[once])
-    short = once[np.array(route(table, None if first is None else first[once]), dtype=np.intp)]
-    return places.within(np.concatenate([short, again]))
+    begin = None if first is None else first[once]
+    order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
+    return places.within(np.concatenate([once[order], again]))
 
 
 def _repeats(places: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -15,9 +15,8 @@ from axiscal.design.gains.covariance import Covariance
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
-from axiscal.measurement.time_taken import reading_seconds, travel_table
+from axiscal.measurement.time_taken import reading_seconds, short_way
 from axiscal.numerics import Array
-from axiscal.numerics.short_way import route
 
 _TYPICAL = 24
 
@@ -90,7 +89,6 @@ def clock(task: Task) -> Clock:
     readings = []
     for setup in setups:
         sample = spread(machine, (setup,), _TYPICAL)
-        table = travel_table(machine, setup, sample.poses, np.zeros_like(sample.poses))
-        order = route(table)
-        readings.append(reading_seconds(setup) + float(table[order[:-1], order[1:]].mean()))
+        _, ways = short_way(machine, setup, sample.poses, np.zeros_like(sample.poses), exact=True)
+        readings.append(reading_seconds(setup) + float(ways.mean()))
     return Clock(np.array(mounting), np.array(readings))
