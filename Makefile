@@ -94,7 +94,7 @@ mutants: .venv-mutants/stamp
 	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(ROOM),--room $(ROOM))
 
 requests: .venv/dev.stamp
-	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q tests/web/test_conformance.py
+	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q -s tests/web/test_conformance.py
 
 audit: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.audit --lock requirements/run.txt --out build/sbom.json

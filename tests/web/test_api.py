@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,8 @@ from typing import Any
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.web.served import Served, served, started
+from tests.generators.texts import TWO_SPHERES
+from tests.web.served import PATIENCE, Served, served, started
 
 
 @pytest.fixture
@@ -204,3 +207,11 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
     assert refused.status in (409, 422)
     assert "mill.axiscal" in refused.document["sentence"]
     page.record.with_name("gone.axiscal").rename(page.record)
+
+
+def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
+    with served(started(tmp_path, TWO_SPHERES)) as running:  # looks at what it said when it has ended
+        line = http.client.HTTPConnection("127.0.0.1", running.port, timeout=PATIENCE)
+        line.request("GET", "/api/1/outlook", headers={"Authorization": f"Bearer {running.token}"})
+        time.sleep(0.1)  # the request is there, its answer takes longer than the server waits
+    line.close()

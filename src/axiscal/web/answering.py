@@ -24,7 +24,7 @@ _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "h
 
 
 def static_routes(page: str, files: tuple[str, ...]) -> list[Route]:
-    """Return the routes of a page and the files that it loads."""
+    """Return the routes of a page, which begins with the head of all, and of the files that it loads."""
     named = {"/": page, **{f"/{name}": name for name in files}}
     return [Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()]
 
@@ -60,8 +60,9 @@ async def answered(
 
 
 async def _file(name: str, request: Request) -> Response:
-    kind = _KINDS[name.rpartition(".")[2]]
-    return Response(resources.files("axiscal.web").joinpath("static", name).read_bytes(), media_type=kind)
+    kind, folder = name.rpartition(".")[2], resources.files("axiscal.web").joinpath("static")
+    begins = folder.joinpath("head.html").read_bytes() if kind == "html" else b""
+    return Response(begins + folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
 
 
 async def not_here(request: Request, failure: Exception) -> Response:

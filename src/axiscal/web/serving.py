@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import socket
 from collections.abc import Callable
 from contextlib import suppress
@@ -91,6 +92,7 @@ class _Server(uvicorn.Server):
         self._ending = ending
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take a signal to end."""
+        """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
         self._ending()
         super().handle_exit(sig, frame)
