@@ -41,6 +41,7 @@ MACHINES = {
     "paper-three-stacked": (_LENGTH.format("z"), 15),
     "printer-gantry": (_ALL, 60),
     "three-axis-mill": (_ALL, 60),
+    "portal-mill": (_ALL, 60),
     "dmu60": (_ALL, 60),
 }
 """Set-ups and number of readings for each built-in machine."""

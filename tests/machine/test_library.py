@@ -22,7 +22,8 @@ def motions(axis: str) -> set[str]:
 
 
 def test_the_names() -> None:
-    assert builtin_names() == ("dmu60", "one-axis", "paper-three-stacked", "printer-gantry", "three-axis-mill")
+    names = ("dmu60", "one-axis", "paper-three-stacked", "portal-mill", "printer-gantry", "three-axis-mill")
+    assert builtin_names() == names
 
 
 @pytest.mark.parametrize("name", builtin_names())
@@ -42,7 +43,7 @@ def test_the_papers_machine_is_three_splines_of_seven_free_control_points() -> N
     assert {axis.travel for axis in machine.axes} == {(0.0, 0.01)}
 
 
-@pytest.mark.parametrize("name", ["three-axis-mill", "printer-gantry"])
+@pytest.mark.parametrize("name", ["three-axis-mill", "portal-mill", "printer-gantry"])
 def test_three_linear_axes_have_the_21_errors_of_iso_230_and_reversal(name: str) -> None:
     expected = motions("X") | motions("Y") | motions("Z") | {"C0Y", "B0Z", "A0Z"}
     assert set(sizes(load_machine(name))) == expected

@@ -19,6 +19,7 @@ SAMPLES = {
     "paper-three-stacked": (15, 400),
     "printer-gantry": (12, 150),
     "three-axis-mill": (12, 150),
+    "portal-mill": (12, 100),
     "dmu60": (10, 100),
 }
 """Readings and virtual machines."""
