@@ -19,17 +19,19 @@ A chip or burr under the stylus shifts one reading in fifty to one side, by b an
     p(y | s) = (1 − π) N(y − s; 0, σ²) + π N(y − s; b, b² + σ²),   π = 0.02
 
 Its moments are those of two normal ones, weighted by how well each predicted y. It is not log-concave: a site is then
-as wide as `_WIDEST` at most, where an exact one would have no width at all.
+as wide as `WIDEST` at most, where an exact one would have no width at all. Which of two readings that contradict each
+other is right is then weighed over every way in which chips may have fallen (`chips`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.inference.chips import every_way
+from axiscal.inference.normal_sites import SHARE, WIDEST, Sites
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -41,10 +43,6 @@ COARSE = 3.0
 """Steps of so many standard deviations of the scatter are taken as intervals."""
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
-_WIDEST = 1e8
-"""Times the noise: so wide is no interval."""
-_CHIPS = 0.02
-"""Share of the readings that chips or burrs shift: an assumption."""
 _TAIL = 1e-300
 """The smallest that has a logarithm."""
 
@@ -57,13 +55,6 @@ def is_coarse(setup: Setup) -> bool:
 def is_odd(setup: Setup) -> bool:
     """Whether readings of a set-up are far from normal: of coarse intervals, or shifted to one side."""
     return is_coarse(setup) or setup.one_sided != 0
-
-
-class Sites(NamedTuple):
-    """Normal readings in the place of intervals.  values, variances : (m,)"""
-
-    values: Array
-    variances: Array
 
 
 def may_have_chips(setup: Setup, reading: Reading) -> bool:
@@ -110,12 +101,12 @@ def sites(fitted: Fitted, steps: Array, scatter: Array, chips: Array | None = No
     values, precisions = fitted.values.copy(), 1.0 / fitted.noise
     for _ in range(_SWEEPS):
         mean, spread = fitted.estimate(values, precisions)
-        cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (_WIDEST * fitted.noise))
+        cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * fitted.noise))
         centre = cavity * (mean / spread - precisions * values)
         inside = _moments(fitted.values, steps, scatter, centre, cavity)
         shifted = _shifted(fitted.values, beside, scatter, centre, cavity)
         wanted_mean, wanted = (np.where(beside != 0, one, other) for one, other in zip(shifted, inside, strict=True))
-        fresh = np.maximum(1.0 / wanted - 1.0 / cavity, 1.0 / (_WIDEST * fitted.noise))
+        fresh = np.maximum(1.0 / wanted - 1.0 / cavity, 1.0 / (WIDEST * fitted.noise))
         pull = wanted_mean / wanted - centre / cavity
         change = np.where(which, fresh - precisions, 0.0)
         target = (1 - _DAMPING) * precisions * values + _DAMPING * pull
@@ -123,7 +114,8 @@ def sites(fitted: Fitted, steps: Array, scatter: Array, chips: Array | None = No
         values = np.where(which, target / precisions, values)
         if float(np.max(np.abs(change) / precisions)) < _SETTLED:
             break
-    return Sites(values, 1.0 / precisions)
+    found = Sites(values, 1.0 / precisions)
+    return every_way(fitted, found, scatter, beside) if np.any(beside) else found
 
 
 def _moments(shown: Array, steps: Array, scatter: Array, centre: Array, cavity: Array) -> tuple[Array, Array]:
@@ -146,7 +138,7 @@ def _shifted(shown: Array, chips: Array, scatter: Array, centre: Array, cavity: 
     """Return mean and variance of what was read where a chip may have shifted it, each (m,).  chips : (m,) b"""
     wide = np.stack([cavity + scatter, cavity + scatter + chips**2])
     off = np.stack([shown - centre, shown - centre - chips])
-    odds = np.log([[1 - _CHIPS], [_CHIPS]]) - off**2 / (2 * wide) - np.log(wide) / 2
+    odds = np.log([[1 - SHARE], [SHARE]]) - off**2 / (2 * wide) - np.log(wide) / 2
     share = np.exp(odds - odds.max(axis=0))
     share /= share.sum(axis=0)
     means, variances = centre + cavity * off / wide, cavity - cavity**2 / wide
