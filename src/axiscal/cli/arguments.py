@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import RecordError, TargetError
+from axiscal.units import parse_quantity
 
 _COMPLETING = "_AXISCAL_COMPLETE"
 """Set by a shell that asks for completions."""
@@ -31,6 +32,14 @@ def own_record() -> Path:
 def records_here(incomplete: str) -> list[str]:
     """Return the records in this folder whose names begin so, for a shell that completes what is typed."""
     return sorted(path.name for path in Path.cwd().glob("*.axiscal") if path.name.startswith(incomplete))
+
+
+def positive_length(text: str) -> float:
+    """Return an RMS that is to be kept, m; raises UnitError, TargetError."""
+    wanted = parse_quantity(text, "length")
+    if wanted <= 0:
+        raise TargetError(f'"{text}" is not above zero', "Give an RMS above zero")
+    return wanted
 
 
 RecordFile = Annotated[

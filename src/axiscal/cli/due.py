@@ -8,14 +8,14 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Json
+from axiscal.cli.arguments import Json, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.exceptions import RecordError, TargetError
+from axiscal.exceptions import RecordError
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import DueMachine, Shop, due_dates
 from axiscal.record.durable import write_whole
-from axiscal.units import parse_quantity, to_unit
+from axiscal.units import to_unit
 
 
 def due(
@@ -39,9 +39,7 @@ def due(
       axiscal due records
       axiscal due records --target "4 um" --calendar due.ics
     """
-    wanted = None if target is None else parse_quantity(target, "length")
-    if wanted is not None and wanted <= 0:
-        raise TargetError(f'"{target}" is not above zero', "Give an RMS above zero")
+    wanted = None if target is None else positive_length(target)
     if not folder.is_dir():
         raise RecordError("This is no folder", "Name the folder that holds the records", folder)
     found = due_dates(sorted(folder.glob("*.axiscal")), _day(today), wanted, tell)

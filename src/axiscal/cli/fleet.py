@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Json
+from axiscal.cli.arguments import Json, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
+from axiscal.fleet.due_dates import due_dates
+from axiscal.fleet.machine_history import histories
 from axiscal.fleet.shop_list import ShopList, ShopRecord, shop_list
+from axiscal.record.durable import write_whole
+from axiscal.report.history_page import render
 from axiscal.units import to_unit
 
 _SHOWN = 12
@@ -20,6 +25,12 @@ _HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "verdic
 
 def fleet(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of records, files *.axiscal.")],
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE.html", help="Draw each machine over the years, as a page.")
+    ] = None,
+    target: Annotated[
+        str | None, typer.Option(metavar="RMS", help='On the page, such as "4 um"; default: of each campaign.')
+    ] = None,
     json: Json = False,
 ) -> None:
     """List the records of a shop: which machine, when, how well it was known, against which target, by which digest.
@@ -27,18 +38,33 @@ def fleet(
     An index is kept beside the records, `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown
     away. Records that are damaged, no records, or the same as another are named with the reason.
 
+    The page shows what is left with each machine's tables from campaign to campaign, when it is due, what the campaigns
+    found with 95 % bands, figures of ISO 230-2 where readings are such a test, and what was noted.
+
     \b
-    Example:
+    Examples:
       axiscal fleet records
+      axiscal fleet records --page years.html --target "4 um"
     """
+    wanted = None if target is None else positive_length(target)
     found = shop_list(folder, lambda said: tell(f"{said} ..."))
     if found.why_apart:
         tell(f"Nothing is kept for the next time: {found.why_apart}.")
+    if page is not None:
+        _draw(folder, page, wanted)
     if json:
         say_document(_document(found))
         return
     for line in _lines(found):
         say(line)
+    if page is not None:
+        say(f"Written: {page}")
+
+
+def _draw(folder: Path, page: Path, target: float | None) -> None:
+    now = datetime.now(UTC)
+    shop = due_dates(sorted(folder.glob("*.axiscal")), now.date(), target, lambda said: tell(f"drawing {said}"))
+    write_whole(page, render(shop, histories(shop, now)).encode())
 
 
 def _lines(found: ShopList) -> list[str]:

@@ -9,7 +9,7 @@ For errors of an axis that was renewed since, ρ = 0.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, timedelta
 from itertools import pairwise
@@ -54,11 +54,16 @@ class DueMachine:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shop:
-    """machines : those first that are due first; aging : how machines change; left_out : records that do not count"""
+    """machines : those first that are due first; aging : how machines change; left_out : records that do not count
+
+    histories : the records of each machine in the order of time, by the digest of the last; known : what each came to
+    """
 
     machines: tuple[DueMachine, ...]
     aging: Aging
     left_out: tuple[SisterRecord, ...]
+    histories: Mapping[str, Sequence[MachineRecord]]
+    known: Mapping[str, Estimation]
 
 
 @one_thread()
@@ -88,7 +93,8 @@ def due_dates(
     learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
     machines = [_due(history[-1], known[history[-1].digest], learnt, today, target) for history in histories]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
-    return Shop(tuple(order), learnt, tuple(left))
+    by_last = {history[-1].digest: history for history in histories}
+    return Shop(tuple(order), learnt, tuple(left), by_last, known)
 
 
 def _with_tables(record: MachineRecord) -> SisterRecord:
@@ -129,7 +135,7 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         errors = first.case.errors
         factor = first.whole.factor[: errors.size]
         found = Inherited(first.whole.mean[: errors.size], factor @ factor.T)
-        years = (_moment(after.begun) - _moment(before.begun)).total_seconds() / YEAR
+        years = (moment(after.begun) - moment(before.begun)).total_seconds() / YEAR
         try:
             equation = equation_of(after, errors)
         except AxiscalError as fault:
@@ -138,7 +144,8 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         yield Pair(years, found, equation, errors.prior_covariance())
 
 
-def _moment(text: str) -> datetime:
+def moment(text: str) -> datetime:
+    """Return a time of a record; one that names no zone is UTC."""
     at = datetime.fromisoformat(text)
     return at if at.tzinfo else at.replace(tzinfo=UTC)
 
@@ -149,7 +156,7 @@ def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, t
         raise TargetError(
             f"the campaign of {record.file.name} has no rms to be kept", 'Say it for all: --target "4 um"', record.file
         )
-    last = _moment(record.begun).date()
+    last = moment(record.begun).date()
     left = rms_left(known, learnt, record.renewed)
     days = _first_day(lambda day: left(day * _DAY) > wanted)
     due = None if days is None else last + timedelta(days=days)

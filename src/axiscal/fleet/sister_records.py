@@ -27,7 +27,7 @@ from axiscal.inference.sisters.data_equation import DataEquation, data_equation
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.events import Recorded
+from axiscal.record.events import Note, Recorded
 from axiscal.record.payload import encode
 from axiscal.record.store import Record
 from axiscal.units import format_quantity
@@ -43,6 +43,7 @@ class MachineRecord:
     """A record as it was read.
 
     digest : of its machine and readings; begun : ISO 8601, UTC; renewed : axes that a note after its last reading names
+    notes : all of them
     """
 
     file: Path
@@ -51,6 +52,7 @@ class MachineRecord:
     description: CampaignDescription
     readings: tuple[Reading, ...]
     renewed: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     @property
     def serial(self) -> str:
@@ -90,7 +92,7 @@ def _read(file: Path) -> MachineRecord:
     text = json.dumps([description.machine.text, read])
     digest = hashlib.sha256(text.encode()).hexdigest()
     later = [note.text for note in state.notes if note.after >= len(state.readings)]
-    return MachineRecord(file, digest, first.at, description, state.readings, renewed_axes(later))
+    return MachineRecord(file, digest, first.at, description, state.readings, renewed_axes(later), state.notes)
 
 
 def renewed_axes(notes: Iterable[str]) -> tuple[str, ...]:
