@@ -17,6 +17,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
+from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
 from tests.generators.kinematics import in_travel, stem, tip
 
@@ -139,3 +140,13 @@ def test_a_plan_of_a_set_up_that_does_not_say_where_is_refused_with_the_keys_to_
     case = Case(described(text))
     with pytest.raises(PlanError, match=r"Write (artefact|length|moves)|reach = "):
         proposed(case, Limits(readings=3), Thoroughness(candidates=100))
+
+
+def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:
+    """Descriptions that a record holds are read as they are; only what is asked for must say where."""
+    nest = '[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
+    bar = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
+    case = Case(described(f'machine = "dmu60"\n{nest}{bar}'))
+    said = 'In "nest": write artefact = .* In "bar": write length = "150 mm"'
+    with pytest.raises(PlanError, match=said):
+        next_places(case, case.knowledge, ())

@@ -13,6 +13,7 @@ from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.hardly_reached import hardly_reached
 from axiscal.description.programs import stated
 from axiscal.description.unused import unused_artefacts
 from axiscal.design.plan.guarded import Enough
@@ -129,8 +130,9 @@ def plan(
     if gcode is not None:
         dialect(gcode)
     driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
-    if said := unused_artefacts(driven):
-        tell(f"Mind: {said}")
+    for said in (unused_artefacts(driven), hardly_reached(driven)):
+        if said is not None:
+            tell(f"Mind: {said}")
     case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     refuse_endless(case, limits, candidates)

@@ -12,6 +12,7 @@ from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
 from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.hardly_reached import hardly_reached
 from axiscal.description.target import Target
 from axiscal.description.unused import unused_artefacts
 from axiscal.machine.questions import questions
@@ -50,7 +51,7 @@ def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
     for question in questions(description.machine):
         tell(f"Mind: {question}")
-    for said in (unasked(description), unused_artefacts(description)):
+    for said in (unasked(description), unused_artefacts(description), hardly_reached(description)):
         if said is not None:
             tell(f"Mind: {said}")
 

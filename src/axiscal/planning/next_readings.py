@@ -143,9 +143,13 @@ def posed(
 
 def refuse_lacking(case: Case) -> None:
     """Raise PlanError for a set-up that does not say where it can be read: no reading of it can be asked for."""
-    for setup in case.description.setups:
-        if setup.lacks is not None:
-            raise PlanError(*setup.lacks)
+    lacking = [(setup.name, *setup.lacks) for setup in case.description.setups if setup.lacks is not None]
+    if not lacking:
+        return
+    (name, what, remedy), *others = lacking
+    remedies = [f'In "{name}": {remedy[0].lower()}{remedy[1:]}'] if others else [remedy]
+    remedies += [f'in "{each}": {remedy[0].lower()}{remedy[1:]}' for each, _, remedy in others]
+    raise PlanError(what, ". ".join(each[0].upper() + each[1:] for each in remedies))
 
 
 def _standard(case: Case, knowledge: Knowledge) -> Target:
