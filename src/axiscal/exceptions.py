@@ -156,3 +156,11 @@ class PlanError(InputError):
 
 class ProgramError(InputError):
     """A measuring program that cannot be written: it would leave the travel, or the control has no words for it."""
+
+
+class StudyError(InputError):
+    """A study that cannot be run, or gone on with."""
+
+
+class SchedulerError(InputError):
+    """A cluster that is asked to work and is not there, is not the right one, or went away."""

@@ -43,6 +43,7 @@ _FILES = {
     "sync": "sync",
     "due": "due",
     "check": "check",
+    "study": "study",
 }
 """In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
+
+from axiscal.document.toml_text import toml_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,20 +40,11 @@ def setup(
 
 def campaign_text(machine: str, setups: Sequence[SetupKeys], target: Mapping[str, Any], scales: str) -> str:
     """Return the campaign.toml that says the same.  machine : what stands there as its name"""
-    lines = [f"machine = {_toml(machine)}", f"scales = {_toml(scales)}", "[target]", *_pairs(target)]
+    lines = [f"machine = {toml_value(machine)}", f"scales = {toml_value(scales)}", "[target]", *_pairs(target)]
     for each in setups:
         lines += ["[[setups]]", *_pairs(each.keys)]
     return "\n".join(lines) + "\n"
 
 
 def _pairs(keys: Mapping[str, Any]) -> list[str]:
-    return [f"{key} = {_toml(value)}" for key, value in keys.items()]
-
-
-def _toml(value: Any) -> str:
-    """Return a value as TOML has it; strings as in JSON, which TOML's basic strings contain."""
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml(str(key))} = {_toml(each)}" for key, each in value.items()) + " }"
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return "[" + ", ".join(_toml(each) for each in value) + "]"
-    return json.dumps(value, ensure_ascii=True)
+    return [f"{key} = {toml_value(value)}" for key, value in keys.items()]

@@ -6,8 +6,8 @@ with stage("scales of the errors", 2, 4):
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -70,3 +70,18 @@ def counted(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
             if listener is not None:
                 listener.moved(number)
             yield thing
+
+
+@contextmanager
+def counting(name: str) -> Iterator[Callable[[int, int], None]]:
+    """Yield what says how many of how many are done, where they are counted by others."""
+    listener = _LISTENER.get()
+    with ExitStack() as stack:
+
+        def moved(number: int, of: int) -> None:
+            if listener is not None and not number:
+                stack.enter_context(stage(name, 0, of))
+            if listener is not None:
+                listener.moved(number)
+
+        yield moved

@@ -56,7 +56,7 @@ def planned_places(
         return ()
     if beyond and not left and _guarding(case) and len(readings) >= _FEWEST:
         coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
-        return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
+        return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
     if beyond:
         limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
     if begin := _first(case, task, readings, gaps):
@@ -67,7 +67,7 @@ def planned_places(
         coming = renewed(task, limits, coming, patience, guard=_guarding(case))
     if not len(coming):
         coming = _begun(task, limits, patience, _guarding(case))
-    return tuple(place for place in _with_room(case, coming) if not in_gap(case, place, gaps))
+    return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
 
 
 def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[Gap]) -> tuple[Place, ...]:
@@ -75,7 +75,7 @@ def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[G
     start = plane_start(case, readings)
     if not len(start):
         return ()
-    places = _with_room(case, in_order(task, start))
+    places = with_rooms(case, in_order(task, start))
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
@@ -96,10 +96,11 @@ def _patience(observation: Observation) -> float:
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
     """Return the places of a plan, each with room to come to it from its side."""
-    return _with_room(case, plan.places)
+    return with_rooms(case, plan.places)
 
 
-def _with_room(case: Case, places: Places) -> tuple[Place, ...]:
+def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
+    """Return places, each with room to come to it from its side."""
     rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), strict=True)
     setups, found = case.description.setups, list[Place]()
     for setup, pose, approach in rows:

@@ -45,16 +45,18 @@ def proposed(
     progress: Progress = lambda _: None,
     only: Sequence[int] | None = None,
     guard: bool = True,
+    bounded: bool = True,
 ) -> Proposal:
     """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError.
 
-    guard : whether what its readings would not show is made small along with the promise
+    guard : whether what its readings would not show is made small along with the promise; bounded : the bound is wanted
     """
     task = posed(case, case.knowledge, candidates=how.candidates)
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, guard=guard and not learns_together(case), progress=progress))
+    guard = guard and not learns_together(case)
+    return Proposal(make_plan(task, limits, bounded=bounded, guard=guard, progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:

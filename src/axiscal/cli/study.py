@@ -1,0 +1,199 @@
+"""`axiscal study`."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.campaign.versions import versions
+from axiscal.cli.arguments import Json
+from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.texts import count_text
+from axiscal.exceptions import AxiscalError, InputError, StudyError
+from axiscal.numerics.stages import counting
+from axiscal.record.durable import write_whole
+from axiscal.study.cluster import Certificates, Cluster
+from axiscal.study.comparing import MeasuringWay, ways_of
+from axiscal.study.figures_kept import FIGURES
+from axiscal.study.outcome import outcome
+from axiscal.study.processes import Processes
+from axiscal.study.result_table import rows_of, write_table
+from axiscal.study.results import Results
+from axiscal.study.running import Ran, Watch, run_missing
+from axiscal.study.study_file import Study, read_study
+from axiscal.study.study_page import render
+from axiscal.study.verdicts import verdicts
+from axiscal.study.work import Done, Engine, WorkItem, answered, here, processors_here
+
+_TOLD = 20
+"""Lines about the progress where nobody watches a screen; a matter of taste."""
+_TRIED = 2
+"""Cases that --dry-run computes."""
+
+
+def study(
+    file: Annotated[Path, typer.Argument(metavar="STUDY", help="The description of the study, a TOML file.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: STUDY-results.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Processes on this computer; default: its processors.", min=1)
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="tcp://HOST:8786", help="Work on a Dask cluster that runs already.")
+    ] = None,
+    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", help="Authority of a tls:// cluster.")] = None,
+    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Certificate for a tls:// cluster.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Key of that certificate.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Compute only the cases that DIR lacks.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say how many cases there are and how long they take, from the first two.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Measure many virtual machines in many ways, and say which set-up pays.
+
+    STUDY names a campaign, which of its keys vary, and how many virtual machines each way is tried on. Every result is
+    on the disk at once: after Ctrl-C, or anything worse, --resume goes on. DIR gets study.sqlite while it runs, then
+    study.html and cases.csv (cases.parquet where pyarrow is installed).
+
+    \b
+    Examples:
+      axiscal study study.toml --dry-run
+      axiscal study study.toml --out results
+      axiscal study study.toml --out results --resume --scheduler tcp://192.168.1.5:8786
+    """
+    if scheduler is not None and workers is not None:
+        raise typer.BadParameter("a cluster has workers of its own", param_hint="--workers")
+    described = read_study(file)
+    if dry_run:
+        _foretell(described, workers or processors_here(), json)
+        return
+    folder = out or file.with_name(f"{file.stem}-results")
+    engine = _engine(described, workers, scheduler, Certificates(tls_ca, tls_cert, tls_key))
+    again = f"axiscal study {file} --out {folder} --resume"
+    with Results(folder, described.text, described.digest, versions(), resume) as results:
+        ran = _run(described, results, engine, again)
+        _write(described, results, folder, ran, json)
+    if ran.failed:
+        failed = f"{count_text(ran.failed, 'case')} of {described.count} could not be computed"
+        raise StudyError(f"{failed}: the last column of the table says why", "Mend the study, and begin another --out")
+
+
+def _engine(described: Study, workers: int | None, scheduler: str | None, files: Certificates) -> Engine:
+    if scheduler is not None:
+        cluster = Cluster(scheduler, described.digest, files)
+        if cluster.open_to_others:
+            tell(f"Mind: whoever reaches {scheduler} can run anything on its workers. Use tls:// beyond this computer.")
+        return cluster
+    count = min(workers or processors_here(), described.count)
+    return here if count == 1 else Processes(count)
+
+
+def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
+    questions = (WorkItem(case.key, case) for case in described.cases())
+    try:
+        with _progress() as watch:
+            return run_missing(results, questions, described.count, outcome, engine, watch)
+    except InputError as failure:
+        raise type(failure)(failure.what, f"{failure.remedy}. {_kept(results, described, again)}") from failure
+    except KeyboardInterrupt:
+        raise AxiscalError(f"Stopped by Ctrl-C. {_kept(results, described, again)}") from None
+
+
+def _kept(results: Results, described: Study, again: str) -> str:
+    return f"{len(results.keys())} of {count_text(described.count, 'case')} are kept; go on with: {again}"
+
+
+def _write(described: Study, results: Results, folder: Path, ran: Ran, json: bool) -> None:
+    found = results.all()
+    table = write_table(folder, rows_of(described, found))
+    page = folder / "study.html"
+    write_whole(page, render(described, found).encode())
+    ways = ways_of(described, found)
+    said = verdicts(described, ways)
+    if json:
+        say_document({
+            "schema": "axiscal-study/1",
+            "cases": described.count,
+            "computed": ran.computed,
+            "there_before": ran.there,
+            "failed": ran.failed,
+            "said": said,
+            "ways": [_way_document(way) for way in ways],
+            "written": [str(page), str(table), str(results.path)],
+        })  # fmt: skip
+        return
+    for sentence in said:
+        say(sentence)
+    before = f", {ran.there} were there" if ran.there else ""
+    say(f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}")
+
+
+def _way_document(way: MeasuringWay) -> dict[str, object]:
+    return {
+        "choices": dict(way.choices),
+        "failed": way.failed,
+        "figures": {
+            FIGURES[name].column: {
+                "mean": mean.value,
+                "two_standard_errors": mean.error if math.isfinite(mean.error) else None,
+                "machines": mean.machines,
+                "median": spread.middle,
+                "quartiles": [spread.low, spread.high],
+            }
+            for name in way.figures
+            if (mean := way.mean(name)) is not None and (spread := way.spread(name)) is not None
+        },
+    }
+
+
+def _foretell(described: Study, workers: int, json: bool) -> None:
+    """Say how many cases there are, and how long they take by the first two; the first of a way chooses its places."""
+    seconds, found = list[float](), list[Done]()
+    for case in islice(described.cases(), _TRIED):
+        begun = time.process_time()
+        found.append(answered(outcome, WorkItem(case.key, case)))
+        seconds.append(time.process_time() - begun)
+    ways = described.count // described.machines
+    hours = (ways * seconds[0] + (described.count - ways) * seconds[-1]) / 3600
+    wrong = next((done.error for done in found if done.result is None), None)
+    if json:
+        document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers}
+        say_document({"schema": "axiscal-study-dry-run/1", **document, "failed": wrong})
+    else:
+        taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
+        of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
+        say(f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time.")
+    if wrong is not None:
+        raise StudyError(f"One of the first two cases cannot be computed: {wrong}", "Mend the study")
+
+
+_HOUR = 1.0
+"""Processor hours, below which minutes are said."""
+
+
+@contextmanager
+def _progress() -> Iterator[Watch]:
+    """Yield what is to be told of every case: a stage that counts on a screen, else a line now and then."""
+    if sys.stderr.isatty():
+        with counting("cases") as watch:
+            yield watch
+        return
+    begun, told = time.monotonic(), [0]
+
+    def watch_lines(done: int, of: int) -> None:
+        if done and (done == of or done >= told[0] + max(1, of // _TOLD)):
+            told[0] = done
+            left = (time.monotonic() - begun) * (of - done) / done
+            tell(f"{done} of {count_text(of, 'case')}" + (f", about {left:.0f} s left" if done < of else ""))
+
+    yield watch_lines

@@ -1,0 +1,39 @@
+"""Values written as TOML."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+
+def toml_value(value: Any) -> str:
+    """Return a value as TOML has it; strings as in JSON, which TOML's basic strings contain."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{toml_value(str(key))} = {toml_value(each)}" for key, each in value.items()) + " }"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return "[" + ", ".join(toml_value(each) for each in value) + "]"
+    return json.dumps(value, ensure_ascii=True)
+
+
+def toml_document(data: Mapping[str, Any]) -> str:
+    """Return a document, each of its tables under a heading of its own."""
+    return "".join(f"{line}\n" for line in _lines(data, ()))
+
+
+def _lines(data: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
+    for key, value in data.items():
+        if not isinstance(value, Mapping) and not _tables(value):
+            yield f"{json.dumps(key)} = {toml_value(value)}"
+    for key, value in data.items():
+        heading = ".".join(json.dumps(part) for part in (*path, key))
+        if isinstance(value, Mapping):
+            yield f"[{heading}]"
+            yield from _lines(value, (*path, key))
+        for each in value if _tables(value) else ():
+            yield f"[[{heading}]]"
+            yield from _lines(each, (*path, key))
+
+
+def _tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, Mapping) for each in value)

@@ -1,0 +1,132 @@
+"""The results of a study while it runs: a database in its folder, written by one process alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from axiscal.exceptions import StudyError
+from axiscal.record.alone import HeldError, alone
+from axiscal.study.study_case import canonical
+from axiscal.study.work import Done
+
+FILE, _LOCK = "study.sqlite", ".study.lock"
+_SCHEMA = """
+CREATE TABLE study (text TEXT NOT NULL, digest TEXT NOT NULL, versions TEXT NOT NULL);
+CREATE TABLE cases (key TEXT PRIMARY KEY, result TEXT, error TEXT NOT NULL) WITHOUT ROWID;
+"""
+_DAMAGED = "Name another folder; what can be read of this one, sqlite3 shows"
+
+
+class Results:
+    """An open database of results; a context manager.
+
+    digest : of all that the cases are a function of; versions : of the programs
+    """
+
+    def __init__(self, folder: Path, text: str, digest: str, versions: Mapping[str, str], resume: bool) -> None:
+        self.path = folder / FILE
+        self._held = ExitStack()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._held.enter_context(_held(folder))
+            self._open(text, digest, versions, resume)
+        except BaseException:
+            self._held.close()
+            raise
+
+    def _open(self, text: str, digest: str, versions: Mapping[str, str], resume: bool) -> None:
+        begun = self.path.exists()
+        self._database = sqlite3.connect(self.path, isolation_level=None)
+        self._held.callback(self._database.close)
+        with self._said():
+            self._database.execute("PRAGMA journal_mode = WAL")
+            self._database.execute("PRAGMA synchronous = FULL")
+            tables = {name for (name,) in self._database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+            if not tables:
+                self._begin(text, digest, versions)
+                return
+            if not begun or not {"study", "cases"} <= tables:
+                raise StudyError("This is no database of a study", "Name another folder", self.path)
+            ((of, by),) = self._database.execute("SELECT digest, versions FROM study")
+            kept = self._count()
+        if not resume and kept:
+            remedy = "Go on with it by --resume, or name another --out"
+            raise StudyError("This folder holds a study already", remedy, self.path)
+        if of != digest:
+            what = "The study, its campaign or its machine has been changed since these results were begun"
+            raise StudyError(what, "Take the changes back, or name another --out", self.path)
+        if (first := json.loads(by).get("axiscal")) != versions.get("axiscal"):
+            what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
+            raise StudyError(what, "Go on with that version, or name another --out", self.path)
+
+    def _begin(self, text: str, digest: str, versions: Mapping[str, str]) -> None:
+        self._database.executescript(f"BEGIN; {_SCHEMA} COMMIT;")
+        self._database.execute("INSERT INTO study VALUES (?, ?, ?)", (text, digest, canonical(dict(versions))))
+
+    def _count(self) -> int:
+        ((count,),) = self._database.execute("SELECT count(*) FROM cases")
+        return int(count)
+
+    def keys(self) -> set[str]:
+        """Return the keys of the cases that are there."""
+        with self._said():
+            return {key for (key,) in self._database.execute("SELECT key FROM cases")}
+
+    def keep(self, done: Done) -> None:
+        """Write what came of a case, once; it is on the disk when this returns."""
+        result = None if done.result is None else canonical(done.result)
+        with self._said():
+            self._database.execute("INSERT OR IGNORE INTO cases VALUES (?, ?, ?)", (done.key, result, done.error))
+
+    def all(self) -> dict[str, Done]:
+        """Return what came of every case that is there, by its key."""
+        with self._said():
+            rows = self._database.execute("SELECT key, result, error FROM cases").fetchall()
+        try:
+            return {key: Done(key, None if found is None else json.loads(found), error) for key, found, error in rows}
+        except ValueError:
+            raise StudyError("A result cannot be read", _DAMAGED, self.path) from None
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
+        """Say what is wrong with the database as a failure of ours."""
+        try:
+            yield
+        except sqlite3.Error as fault:
+            if isinstance(fault, sqlite3.OperationalError):
+                what, remedy = f"The results cannot be written: {fault}", "See the room and the rights on the disk"
+                raise StudyError(what, f"{remedy}, then go on with --resume", self.path) from None
+            raise StudyError(f"The results cannot be read: {fault}", _DAMAGED, self.path) from None
+
+    def close(self) -> None:
+        """Close the database, and let others work in its folder."""
+        self._held.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close()
+
+
+@contextmanager
+def _held(folder: Path) -> Iterator[None]:
+    """Work in a folder alone; raises StudyError where another process does."""
+    handle = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(alone(handle, 0.0))
+            except HeldError:
+                what = "Another process works on the study in this folder"
+                raise StudyError(what, "Wait for its end, or name another --out", folder) from None
+            yield
+    finally:
+        os.close(handle)

@@ -1,0 +1,79 @@
+"""A case of a study: one virtual machine, measured in one way. It carries all that it is a function of."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, NamedTuple
+
+Method = Literal["planned", "even", "random"]
+"""How places are chosen: as a plan asks for, evenly along the axes, or anywhere."""
+
+
+class Stop(NamedTuple):
+    """When a case ends: after so many readings, or so much time, s; with neither, at the target of the campaign."""
+
+    readings: int | None = None
+    budget: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """One way of measuring, as texts, so that it can go to another computer.
+
+    choices : JSON of the values of the grid, by key; draw : number of the draw of [random]
+    campaign, machine, truth : texts; of `truth` the errors are drawn; names : what failures call campaign and machine
+    prior : text of the campaign or type whose result is the prior, or ""
+    setups : those that are used, None for all; times : of the stated std of the errors
+    keep : the figures that are wanted
+    """
+
+    choices: str
+    draw: int
+    campaign: str
+    machine: str
+    truth: str
+    names: tuple[str, str]
+    prior: str
+    setups: tuple[str, ...] | None
+    times: float
+    stop: Stop
+    method: Method
+    keep: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """All of it as JSON."""
+        return canonical(asdict(self))
+
+    @classmethod
+    def from_text(cls, text: str) -> Variant:
+        """Return the variant of a text."""
+        found = json.loads(text)
+        lists = {name: tuple(found[name]) for name in ("names", "keep")}
+        setups = None if found["setups"] is None else tuple(found["setups"])
+        return cls(**{**found, **lists, "setups": setups, "stop": Stop(*found["stop"])})
+
+
+@dataclass(frozen=True, slots=True)
+class StudyCase:
+    """One machine of one variant.  seed : of the study; machine : its number from 0"""
+
+    variant: Variant
+    seed: int
+    machine: int
+
+    @property
+    def key(self) -> str:
+        """What names the case, and what it is a function of beside the texts: canonical JSON."""
+        return key_of(json.loads(self.variant.choices), self.variant.draw, self.machine)
+
+
+def key_of(choices: dict[str, Any], draw: int, machine: int) -> str:
+    """Return the key of a case: values of the grid, number of the draw, number of the machine."""
+    return canonical({"draw": draw, "grid": choices, "machine": machine})
+
+
+def canonical(value: Any) -> str:
+    """Return the one JSON text of a value."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)

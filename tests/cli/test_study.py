@@ -1,0 +1,110 @@
+"""`axiscal study`: from a file to a page, gone on with, refused, and stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.study.results import FILE
+from tests.study.texts import STUDY, written
+
+
+def _document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert run(["study", *words, "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def _rows(folder: Path) -> list[tuple[str, str, str]]:
+    with closing(sqlite3.connect(folder / FILE)) as database:
+        return list(database.execute("SELECT key, result, error FROM cases ORDER BY key"))
+
+
+def test_processes_give_the_bytes_that_one_gives_and_what_is_there_is_not_computed_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, one, two = str(written(tmp_path)), tmp_path / "one", tmp_path / "two"
+    first = _document(capsys, file, "--out", str(one), "--workers", "1")
+    second = _document(capsys, file, "--out", str(two), "--workers", "2")
+    assert (first["computed"], first["failed"]) == (4, 0)
+    assert {**first, "written": 0} == {**second, "written": 0}
+    assert _rows(one) == _rows(two)
+    for name in ("cases.parquet", "study.html"):
+        assert (one / name).read_bytes() == (two / name).read_bytes()
+    with closing(sqlite3.connect(one / FILE)) as database, database:
+        database.execute("DELETE FROM cases WHERE key LIKE '%\"machine\":1}'")
+    again = _document(capsys, file, "--out", str(one), "--resume", "--workers", "1")
+    assert (again["there_before"], again["computed"]) == (2, 2)
+    assert _rows(one) == _rows(two)
+
+
+def test_results_that_are_there_are_neither_doubled_nor_mixed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = written(tmp_path), tmp_path / "study-results"
+    assert run(["study", str(file), "--workers", "1"]) == 0
+    assert "4 cases computed" in capsys.readouterr().out
+    before = _rows(out)
+    assert run(["study", str(file)]) == 1
+    assert "--resume" in capsys.readouterr().err
+    file.write_text(STUDY.replace("machines = 2", "machines = 3"))
+    assert run(["study", str(file), "--resume"]) == 1
+    assert "has been changed since" in " ".join(capsys.readouterr().err.split())
+    assert _rows(out) == before
+
+
+def test_a_case_that_cannot_be_computed_is_a_row_and_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hopeless = STUDY.replace("{ readings = 6 }", '{ budget = "1 s" }').replace('["laser"], ', "")
+    assert run(["study", str(written(tmp_path, hopeless)), "--workers", "1"]) == 1
+    assert "2 cases of 2 could not be computed" in " ".join(capsys.readouterr().err.split())
+    assert all("too short for one reading" in error for _, _, error in _rows(tmp_path / "study-results"))
+    assert "too short for one reading" in (tmp_path / "study-results" / "study.html").read_text()
+
+
+def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = _document(capsys, str(written(tmp_path)), "--dry-run")
+    assert (found["cases"], found["ways"], found["failed"]) == (4, 2, None)
+    assert found["processor_hours"] > 0
+    assert {path.name for path in tmp_path.iterdir()} == {"campaign.toml", "study.toml"}
+
+
+def test_a_scheduler_beside_workers_is_wrong_usage(tmp_path: Path) -> None:
+    assert run(["study", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"]) == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGINT of another process")
+def test_ctrl_c_ends_at_once_and_keeps_what_is_done(tmp_path: Path) -> None:
+    file, out = written(tmp_path, STUDY.replace("machines = 2", "machines = 400")), tmp_path / "out"
+    command = [sys.executable, "-m", "axiscal.cli", "study", str(file), "--out", str(out), "--workers", "2"]
+    head = subprocess.Popen(
+        command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}, stderr=subprocess.PIPE, text=True
+    )
+    while not (out / FILE).exists() or _count(out) < 3:
+        assert head.poll() is None
+        time.sleep(0.1)
+    head.send_signal(signal.SIGINT)
+    said = " ".join(head.communicate(timeout=60)[1].split())
+    assert head.returncode == 1
+    kept = len(_rows(out))
+    assert 3 <= kept < 800
+    assert f"Stopped by Ctrl-C. {kept} of 800 cases are kept; go on with: axiscal study" in said
+
+
+def _count(folder: Path) -> int:
+    try:
+        return len(_rows(folder))
+    except sqlite3.OperationalError:  # the tables are not there yet
+        return 0

@@ -1,0 +1,26 @@
+"""docs/study.md: its example is followed word for word, and gives the answer that the page shows."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.study.figures_kept import FIGURES
+from tests.docs.howtos import DOCS, follow
+
+PAGE = DOCS / "study.md"
+
+
+def test_the_example_gives_the_answer_that_stands_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert [status for _, status in follow(PAGE, tmp_path)] == [0, 0]
+    said = capsys.readouterr().out
+    (shown,) = re.findall(r"^```text\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    assert shown in said
+    assert (tmp_path / "results" / "study.html").is_file()
+
+
+def test_every_figure_that_can_be_kept_is_named() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert all(f"`{name}`" in text for name in FIGURES)

@@ -1,0 +1,90 @@
+"""The database of results: each case once, one head at a time, nothing of another study."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import StudyError
+from axiscal.study.results import FILE, Results
+from axiscal.study.work import Done
+
+ONE = {"axiscal": "1"}
+
+
+def _opened(folder: Path, digest: str = "d", resume: bool = False, versions: dict[str, str] = ONE) -> Results:
+    return Results(folder, "text", digest, versions, resume)
+
+
+def test_a_case_is_kept_once_and_is_there_when_opened_again(tmp_path: Path) -> None:
+    with _opened(tmp_path) as results:
+        results.keep(Done("a", {"U_um": 0.1}))
+        results.keep(Done("a", {"U_um": 0.2}))
+        results.keep(Done("b", None, "wrong"))
+    with _opened(tmp_path, resume=True) as results:
+        assert results.keys() == {"a", "b"}
+        assert results.all() == {"a": Done("a", {"U_um": 0.1}), "b": Done("b", None, "wrong")}
+
+
+def test_a_folder_without_results_needs_no_resume(tmp_path: Path) -> None:
+    for _ in range(2):
+        with _opened(tmp_path / "deep" / "er"):
+            pass
+
+
+@pytest.mark.parametrize(
+    ("digest", "resume", "versions", "said"),
+    [
+        ("d", False, ONE, "holds a study already"),
+        ("other", True, ONE, "has been changed since"),
+        ("other", False, ONE, "holds a study already"),
+        ("d", True, {"axiscal": "2"}, "begun with axiscal 1, and this is 2"),
+    ],
+)
+def test_results_of_another_study_are_refused(
+    tmp_path: Path, digest: str, resume: bool, versions: dict[str, str], said: str
+) -> None:
+    with _opened(tmp_path) as results:
+        results.keep(Done("a", {}))
+    with pytest.raises(StudyError, match=said):
+        _opened(tmp_path, digest, resume, versions)
+    with _opened(tmp_path, resume=True) as results:
+        assert results.keys() == {"a"}
+
+
+def test_two_heads_do_not_work_in_one_folder(tmp_path: Path) -> None:
+    with _opened(tmp_path), pytest.raises(StudyError, match="Another process works on the study"):
+        _opened(tmp_path, resume=True)
+    with _opened(tmp_path, resume=True):
+        pass
+
+
+def test_a_file_that_is_no_database_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / FILE).write_bytes(b"no database at all, " * 100)
+    with pytest.raises(StudyError, match="cannot be read"):
+        _opened(tmp_path, resume=True)
+
+
+def test_another_database_is_left_alone(tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / FILE)) as database:
+        database.execute("CREATE TABLE mine (x)")
+    with pytest.raises(StudyError, match="no database of a study"):
+        _opened(tmp_path, resume=True)
+
+
+def test_a_database_that_is_full_is_said(tmp_path: Path) -> None:
+    with _opened(tmp_path) as results:
+        results._database.execute("PRAGMA max_page_count = 6")
+        with pytest.raises(StudyError, match="cannot be written"):
+            _keep_many(results)
+        kept = results.keys()
+    with _opened(tmp_path, resume=True) as results:
+        assert results.keys() == kept
+
+
+def _keep_many(results: Results) -> None:
+    for number in range(1000):
+        results.keep(Done(str(number), {"said": "x" * 1000}))

@@ -1,0 +1,39 @@
+"""Studies as texts, small enough to be run in a test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+CAMPAIGN = """machine = "one-axis"
+[target]
+rms = "3 um"
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+noise = "0.5 um"
+setup_time = "10 min"
+[[setups]]
+name = "dial"
+instrument = "indicator"
+direction = "x"
+moves = ["X"]
+approach = "both"
+"""
+STUDY = """[study]
+campaign = "campaign.toml"
+machines = 2
+stop = { readings = 6 }
+method = "even"
+[grid]
+"setups" = [["laser"], ["laser", "dial"]]
+"""
+
+
+def written(folder: Path, study: str = STUDY, campaign: str = CAMPAIGN) -> Path:
+    """Write a study beside its campaign and return its file."""
+    (folder / "campaign.toml").write_text(campaign)
+    file = folder / "study.toml"
+    file.write_text(study)
+    return file
