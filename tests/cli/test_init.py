@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from axiscal.cli import app
@@ -16,6 +17,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.description.file_schemas import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
 from axiscal.machine import builtin_names, load_machine
+from axiscal.measurement.chart_places import chart_candidates
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TYPES: dict[str, tuple[type, ...]] = {
@@ -73,8 +75,22 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments
 
 
 def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
-    assert written(tmp_path, "three-axis-mill", *OFFERED) == 0
+    assert written(tmp_path, "dmu60", *OFFERED) == 0
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == set(OFFERED)
+
+
+def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
+    """Whoever turns nothing sees nothing by them; the others get balls at which every rotary axis can turn far."""
+    assert written(tmp_path / "mill", "three-axis-mill", "sphere") == 1
+    assert written(tmp_path, "dmu60", "sphere") == 0
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    (setup,) = campaign.setups
+    assert campaign.machine.stylus > 0
+    assert setup.chart is not None
+    poses, _ = chart_candidates(campaign.machine, setup, setup.chart, 200)
+    for k, axis in enumerate(campaign.machine.axes):
+        if axis.rotary:
+            assert np.ptp(poses[:, k]) > 0.5 * axis.length
 
 
 def test_what_is_not_given_is_asked_for(

@@ -11,6 +11,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _BAR = "150 mm"
@@ -60,6 +61,25 @@ plane = "{plane}"
 raster = {{ arc = "10 deg" }}
 approach = "both"
 """
+
+
+_SPHERES = """
+[[artefacts]]
+name = "spheres"
+balls = {{ {balls} }}   # CHECK: where their middles stand with all rotary axes at zero, to 1 mm; let the heights differ
+diameter = "25 mm"               # CHECK: of each
+# placed = "1 mm"                # how well their places are known; they are found more closely by the readings
+
+[[setups]]
+name = "spheres"
+instrument = "sphere"
+artefact = "spheres"
+raster = {{ {raster} }}
+approach = "both"                # of the rotary axes: reversal shows with both only
+# noise = "1 um"                 # standard deviation of one reading; docs/campaign.md says the usual one
+"""
+_TURNED, _SWUNG = "15 deg", "5 deg"
+"""Rasters of a rotary axis that makes a whole turn, and of one that does not: angles that a person can follow."""
 
 
 UNSAID = (
@@ -114,9 +134,32 @@ def _ball_bars(machine: Machine) -> Iterator[str]:
         yield _BALLBAR.format(plane=plane, length=_BAR, station=station)
 
 
+def _spheres(machine: Machine) -> Iterator[str]:
+    """Yield three spheres about the middle of what the tool reaches, at different radii and heights."""
+    rotary = [axis for axis in machine.axes if axis.rotary]
+    if not rotary:
+        return
+    middle = np.array([[0.0 if axis.rotary else float(np.mean(axis.travel)) for axis in machine.axes]])
+    reach = min(axis.length for axis in _linear(machine)) / 6
+    shares = {"low": (1.0, 0.0, -0.5), "high": (-0.5, 0.8, 0.5), "third": (-0.5, -0.8, 0.1)}
+    centre = frames(machine, middle).tcp[0]
+    about = next((axis.origin for axis in rotary if axis.letter == "C"), None)
+    if about is not None:
+        centre[:2] = about[:2]
+    balls = ", ".join(f"{name} = [{_place(centre + reach * np.array(each))}]" for name, each in shares.items())
+    raster = ", ".join(f'{axis.name} = "{_TURNED if axis.cyclic else _SWUNG}"' for axis in rotary)
+    yield _SPHERES.format(balls=balls, raster=raster)
+
+
+def _place(point: Array) -> str:
+    """Return a point in whole millimetres."""
+    return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
+
+
 OFFERED: dict[str, Callable[[Machine], Iterator[str]]] = {
     "interferometer": _lasers,
     "ballbar": _ball_bars,
     "straightedge": _straightedges,
+    "sphere": _spheres,
 }
 """The instruments whose set-ups follow from the machine alone."""

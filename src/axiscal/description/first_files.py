@@ -81,14 +81,24 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     if not instruments:
         raise DescriptionError("No instrument was named", f"Name one or more of {', '.join(OFFERED)}")
     parse_quantity(target, "length")
-    text = first_campaign(machine_from_text(begun.text), "machine.toml", instruments, target, begun.active)
-    setups = len(campaign_from_texts(text, "campaign.toml", begun.text, "machine.toml").setups)
+    machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
+    text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
+    setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)
     texts = {
-        "machine.toml": f"#:schema ./machine.schema.json\n{begun.text.rstrip()}\n",
+        "machine.toml": f"#:schema ./machine.schema.json\n{machine.rstrip()}\n",
         "campaign.toml": text,
         **{f"{name}.schema.json": json.dumps(schema(), indent=1) + "\n" for name, schema in SCHEMAS.items()},
     }
     return FirstFiles(texts, setups)
+
+
+def _with_stylus(machine: str) -> str:
+    """Return the text of a machine with the ball of a stylus, where it says of none."""
+    if machine_from_text(machine).stylus > 0:
+        return machine
+    return machine.replace(
+        "[tool]\n", '[tool]\nstylus = "6 mm"                # CHECK: diameter of the ball of the stylus\n', 1
+    )
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:

@@ -130,6 +130,7 @@ def _shown_by() -> Iterator[tuple[str, str]]:
         "interferometer": said("positions along an axis"),
         "ballbar": said("squareness, straightness and reversal of two axes together"),
         "straightedge": said("straightness of an axis"),
+        "sphere": said("where rotary axes lie and lean, by spheres that the machine touches"),
     }
     yield from ((name, what[name]) for name in OFFERED)
 
