@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from axiscal.acceptance.check import Check
+from axiscal.acceptance.judgement import Judgement
 from axiscal.acceptance.table_checks import parts_of, shares
-from axiscal.acceptance.verification import Judgement
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run

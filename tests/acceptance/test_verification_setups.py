@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.acceptance.verification import Judgement, judge
+from axiscal.acceptance.judgement import Judgement
+from axiscal.acceptance.verification import judge
 from axiscal.compensation.effect import Control
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export

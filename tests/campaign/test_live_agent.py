@@ -71,7 +71,8 @@ class Stat:
         self.estop, self.enabled, self.linear_units, self.angular_units = 0, 1, 1.0, 1.0
         self.rapidrate, self.max_velocity, self.ini_filename = 1.0, 100.0, ""
         self.g5x_offset = self.g92_offset = self.tool_offset = (0.0,) * 9
-        self.settings = (0.0, 0.0, 0.0, 0.05, 0.02)
+        self.settings = (0.0, 150.0, 0.0, 0.05, 0.02)
+        self.axis = [{"min_position_limit": -500.0, "max_position_limit": 500.0}] * 9
         self.probed_position, self.probe_tripped, self.probe_val = (0.0,) * 9, False, False
         self.poll()
 
@@ -134,7 +135,7 @@ def module(control: Control, monkeypatch: pytest.MonkeyPatch) -> types.ModuleTyp
     }.items():
         setattr(fake, name, value)
     monkeypatch.setitem(sys.modules, "linuxcnc", fake)
-    spec = spec_from_file_location("live_agent", connection._AGENT)
+    spec = spec_from_file_location("live_agent", connection._PARTS[-1])
     assert spec is not None
     assert spec.loader is not None
     loaded = module_from_spec(spec)
@@ -155,6 +156,19 @@ def test_a_move_is_made_in_its_own_modes_which_are_set_before_every_one(agent: A
         control.modes = {200, 910, 930, 640}  # as by an M2 of nobody's program
     plain = [place for place, code in enumerate(control.given) if code.startswith("G21 G90 G94 G61")]
     assert len(plain) == 2
+
+
+def test_an_axis_that_stands_at_its_limit_is_named_for_a_touch_leaves_it_a_hair_beyond(
+    agent: Any, control: Control
+) -> None:
+    agent.stat.axis = [*agent.stat.axis[:5], {"min_position_limit": 0.0, "max_position_limit": 360.0}, *[{}] * 3]
+    control.at["C"] = -1e-17
+    assert "failure" not in agent.line("G53 G1 X5 F600")
+    (move,) = [code for code in control.given if "G53" in code]
+    assert " C0.000000" in move
+    control.at["C"] = 359.0
+    assert "failure" not in agent.line("G53 G1 X6 F600")
+    assert " C" not in control.given[-1]
 
 
 def test_modes_that_are_not_taken_are_a_failure(agent: Any, control: Control) -> None:

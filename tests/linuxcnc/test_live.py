@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.linuxcnc_live import LiveSource, attached, connection
+from axiscal.campaign.sources.linuxcnc_live import InForce, LiveSource, attached, connection
 from axiscal.campaign.sources.linuxcnc_live.connection import Connection
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.cli.app import run
@@ -47,9 +47,10 @@ def shared() -> Iterator[Bench]:
 def bench(shared: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Bench:
     """Return the machine ready, with everything as fast as can be but for the slow touch."""
     shared.ready()
-    agent = connection._AGENT.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
+    *parts, last = connection._PARTS
+    agent = last.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
     (tmp_path / "agent.py").write_text(agent, encoding="utf-8")
-    monkeypatch.setattr(connection, "_AGENT", tmp_path / "agent.py")
+    monkeypatch.setattr(connection, "_PARTS", (*parts, tmp_path / "agent.py"))
     monkeypatch.setattr(attached, "_FASTEST", 90_000)
     monkeypatch.setattr(attached, "_SLOWER", 1)
     monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
@@ -81,14 +82,14 @@ def description(readings: int = 2) -> CampaignDescription:
 
 def opened(bench: Bench, machine: Machine | None = None, begun: bool = True, answers: str = "go") -> LiveSource:
     line = Connection(bench.words())
-    reader = LiveSource(line, machine or description().machine, active=False, asked=lambda _: answers)
+    reader = LiveSource(line, machine or description().machine, InForce(), asked=lambda _: answers)
     reader._tried = begun
     return reader
 
 
 def untried(line: Connection, machine: Machine) -> LiveSource:
     """Return what reads without the trial above the ball."""
-    reader = LiveSource(line, machine, active=False)
+    reader = LiveSource(line, machine, InForce())
     reader._tried = True
     return reader
 
@@ -170,10 +171,10 @@ def test_the_probe_is_seen_open_and_closed_by_hand(bench: Bench, monkeypatch: py
     monkeypatch.setattr(attached, "_BY_HAND", 0.3)
     line = Connection(bench.words())
     with pytest.raises(SourceError, match="was not seen to close and open"):
-        LiveSource(line, description().machine, active=False)
+        LiveSource(line, description().machine, InForce())
     bench.pin("stuck", 1)
     with pytest.raises(SourceError, match="the probe is closed"):
-        LiveSource(Connection(bench.words()), description().machine, active=False)
+        LiveSource(Connection(bench.words()), description().machine, InForce())
 
 
 def test_another_machine_is_refused(bench: Bench) -> None:
@@ -185,9 +186,9 @@ def test_another_machine_is_refused(bench: Bench) -> None:
         (replace(machine, tool=0.0), "the length of the tool is not known"),
     ]:
         with pytest.raises(SourceError, match=why):
-            LiveSource(Connection(bench.words()), other, active=False)
+            LiveSource(Connection(bench.words()), other, InForce())
     with pytest.raises(SourceError, match="a compensation is to be in force"):
-        LiveSource(Connection(bench.words()), machine, active=True)
+        LiveSource(Connection(bench.words()), machine, InForce(True))
 
 
 def test_what_the_probe_meets_is_looked_at(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -331,12 +332,14 @@ def test_modes_are_left_as_they_were(bench: Bench) -> None:
         return set(bench.says("print(*s.gcodes[1:])").split()) - {"0", "10", "-1"}
 
     bench.says("c.mdi('G64 P0.05 Q0.02 G91'); c.wait_complete(5); c.mdi('G20'); c.wait_complete(5)")
-    before, path = modes(), bench.says("print(*(round(each, 5) for each in s.settings[3:5]))")
+    bench.says("c.mdi('F12.5'); c.wait_complete(5)")
+    before, path = modes(), bench.says("print(*(round(each, 5) for each in (s.settings[1], *s.settings[3:5])))")
     line = Connection(bench.words())
     line.line("G53 G1 Z190 F9000")
     line.close()
     assert modes() == before
-    assert bench.says("print(*(round(each, 5) for each in s.settings[3:5]))") == path
+    assert bench.says("print(*(round(each, 5) for each in (s.settings[1], *s.settings[3:5])))") == path
+    assert path.split()[0] == "12.5"
     assert "200" in before
 
 

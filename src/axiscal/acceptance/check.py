@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.acceptance.as_found_and_left import as_found_and_left
-from axiscal.acceptance.table_checks import Part, needed, parts_of, taken_away
+from axiscal.acceptance.at_the_machine import Sheet
+from axiscal.acceptance.judgement import Judgement
+from axiscal.acceptance.table_checks import Part, needed, parts_of, taken_away, without
 from axiscal.acceptance.verification import (
-    Judgement,
     expected,
     judge,
     plan_check,
@@ -66,21 +67,22 @@ class Check:
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
     @stage("places to check")
-    def planned(self, count: int | None = None) -> Places:
+    def planned(self, count: int | None = None, by: str = "") -> Places:
         """Return where to read, places that were not read before; raises ReadingError when there are not as many.
 
+        by : instrument of the only set-ups that are read; empty for any
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        candidates = with_displacements(setups, lattice)
-        usable = np.unique(candidates.setups).tolist()
-        first = needed(self.estimate, setups, usable, self.parts, self._used_places())
+        candidates = with_displacements(setups, lattice, by)
+        first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
         first = first.within(np.arange(len(first))[: len(first) if count is None else count])
         left = max(_USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1:
             return _in_order(first)
-        others = plan_check(self.estimate, setups, candidates, self.used, self.tables.control, left)
+        rest = without(candidates, first)
+        others = plan_check(self.estimate, setups, rest, self.used, self.tables.control, left)
         return _in_order(Places.joined([first, others]))
 
     @property
@@ -114,12 +116,14 @@ class Check:
     def asked(self, source: str, places: Places) -> FoundAndLeft:
         """Return what a virtual machine shows there; raises SourceError, InputError, ControlError."""
         description = self.description
-        columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist())
-        wanted = [
-            Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
-            for n, (s, pose, approach) in enumerate(zip(*columns, strict=True))
-        ]
-        return as_found_and_left(source, Simulator(description.machine, description.setups), self.tables, wanted)
+        simulator = Simulator(description.machine, description.setups)
+        return as_found_and_left(source, simulator, self.tables, requests(description, places))
+
+    def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:
+        """Return the files that a machine that runs fills, without the tables and with them."""
+        wanted = requests(self.description, places)
+        before, after = (Sheet(file, self.description, wanted) for file in (found, left))
+        return before, after
 
     def read(self, found: Path, left: Path) -> FoundAndLeft:
         """Return the readings of two files; raises ReadingError."""
@@ -137,6 +141,15 @@ class Check:
         counts = {len(row) for row in self.predicted(places)[0]}
         values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
         return blank_sheet(setups, axes, places, values)
+
+
+def requests(description: CampaignDescription, places: Places) -> list[Request]:
+    """Return a request for the reading at each place, numbered from 1."""
+    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist())
+    return [
+        Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
+        for n, (s, pose, approach) in enumerate(zip(*columns, strict=True), start=1)
+    ]
 
 
 def _in_order(places: Places) -> Places:

@@ -1,8 +1,9 @@
 """What set-ups bring to readings themselves: datums that are taken off, and the rest, which is uncertainty.
 
-A zero is a datum: a length is judged against the others of its set-up. So is a slope that is not known to the
-tolerance: what is left is judged against its own line. A slope that is known well enough, and a growth always, is not
-fitted, for that could swallow an error of the machine: it adds U diag(std²) Uᵀ to the covariance of the readings.
+A zero is a datum: a length is judged against the others of its set-up. So is the place of a ball that is not known to
+the tolerance: a ball is judged against itself, as it is found with the table turned otherwise. So are such a tool, and
+such a slope: what is left is judged against its own line. A slope that is known well enough, and a growth always, is
+not fitted, for that could swallow an error of the machine: it adds U diag(std²) Uᵀ to the covariance of the readings.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -52,7 +53,12 @@ class Datums:
     @property
     def lines(self) -> tuple[str, ...]:
         """Names of the set-ups that are judged against their own line, or as they turn out to be turned."""
-        return tuple(dict.fromkeys(datum.setup for datum in self.taken if not is_zero(datum.unknown)))
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if _is_line(datum.unknown)))
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """Names of the set-ups that are judged with the tool where the readings put it."""
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if datum.unknown in TOOL))
 
     def strained(self, values: Array, noise: Array, tolerance: float) -> tuple[Datum, ...]:
         """Return datums that would have to be far larger than stated, the tolerance on top, for these readings (m,)."""
@@ -68,6 +74,10 @@ class Datums:
 def is_zero(unknown: str) -> bool:
     """Return whether an unknown of a set-up is one of its zeros."""
     return unknown.partition("_")[0] == "zero"
+
+
+def _is_line(unknown: str) -> bool:
+    return unknown.partition("_")[0] in _LINES
 
 
 def datums_of(
@@ -113,10 +123,14 @@ def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -
 
 
 def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Return which unknowns are taken off, (unknowns,): zeros, and slopes and turns that may hide the tolerance."""
+    """Return which unknowns are taken off, (unknowns,): zeros, and lines, places and tools that may hide it."""
     wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
+    standing = ("place", *(ball.name for ball in setup.artefact.balls)) if setup.artefact else ()
+    balls = {f"{name}_{axis}" for name in standing for axis in "xyz"}
     pairs = zip((unknown.name for unknown in setup.unknowns), wide, strict=True)
-    return np.array([is_zero(n) or (n.partition("_")[0] in _LINES and bool(w)) for n, w in pairs], dtype=bool)
+    return np.array(
+        [is_zero(n) or (bool(w) and (_is_line(n) or n in TOOL or n in balls)) for n, w in pairs], dtype=bool
+    )
 
 
 def _refuse_few(setup: Setup, readings: int, datums: int) -> None:

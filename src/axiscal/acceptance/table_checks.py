@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.compensation.effect import Control, table_control
 from axiscal.compensation.offer import Export
@@ -28,6 +29,8 @@ KNOWN = 0.15
 """A share known to this standard deviation is checked: 0 and 1 are more than six of them apart."""
 WORKS = 0.5
 """A share below this is nearer to a missing table, or one with the wrong sign, than to the one exported."""
+_FEW = 5
+"""Places at which files are looked at as a whole; three or eight tell as well whether they work."""
 _NOTHING = 1e-9
 """m or rad: a correction below a nanometre is none."""
 _FRESH = 0.05
@@ -105,19 +108,34 @@ def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Pl
 
 
 def needed(
-    estimate: Estimate, setups: Sequence[Setup], usable: Sequence[int], parts: Sequence[Part], used: Places
+    estimate: Estimate, setups: Sequence[Setup], candidates: Places, parts: Sequence[Part], used: Places
 ) -> Places:
     """Return the places that show each part: at both ends, and where it corrects most, from both sides if it is apart.
 
-    usable : indices of the set-ups that can check; used : places that were read before, which are not read again
+    candidates : of the set-ups that can check, on a chart the only places where they can; used : places that were read
+    before, which are not read again
     """
     found = Places.none(len(estimate.machine.axes))
+    usable = np.unique(candidates.setups).tolist()
     for part in sorted(parts, key=lambda p: not p.both):
-        options = [_places(estimate, setups[s], s, part, used) for s in usable]
+        options = [
+            _places(estimate, setups[s], s, part, used)
+            if setups[s].chart is None
+            else _on_chart(estimate, setups, s, part, used, candidates)
+            for s in usable
+        ]
         scores = [_shown(estimate.machine, part, setups, places) for places in options]
         if scores and max(scores) > 0:
             found = Places.joined([found, _new(options[int(np.argmax(scores))], found)])
     return found
+
+
+def without(candidates: Places, known: Places) -> Places:
+    """Return candidates whose places are not known ones."""
+    seen = {_key(known, i)[:2] for i in range(len(known))}
+    return candidates.within(
+        np.array([_key(candidates, i)[:2] not in seen for i in range(len(candidates))], dtype=bool)
+    )
 
 
 def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Array) -> tuple[Share, ...]:
@@ -206,6 +224,37 @@ def _places(estimate: Estimate, setup: Setup, index: int, part: Part, used: Plac
     return Places(np.full(len(columns), index, dtype=np.intp), poses, ways)
 
 
+def _on_chart(
+    estimate: Estimate, setups: Sequence[Setup], index: int, part: Part, used: Places, candidates: Places
+) -> Places:
+    """Return those of the candidates on a chart that show a part: nearest to its targets, or what it moves farthest."""
+    mine = np.flatnonzero(candidates.setups == index)
+    fresh = np.array([_fresh(estimate.machine, index, candidates.poses[i], used) for i in mine], dtype=bool)
+    at = candidates.within(mine[fresh])
+    if part.over is None or not len(at):
+        return at.within(_farthest(taken_away(estimate.machine, part, setups, at).reshape(len(at), -1)))
+    if part.over not in setups[index].moves:
+        return at.within(slice(0))
+    picked = []
+    for target in _at(estimate, part, part.over):
+        for way in _ways(setups[index], part):
+            from_there = np.flatnonzero(at.approaches[:, part.over] == way) if part.both else np.arange(len(at))
+            if len(from_there):
+                picked.append(int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))]))
+    return at.within(np.array(sorted(set(picked)), dtype=np.intp))
+
+
+def _farthest(effects: Array) -> NDArray[np.intp]:
+    """Return the indices of a few effects that are farthest from their mean, then from each other.  effects : (m, k)"""
+    picked = list[int]()
+    apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1) if len(effects) else np.zeros(0)
+    for _ in range(min(_FEW, len(effects))):
+        picked.append(int(np.argmax(apart)))
+        away = np.linalg.norm(effects - effects[picked[-1]], axis=1)
+        apart = away if len(picked) == 1 else np.minimum(apart, away)
+    return np.array(sorted(set(picked)), dtype=np.intp)
+
+
 def _looked_at(setup: Setup, part: Part) -> int | None:
     """Return the axis that is moved from place to place: the part's own, or any that the set-up moves."""
     if part.over is None:
@@ -217,7 +266,7 @@ def _at(estimate: Estimate, part: Part, over: int | None) -> tuple[float, ...]:
     if over is None:
         return ()
     low, high = estimate.box[over]
-    return tuple(dict.fromkeys(part.targets or tuple(np.linspace(low, high, 5).tolist())))
+    return tuple(dict.fromkeys(part.targets or tuple(np.linspace(low, high, _FEW).tolist())))
 
 
 def _ways(setup: Setup, part: Part) -> tuple[int, ...]:
@@ -271,7 +320,7 @@ def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places
 def _new(places: Places, known: Places) -> Places:
     """Return places without those that are known or come twice."""
     seen = {_key(known, i) for i in range(len(known))}
-    kept = []
+    kept = list[int]()
     for i in range(len(places)):
         if (key := _key(places, i)) not in seen:
             seen.add(key)
@@ -280,4 +329,4 @@ def _new(places: Places, known: Places) -> Places:
 
 
 def _key(places: Places, i: int) -> tuple[object, ...]:
-    return (int(places.setups[i]), *np.round(places.poses[i], 9).tolist(), *places.approaches[i].tolist())
+    return int(places.setups[i]), tuple(np.round(places.poses[i], 9).tolist()), tuple(places.approaches[i].tolist())

@@ -9,13 +9,13 @@ when the readings changed by what the tables take away, and when no set-up is fu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.acceptance.datums import GUARD, Datum, Datums, datums_of, is_zero
+from axiscal.acceptance.datums import GUARD, Datums, datums_of, is_zero
+from axiscal.acceptance.judgement import HARDLY, Judgement, Verdict
 from axiscal.acceptance.straightened import straightened
 from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away
 from axiscal.compensation.effect import Control, left_by
@@ -44,17 +44,12 @@ _PER_SETUP = 4
 """So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
-_UNLIKELY = 0.01
-_HARDLY = 1e-4
-"""A change of the readings that is less likely than this is not the one that the tables make."""
 _SAME = 1e-7
 """Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
 _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
 """A change of a nanometre is none: far below any reading's noise."""
-
-Verdict = Literal["pass", "fail", "undecided"]
 
 
 class Values(NamedTuple):
@@ -74,56 +69,6 @@ def values_at(setups: Sequence[Setup], places: Places) -> Values:
     towards = [setups[s].direction if d is None else d for _, s, _, d in each]
     of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 2))
     return Values(of, number, np.array(towards, dtype=float).reshape(-1, 3))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Judgement:
-    """What as-found and as-left readings say; m.
-
-    found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
-    std : (m,) of each, from the instrument and from what else is not known of its set-up
-    agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
-    changed : probability that the tables change readings as little like they should as these, if they are loaded
-    share : by which multiple of what the tables take away the readings changed; None when that is nothing
-    lines : set-ups that are judged against their own line; strained : datums further off than stated
-    still : set-ups all of whose as-left readings show one and the same number
-    shares : how much of each table the readings show; idle : axes that were not moved through their volume, or along
-        which nothing was read
-    """
-
-    verdict: Verdict
-    tolerance: float
-    found: Array
-    left: Array
-    std: Array
-    agrees: float
-    changed: float
-    share: float | None
-    lines: tuple[str, ...]
-    strained: tuple[Datum, ...]
-    still: tuple[str, ...] = ()
-    shares: tuple[Share, ...] = ()
-    idle: tuple[str, ...] = ()
-
-    @property
-    def loaded(self) -> bool:
-        """Whether the readings changed as the tables make them."""
-        return self.changed >= _HARDLY
-
-    @property
-    def faulty(self) -> tuple[Share, ...]:
-        """The tables that are missing, or loaded with the wrong sign."""
-        return tuple(share for share in self.shares if share.checked and not share.works)
-
-    @property
-    def unchecked(self) -> tuple[str, ...]:
-        """The tables of which the readings cannot tell whether they work."""
-        return tuple(share.name for share in self.shares if not share.checked)
-
-    @property
-    def believed(self) -> bool:
-        """Whether the readings agree with the estimate and its uncertainty."""
-        return self.agrees >= _UNLIKELY
 
 
 @one_thread()
@@ -198,10 +143,16 @@ def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: 
     return mean, factor
 
 
-def with_displacements(setups: Sequence[Setup], candidates: Places) -> Places:
-    """Return the candidates of set-ups that read displacements; raises ReadingError when there are none."""
-    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in _CHECKING]
+def with_displacements(setups: Sequence[Setup], candidates: Places, by: str = "") -> Places:
+    """Return the candidates of set-ups that read displacements; raises ReadingError when there are none.
+
+    by : their instrument; empty for any
+    """
+    checking = (by,) if by else _CHECKING
+    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in checking]
     if not kept:
+        if by:
+            raise ReadingError(f"no set-up of this campaign is of instrument {by}", f"Add one with instrument = {by!r}")
         raise ReadingError("no set-up of this campaign reads a length along a direction", _REMEDY)
     return candidates.within(np.array(kept, dtype=np.intp))
 
@@ -242,7 +193,7 @@ def judge(
     still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
     if any(share.checked and not share.works for share in each):
         decided = "fail"
-    if decided == "pass" and (change.likely < _HARDLY or strained or still):
+    if decided == "pass" and (change.likely < HARDLY or strained or still):
         decided = "undecided"
     return Judgement(
         decided,
@@ -258,6 +209,7 @@ def judge(
         still,
         each,
         idle_axes(estimate, places.poses[of], directions),
+        datums.tools,
     )
 
 

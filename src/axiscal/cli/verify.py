@@ -10,7 +10,7 @@ import typer
 from axiscal.acceptance.check import Check
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say, say_document, tell
 from axiscal.record.durable import write_whole
 from axiscal.report.check_report import judgement_document, judgement_text, plan_lines, plan_rows
 
@@ -37,7 +37,16 @@ def verify(
     ] = None,
     plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
     source: Annotated[
-        str | None, typer.Option(metavar="SOURCE", help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED.")
+        str | None,
+        typer.Option(
+            metavar="SOURCE",
+            help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED; or by linuxcnc-live:HOST into FOUND and "
+            "LEFT.",
+        ),
+    ] = None,
+    loaded: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="With linuxcnc-live: the exported folder, for LinuxCNC is to hold its files."),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -52,14 +61,26 @@ def verify(
       axiscal verify mill.axiscal --points 12 --plan check.csv
       axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
       axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
+      axiscal verify mill.axiscal --to linuxcnc-volumetric --source linuxcnc-live --found found.csv --left left.csv
     """
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
-    if found is not None and (plan is not None or source is not None):
+    kind, _, host = (source or "").partition(":")
+    live = kind == "linuxcnc-live"
+    if live and (found is None or plan is not None):
+        raise typer.BadParameter("linuxcnc-live reads into two files: give --found and --left, and no --plan")
+    if loaded is not None and not live:
+        raise typer.BadParameter("--loaded is for --source linuxcnc-live")
+    if found is not None and not live and (plan is not None or source is not None):
         raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
     with Campaign.open(record, write=False) as campaign:
         check = Check.of(campaign, to)
+    if live and found is not None and left is not None:
+        to_do = _read_live(check, host, points, (found, left), loaded)
+        if to_do:
+            _say_next(to_do, json)
+            return
     if found is not None and left is not None:
         readings = check.read(found, left)
     elif source is not None:
@@ -72,6 +93,37 @@ def verify(
         say_document(judgement_document(judgement))
     else:
         say(judgement_text(judgement))
+
+
+def _read_live(check: Check, host: str, points: int | None, files: tuple[Path, Path], loaded: Path | None) -> str:
+    """Let LinuxCNC read what is missing, without the tables or with them; returns what is to be done next."""
+    from axiscal.campaign.sources.linuxcnc_live import InForce, attached_to
+
+    machine = check.description.machine
+    with_tables = InForce(True) if loaded is None else InForce.of(loaded)
+    before, after = check.sheets(check.planned(points, by="sphere"), *files)
+    if not before.complete():
+        found = InForce(bool(check.description.compensation_active))
+        before.fill(lambda: attached_to(host, machine, found), _tell_read)
+        if not after.complete():
+            return (
+                f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
+                f"same command again: it reads as left, into {after.file}."
+            )
+    if not after.complete():
+        after.fill(lambda: attached_to(host, machine, with_tables), _tell_read)
+    return ""
+
+
+def _tell_read(file: Path, read: int, of: int) -> None:
+    tell(f"{file}: reading {read} of {of}")
+
+
+def _say_next(text: str, json: bool) -> None:
+    if json:
+        say_document({"schema": "axiscal-verify/1", "verdict": None, "next": text})
+    else:
+        say(text)
 
 
 def _plan(check: Check, points: int | None, plan: Path | None, json: bool) -> None:

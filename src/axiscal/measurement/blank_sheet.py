@@ -1,4 +1,4 @@
-"""Places as a file of readings to fill in: what `estimate` reads, without the values."""
+"""Places as a file of readings to fill in, and readings as such a file: what `estimate` reads."""
 
 from __future__ import annotations
 
@@ -8,15 +8,33 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.csv_cells import csv_text
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
 
 
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places, values: Sequence[str]) -> str:
     """Return the text of the file.  values : names of the columns to fill in, such as value_um"""
-    rows = [["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach", *values]]
+    rows = [[*_head(axes), *values]]
     columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
     for setup, pose, approach in zip(*columns, strict=True):
-        at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
-        rows.append([setups[setup].name, *at, approach_text(axes, approach), *([""] * len(values))])
+        rows.append([*_at(axes, setups[setup].name, pose, approach), *([""] * len(values))])
     return csv_text(rows)
+
+
+def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
+    """Return the text of the file of readings that have three values each, to a picometre."""
+    rows = [[*_head(axes), *(f"value_{c}_um" for c in "xyz")]]
+    for reading in readings:
+        values = (f"{to_unit(value, 'um'):.6f}" for value in reading.values)
+        rows.append([*_at(axes, reading.setup, reading.pose, reading.approach), *values])
+    return csv_text(rows)
+
+
+def _head(axes: Sequence[Axis]) -> list[str]:
+    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach"]
+
+
+def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:
+    at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
+    return [setup, *at, approach_text(axes, approach)]

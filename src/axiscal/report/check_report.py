@@ -8,8 +8,8 @@ import numpy as np
 
 from axiscal.acceptance.check import Check
 from axiscal.acceptance.datums import GUARD
+from axiscal.acceptance.judgement import Judgement
 from axiscal.acceptance.table_checks import WORKS
-from axiscal.acceptance.verification import Judgement
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
@@ -77,6 +77,7 @@ def judgement_document(judgement: Judgement) -> dict[str, object]:
         "change_share": judgement.share,
         "tables_loaded": judgement.loaded,
         "against_own_line": list(judgement.lines),
+        "against_own_tool": list(judgement.tools),
         "set_up_still": list(judgement.still),
         "tables": [
             {"table": s.name, "share": _or_none(s.value), "share_std": _or_none(s.std), "checked": s.checked}
@@ -148,6 +149,11 @@ def _agreement(judgement: Judgement) -> str:
 def _warnings(judgement: Judgement) -> list[str]:
     lines = [
         f'"{name}" is judged against its own line: its slope is not known to the tolerance.' for name in judgement.lines
+    ]
+    lines += [
+        f'"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
+        "what looks like a tool that sits elsewhere is not judged."
+        for name in judgement.tools
     ]
     lines += [
         f"WARNING: of the table {share.name} the readings show {share.value:.2f} ({share.std:.2f}) times what it takes "

@@ -36,10 +36,9 @@ def open_source(
     if kind == "sim":
         return _simulated(simulator, rest, bool(colon))
     if kind == "linuxcnc-live":
-        from axiscal.campaign.sources.linuxcnc_live import LiveSource
-        from axiscal.campaign.sources.linuxcnc_live.connection import Connection, command
+        from axiscal.campaign.sources.linuxcnc_live import InForce, attached_to
 
-        return LiveSource(Connection(command(rest)), simulator.machine, active)
+        return attached_to(rest, simulator.machine, InForce(active))
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():

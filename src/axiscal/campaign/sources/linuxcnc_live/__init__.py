@@ -3,5 +3,13 @@
 from __future__ import annotations
 
 from axiscal.campaign.sources.linuxcnc_live.attached import LiveSource
+from axiscal.campaign.sources.linuxcnc_live.connection import Connection, command
+from axiscal.campaign.sources.linuxcnc_live.in_force import InForce
+from axiscal.machine.description import Machine
 
-__all__ = ["LiveSource"]
+__all__ = ["InForce", "LiveSource", "attached_to"]
+
+
+def attached_to(host: str, machine: Machine, in_force: InForce) -> LiveSource:
+    """Return the LinuxCNC that runs on a computer, on this one without a name; raises SourceError."""
+    return LiveSource(Connection(command(host)), machine, in_force)

@@ -14,7 +14,6 @@ import math
 import queue
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -22,6 +21,8 @@ from collections.abc import Callable
 from typing import Any
 
 import linuxcnc  # type: ignore[import-not-found]
+
+from axiscal.campaign.sources.linuxcnc_live.stance import LETTERS, Stance
 
 SILENCE = 5.0
 """s; the other side says something every second."""
@@ -35,10 +36,9 @@ _EASED = 1.0
 """s after a change of an override in which other commands are taken to belong to it."""
 _FIRST_TURN = 1.0
 """deg: so far each rotary axis turns alone at first."""
-_LETTERS = "XYZABCUVW"
 _WORDS = r"((?: [{}]-?\d+(?:\.\d+)?)+) F(\d+)"
 _LINES = tuple(
-    re.compile(f"({kind})" + _WORDS.format(letters)) for kind, letters in (("G53 G1", _LETTERS), (r"G38\.3", "XYZUVW"))
+    re.compile(f"({kind})" + _WORDS.format(letters)) for kind, letters in (("G53 G1", LETTERS), (r"G38\.3", "XYZUVW"))
 )
 _PLAIN = "G21 G90 G94 G61 G17 G40"
 """mm, absolute, mm/min, exact stop: before every move, and what was in force is set again at the end."""
@@ -46,8 +46,6 @@ _NEEDED = {210, 900, 940, 610}
 """What of it a move goes by, as LinuxCNC names codes, times ten."""
 _RESTORED = {200, 210, 900, 910, 930, 940, 950, 610, 611, 170, 180, 190}
 """Codes of G20, G21, G90, G91, G93 to G95, G61, G61.1, G17 to G19."""
-_SWITCHED = {"xyzac-trt-kins", "xyzbc-trt-kins", "5axiskins"}
-"""Kinematics whose type 1 is identity, or 0 with sparm=identityfirst."""
 _SOMEBODY = "somebody stopped it at the machine, or gave it another command"
 
 
@@ -60,6 +58,7 @@ class Agent:
 
     def __init__(self) -> None:
         self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
+        self.seen = Stance(self.stat, linuxcnc.ini)
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
         self.before: list[str] = []
@@ -129,35 +128,8 @@ class Agent:
 
     def status(self) -> dict[str, Any]:
         """Return how the machine stands, in its own units."""
-        stat = self.stat
-        stat.poll()
-        letters = self._letters()
-        joints = range(stat.joints)
-        spindles = getattr(stat, "spindle", ())
-        return {
-            "homed": all(stat.homed[joint] for joint in joints),
-            "estop": bool(stat.estop),
-            "enabled": bool(stat.enabled),
-            "idle": stat.interp_state == linuxcnc.INTERP_IDLE,
-            "spindle": any(each["enabled"] or each["speed"] for each in spindles[: stat.spindles]),
-            "feed": float(stat.feedrate),
-            "feed_heeded": bool(stat.feed_override_enabled),
-            "probe": bool(stat.probe_val),
-            "offsets": [float(each) for each in stat.tool_offset],
-            "rotation": float(stat.rotation_xy),
-            "scale": float(stat.linear_units) or 1.0,
-            "angular": float(stat.angular_units) or 1.0,
-            "axes": {
-                a: [stat.axis[_LETTERS.index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
-            },
-            "position": {a: float(stat.position[_LETTERS.index(a)]) for a in letters},
-            "joints": [
-                [a, float(stat.joint_position[joint])] for joint, a in zip(joints, self._joints(), strict=False)
-            ],
-            "compensated": [joint for joint in joints if self._compensated(joint)],
-            "whole": _pin("axiscal-vcomp.active"),
-            "tip": self._tip(),
-        }
+        self.stat.poll()
+        return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.seen.document()}
 
     def watched(self, seconds: float) -> str:
         """Wait until the probe has been closed and opened by hand; returns what was missing, or nothing."""
@@ -184,24 +156,27 @@ class Agent:
         failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
         if failure:
             return {"failure": failure}
-        probed = dict(zip(_LETTERS, map(float, self.stat.probed_position), strict=False))
+        probed = dict(zip(LETTERS, map(float, self.stat.probed_position), strict=False))
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
 
     def _first_turn(self, ends: dict[str, float]) -> dict[str, float]:
         """Return the first degree of axes that have not turned yet: it shows whether the joints go with them."""
         self.stat.poll()
-        ways = {a: end - self._here(a) for a, end in ends.items() if a in "ABC" and a not in self.turned}
+        ways = {a: end - self.seen.here(a) for a, end in ends.items() if a in "ABC" and a not in self.turned}
         ways = {a: way for a, way in ways.items() if abs(way) > _WITHIN}
         self.turned |= set(ways)
-        return {a: self._here(a) + math.copysign(_FIRST_TURN, way) for a, way in ways.items() if abs(way) > _FIRST_TURN}
+        return {
+            a: self.seen.here(a) + math.copysign(_FIRST_TURN, way) for a, way in ways.items() if abs(way) > _FIRST_TURN
+        }
 
     def _made(self, kind: str, ends: dict[str, float], feed: str) -> str:
         """Make one move and return what was amiss, or nothing.  ends : letter -> where in the machine, mm or deg"""
         amiss = self._unfit() or self._plain() or self._unfit()
         if amiss:
             return amiss
-        begun = [self._here(a) for a in self._letters()]
-        words = " ".join(f"{a}{end - (self._shift(a) if kind == 'G38.3' else 0.0):.6f}" for a, end in ends.items())
+        begun = [self.seen.here(a) for a in self.seen.letters()]
+        ends = ends if kind == "G38.3" else self.seen.at_limits() | ends
+        words = " ".join(f"{a}{end - (self.seen.shift(a) if kind == 'G38.3' else 0.0):.6f}" for a, end in ends.items())
         self.moving = True
         self._give(self.command.mdi, f"G21 G90 G94 {kind} {words} F{feed}", wait=False)
         amiss = self._awaited()
@@ -210,9 +185,9 @@ class Agent:
             self._end_move()
             return said or amiss
         self.moving = False
-        stood = all(abs(self._here(a) - at) < _WITHIN for a, at in zip(self._letters(), begun, strict=True))
+        stood = all(abs(self.seen.here(a) - at) < _WITHIN for a, at in zip(self.seen.letters(), begun, strict=True))
         touched = kind == "G38.3" and self.stat.probe_tripped and not stood
-        if not touched and any(self._off(a, end) > _WITHIN for a, end in ends.items()):
+        if not touched and any(self.seen.off(a, end) > _WITHIN for a, end in ends.items()):
             return f"the axes are not where the move ends: {_SOMEBODY}"
         return self._apart()
 
@@ -230,9 +205,9 @@ class Agent:
 
     def _apart(self) -> str:
         """Return which joint does not stand where its axis does, or nothing; joints come a few cycles later."""
-        end, named = time.monotonic() + 0.2, list(enumerate(self._joints()[: self.stat.joints]))
+        end, named = time.monotonic() + 0.2, list(enumerate(self.seen.joints()[: self.stat.joints]))
         while True:
-            far = {j: float(self.stat.joint_position[j]) / self._unit(a) - self._here(a) for j, a in named}
+            far = {j: float(self.stat.joint_position[j]) / self.seen.unit(a) - self.seen.here(a) for j, a in named}
             joint = next((j for j, way in far.items() if abs(way) > _WITHIN), None)
             if joint is None:
                 return ""
@@ -260,7 +235,10 @@ class Agent:
         codes = [f"G{code / 10:g}" for code in self.stat.gcodes[1:] if code in _RESTORED]
         blend, naive = self.stat.settings[3:5]
         path = [f"G64 P{blend:.6f} Q{naive:.6f}" if blend or naive else "G64"] if 640 in self.stat.gcodes[1:] else []
-        return [" ".join(codes) or _PLAIN, *path]
+        feed = (
+            [] if 930 in self.stat.gcodes[1:] else [f"F{self.stat.settings[1]:.6f}"]
+        )  # with G93 every line has its own
+        return [" ".join(codes) or _PLAIN, *path, *feed]
 
     def _awaited(self) -> str:
         """Wait until our move has ended; returns why it has not, or nothing."""
@@ -308,22 +286,6 @@ class Agent:
         stat = self.stat
         return stat.feedrate, stat.rapidrate, stat.max_velocity, [each.get("override") for each in stat.spindle]
 
-    def _unit(self, letter: str) -> float:
-        """Return one mm or deg in the machine's units."""
-        return float(self.stat.angular_units if letter in "ABC" else self.stat.linear_units) or 1.0
-
-    def _here(self, letter: str) -> float:
-        return float(self.stat.position[_LETTERS.index(letter)]) / self._unit(letter)
-
-    def _off(self, letter: str, end: float) -> float:
-        way = abs(self._here(letter) - end)
-        return min(way % 360, -way % 360) if letter in "ABC" else way
-
-    def _shift(self, letter: str) -> float:
-        """Return how far the zero of coordinates in force is from the machine's, mm."""
-        stat, k = self.stat, _LETTERS.index(letter)
-        return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self._unit(letter)
-
     def _restore(self) -> str:
         """Set the modes that were in force; returns what is still to be typed, or nothing."""
         self.stat.poll()
@@ -337,13 +299,6 @@ class Agent:
                 return ", ".join(lines[number:])
         return ""
 
-    def _tip(self) -> bool | None:
-        """Whether switchable kinematics hold the tool point, None where that cannot be seen."""
-        words = (self._ini().find("KINS", "KINEMATICS") or "").split()
-        if not words or words[0] not in _SWITCHED:
-            return None
-        return _pin(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
-
     def _drain(self) -> list[str]:
         """Return the messages of LinuxCNC that are errors."""
         texts = []
@@ -351,30 +306,6 @@ class Agent:
             if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
                 texts.append(str(message[1]).strip())
         return texts
-
-    def _ini(self) -> Any:
-        return linuxcnc.ini(self.stat.ini_filename)
-
-    def _joints(self) -> str:
-        """Return the axis of each joint."""
-        kinematics = self._ini().find("KINS", "KINEMATICS") or ""
-        found = re.search(r"coordinates=(\w+)", kinematics)
-        return str(found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
-
-    def _letters(self) -> list[str]:
-        return list(dict.fromkeys(self._joints()))
-
-    def _compensated(self, joint: int) -> bool:
-        return bool(self._ini().find(f"JOINT_{joint}", "COMP_FILE")) or self.stat.joint[joint]["backlash"] != 0.0
-
-
-def _pin(name: str) -> bool | None:
-    """Return a bit of HAL, None where there is no such pin."""
-    try:
-        found = subprocess.run(["halcmd", "getp", name], capture_output=True, text=True, timeout=5, check=False)
-    except OSError:
-        return None
-    return found.stdout.strip() == "TRUE" if found.returncode == 0 else None
 
 
 def _tell(answer: dict[str, Any]) -> None:
@@ -394,7 +325,3 @@ def main() -> None:
         return
     signal.signal(signal.SIGTERM, agent.leave)
     agent.serve()
-
-
-if __name__ == "__main__":
-    main()

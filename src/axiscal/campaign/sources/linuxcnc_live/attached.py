@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from axiscal.campaign.sources.linuxcnc_live.connection import Connection
+from axiscal.campaign.sources.linuxcnc_live.in_force import InForce
 from axiscal.campaign.sources.linuxcnc_live.interlocks import refuse, scale
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.document import shown
@@ -47,22 +48,22 @@ _FAR = 3.0
 class LiveSource:
     """A LinuxCNC that runs, looked at before the first reading and before each.
 
-    active : whether a compensation is to be in force; asked : asks whoever stands at the machine and returns the answer
+    in_force : what is to compensate it; asked : asks whoever stands at the machine and returns the answer
     """
 
     def __init__(
         self,
         connection: Connection,
         machine: Machine,
-        active: bool,
+        in_force: InForce,
         asked: Callable[[str], str] | None = None,
     ) -> None:
-        self._line, self._machine, self._active = connection, machine, active
+        self._line, self._machine, self._in_force = connection, machine, in_force
         self._asked = asked or _at_the_terminal
         self._tried, self._singly = False, True
         self._standing: tuple[str, Decimals] | None = None
         try:
-            refuse(connection.status(), machine, active)
+            refuse(connection.status(), machine, in_force)
             self._refuse_untouched()
         except BaseException:
             self.close()
@@ -89,13 +90,14 @@ class LiveSource:
     def _read(self, request: Request) -> Answer:
         self._refuse_other_instrument(request.setup)
         status = self._line.status()
-        refuse(status, self._machine, self._active)
+        refuse(status, self._machine, self._in_force)
         self._refuse_strayed(status)
         way = _WayToBall(self._machine, request)
         if not self._tried:
             self._try(way)
         self._go(way.to(self._standing))
         hits = [self._touch(step, way) for step in self._between(way.touches())]
+        self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
         self._standing = request.setup.name, way.target.position
         value, *others = read_as(self._machine, request.setup, np.array(request.pose), hits)
         return Answer(value, others=tuple(others), live=True)
@@ -169,7 +171,7 @@ class LiveSource:
             if abs(here - float(left)) > _STRAYED:
                 unit = "deg" if axis.rotary else "mm"
                 what = f"{axis.name} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
-                raise SourceError(what, "Nothing has moved since. Look at the machine; go on with --resume")
+                raise SourceError(what, "Nothing has moved since. Look at the machine")
 
     @staticmethod
     def _refuse_other_instrument(setup: Setup) -> None:

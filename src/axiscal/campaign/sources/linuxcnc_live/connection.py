@@ -17,10 +17,15 @@ from typing import IO, Any
 
 from axiscal.exceptions import SourceError
 
-_AGENT = Path(__file__).with_name("agent.py")
-_FIRST = (
-    "import json,sys; exec(compile(json.loads(sys.stdin.readline()),'axiscal-agent','exec'),{'__name__':'__main__'})"
-)
+_PARTS = tuple(Path(__file__).with_name(f"{name}.py") for name in ("stance", "agent"))
+"""Its program, each part after those that it imports; the last one is begun."""
+_FIRST = """
+import json, sys, types
+for name, text in json.loads(sys.stdin.readline()):
+    sys.modules[name] = part = types.ModuleType(name)
+    exec(compile(text, name, 'exec'), part.__dict__)
+part.main()
+"""
 _PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
 _HOST = re.compile(r"(?:[A-Za-z0-9_][\w.-]{0,63}@)?[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?")
 _ALIVE = 1.0
@@ -33,7 +38,7 @@ _SLOW = 600.0
 """s: a long way at a small feed, or with the feed override low."""
 _LAST = '{"left":'
 """How the agent's last line begins, which answers nothing."""
-_AGAIN = "Look at the machine; go on with --resume"
+_AGAIN = "Look at the machine"
 
 
 def command(host: str) -> tuple[str, ...]:
@@ -75,7 +80,7 @@ class Connection:
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
         try:
-            self._send(_AGENT.read_text(encoding="utf-8"))
+            self._send([(f"{__package__}.{part.stem}", part.read_text(encoding="utf-8")) for part in _PARTS])
             threading.Thread(target=self._keep_alive, daemon=True).start()
             self._answer(_BEGIN)
         except BaseException:

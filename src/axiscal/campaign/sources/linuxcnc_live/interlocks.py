@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from axiscal.campaign.sources.linuxcnc_live.in_force import InForce
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
 from axiscal.units import format_quantity, from_unit
@@ -21,16 +22,13 @@ def scale(status: dict[str, Any], rotary: bool) -> float:
     return float(from_unit(1.0, "mm")) / float(status["scale"])
 
 
-def refuse(status: dict[str, Any], machine: Machine, active: bool) -> None:
-    """Raise SourceError for the first thing that is not as it has to be.
-
-    active : whether a compensation is to be in force while it is measured
-    """
+def refuse(status: dict[str, Any], machine: Machine, in_force: InForce) -> None:
+    """Raise SourceError for the first thing that is not as it has to be."""
     for amiss, what, remedy in _standing(status):
         if amiss:
             raise SourceError(what, remedy)
     _refuse_other_machine(status, machine)
-    _refuse_other_tables(status, active)
+    in_force.refuse(status)
     if machine.tool <= 0:
         what = "the length of the tool is not known: [tool] length of machine.toml is 0"
         raise SourceError(what, "Write how far the middle of the stylus' ball is from the spindle nose")
@@ -75,16 +73,3 @@ def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
             ends = " to ".join(format_quantity(end, axis.unit) for end in (low, high))
             what = f"LinuxCNC lets {axis.name} go from {ends}, and machine.toml says {axis.travel_text}"
             raise SourceError(what, "Keep the travel within the limits of the INI file; or its units are others")
-
-
-def _refuse_other_tables(status: dict[str, Any], active: bool) -> None:
-    joints = ", ".join(str(joint) for joint in status["compensated"])
-    if active and not joints and not status["whole"]:
-        what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
-        raise SourceError(what, "Switch it on, or say compensation_active = false")
-    if not active and joints:
-        what = f"COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
-        raise SourceError(what, "Take it out of the INI file, or name its files in compensation_active")
-    if not active and status["whole"]:
-        what = "axiscal-vcomp.active is true, and the campaign is measured without a compensation"
-        raise SourceError(what, "Set axiscal-vcomp.enable to 0 and wait a second")
