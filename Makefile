@@ -6,11 +6,12 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 
-.PHONY: help demo demo-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
 	@echo "make demo-linuxcnc  calibrate six machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
+	@echo "make howto-linuxcnc  run every command of docs/linuxcnc.md beside a headless LinuxCNC that stands in for somebody's mill"
 	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make bench      measure the figures that the README states"
@@ -34,6 +35,9 @@ demo: .venv/run.stamp
 
 demo-linuxcnc: .venv/run.stamp
 	$(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out
+
+howto-linuxcnc: .venv/dev.stamp
+	$(BIN)/python -m tests.linuxcnc.howto
 
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .
