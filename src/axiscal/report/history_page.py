@@ -144,7 +144,9 @@ def _iso_panels(of: MachineHistory, span: YearSpan) -> list[tuple[str, Figure]]:
     ]
 
 
-def _iso_picture(figures: dict[str, list[tuple[float, float]]], unit: str, of: MachineHistory, span: YearSpan) -> Figure:
+def _iso_picture(
+    figures: dict[str, list[tuple[float, float]]], unit: str, of: MachineHistory, span: YearSpan
+) -> Figure:
     top = 1.1 * max(value for points in figures.values() for _, value in points)
     data = _uprights(of, 0.0, top)
     for name, points in figures.items():
