@@ -28,8 +28,10 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.demo.five_axis import SEED, description, hidden_machine
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
+from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
 from benchmarks import bench_defence, bench_estimate
@@ -41,14 +43,17 @@ PROFILED = (
     "import cProfile, sys; from axiscal.cli import main; kept, watched = sys.argv.pop(), cProfile.Profile(); "
     "status = watched.runcall(main); watched.dump_stats(kept); raise SystemExit(status)"
 )
-DENSE = """chain = "w-b-Y-X-t"
+DENSE = """chain = "w-b-Z-Y-X-t"
 [axes.X]
 travel = ["0 mm", "1000 mm"]
 [axes.Y]
 travel = ["0 mm", "1000 mm"]
+[axes.Z]
+travel = ["0 mm", "1000 mm"]
 [errors]
-EXX = { std = "10 um", knots = 500 }
-EYY = { std = "10 um", knots = 500 }
+EXX = { std = "10 um", knots = 334 }
+EYY = { std = "10 um", knots = 333 }
+EZZ = { std = "10 um", knots = 333 }
 """
 
 
@@ -65,12 +70,16 @@ class Measured:
 
 @dataclass(frozen=True)
 class Road:
-    """A main path.  target : seconds aimed at; arguments : of the command, made in a folder; long : only with --long"""
+    """A main path.  target : seconds aimed at; arguments : of the command, made in a folder
+
+    long : only with --long, and its calls are not counted; again : after the same command, which left what it keeps
+    """
 
     name: str
     target: str
     arguments: Callable[[Path], list[str]]
     long: bool = False
+    again: bool = False
 
 
 def demo_plan(readings: int, *more: str) -> Callable[[Path], list[str]]:
@@ -96,7 +105,7 @@ def one_axis_plan(folder: Path) -> list[str]:
 
 
 def recorded(command: str, readings: int) -> Callable[[Path], list[str]]:
-    """Return how a command looks at a record of so many readings of the demo's machine, kept knowledge apart."""
+    """Return how a command looks at a record of so many readings of the demo's machine."""
 
     def arguments(folder: Path) -> list[str]:
         path = folder / f"{readings}.axiscal"
@@ -104,7 +113,7 @@ def recorded(command: str, readings: int) -> Callable[[Path], list[str]]:
             case = Case(description())
             with Campaign.create(path, case.description) as campaign:
                 campaign.adopt(tuple(taken(case, readings)))
-        return [command, str(path)]
+        return [command, str(path), *(["--out", str(folder / "results")] if command == "finish" else [])]
 
     return arguments
 
@@ -140,38 +149,80 @@ def estimated(count: int) -> Callable[[Path], list[str]]:
 
 def dense(folder: Path) -> list[str]:
     """Return how 10,000 readings of 1,000 unknowns are estimated."""
+    described_densely(folder)
+    return ["estimate", str(folder / "dense.toml"), str(folder / "dense.csv"), "--out", str(folder / "dense-out")]
+
+
+def dense_record(command: str) -> Callable[[Path], list[str]]:
+    """Return how a command looks at a record of them."""
+
+    def arguments(folder: Path) -> list[str]:
+        path = folder / "dense.axiscal"
+        if not path.exists():
+            description = described_densely(folder)
+            with Campaign.create(path, description) as campaign:
+                campaign.adopt(placed_readings(read_any(folder / "dense.csv"), description, folder / "dense.csv"))
+        return [command, str(path)]
+
+    return arguments
+
+
+def described_densely(folder: Path) -> CampaignDescription:
+    """Write the campaign of 1,000 unknowns and 10,000 readings of it, and return its description."""
     (folder / "dense.machine.toml").write_text(DENSE, encoding="utf-8")
     head, setup = 'machine = "dense.machine.toml"\n[target]\nreadings = 1\n', bench_estimate.SETUP
-    setup = setup.replace(', Z = ["0 mm", "400 mm"]', "")
-    (folder / "dense.toml").write_text(head + "".join(setup.format(axis=axis) for axis in "xy"), encoding="utf-8")
+    setup = setup.replace("400 mm", "1000 mm").replace("600 mm", "1000 mm")
+    (folder / "dense.toml").write_text(head + "".join(setup.format(axis=axis) for axis in "xyz"), encoding="utf-8")
     read = read_campaign(folder / "dense.toml")
     bench_estimate.write_readings(folder / "dense.csv", read, 10_000)
-    return ["estimate", str(folder / "dense.toml"), str(folder / "dense.csv"), "--out", str(folder / "dense-out")]
+    return read
 
 
 ROADS = (
     Road("plan, demo, 60 readings with bound", "10, then 5", demo_plan(60)),
     Road("plan, demo, 12 readings, compared", "8", compared),
     Road("plan, one axis, 400 readings", "3", one_axis_plan),
-    Road("next, 60 readings", "0.4", recorded("next", 60)),
-    Road("status, 500 readings", "0.6", recorded("status", 500)),
-    Road("status, 2,000 readings", "1", recorded("status", 2000), long=True),
+    Road("next, no reading, first time", "0.25", recorded("next", 0)),
+    Road("next, no reading, again", "0.25", recorded("next", 0), again=True),
+    Road("status, no reading", "0.25", recorded("status", 0)),
+    Road("next, 60 readings, first time", "0.4", recorded("next", 60)),
+    Road("status, 60 readings", "0.4", recorded("status", 60), again=True),
+    Road("status, 500 readings, first time", "0.6", recorded("status", 500)),
+    Road("status, 500 readings, again", "0.6", recorded("status", 500), again=True),
+    Road("finish, 60 readings", "1.5", recorded("finish", 60)),
+    Road("finish, 500 readings", "3", recorded("finish", 500)),
+    Road("status, 2,000 readings, first time", "1", recorded("status", 2000), long=True),
+    Road("status, 2,000 readings, again", "1", recorded("status", 2000), long=True, again=True),
+    Road("finish, 2,000 readings", "8", recorded("finish", 2000), long=True),
     Road("estimate, three axes, learnt, 501", "5", estimated(501)),
     Road("estimate, three axes, learnt, 2,001", "12", estimated(2001), long=True),
     Road("estimate, 1,000 unknowns x 10,000", "30, 1 GB", dense, long=True),
+    Road("status, 1,000 unknowns x 10,000, first time", "2", dense_record("status"), long=True),
+    Road("status, 1,000 unknowns x 10,000, again", "2", dense_record("status"), long=True, again=True),
 )
 
 
 def measured(road: Road, commit: str) -> Measured:
-    """Return what a path takes: one run for the processor's time, after another that counts calls."""
+    """Return what a path takes: one run for the processor's time, and another from the start that counts calls."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        arguments, counted = road.arguments(folder), folder / "calls"
-        run([sys.executable, "-c", PROFILED, *arguments, str(counted)])
-        calls = int(pstats.Stats(str(counted)).total_calls)  # type: ignore[attr-defined]
+        arguments = road.arguments(folder)
+        if road.again:
+            run([sys.executable, "-c", COMMAND, *arguments])
         used = run([sys.executable, "-c", COMMAND, *arguments])
+        calls = 0 if road.long else counted(road, folder / "again")
     seconds, megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
     return Measured(road.name, commit, round(seconds, 2), calls, round(megabytes))
+
+
+def counted(road: Road, folder: Path) -> int:
+    """Return how many functions a path calls."""
+    folder.mkdir()
+    arguments, calls = road.arguments(folder), folder / "calls"
+    if road.again:
+        run([sys.executable, "-c", COMMAND, *arguments])
+    run([sys.executable, "-c", PROFILED, *arguments, str(calls)])
+    return int(pstats.Stats(str(calls)).total_calls)  # type: ignore[attr-defined]
 
 
 def run(command: list[str]) -> resource.struct_rusage:
@@ -218,7 +269,9 @@ def line(road: Road, now: Measured, before: Measured | None) -> str:
     )
     if before is None:
         return shown
-    ratio = f"{now.seconds / before.seconds:5.2f} of the time, {now.calls / before.calls:5.2f} of the calls"
+    ratio = f"{now.seconds / before.seconds:5.2f} of the time"
+    if now.calls and before.calls:
+        ratio += f", {now.calls / before.calls:5.2f} of the calls"
     return f"{shown}   {ratio} at {before.commit}"
 
 

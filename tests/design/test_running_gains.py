@@ -111,5 +111,5 @@ def test_columns_made_anew_are_those_of_the_tables() -> None:
         (gains, own), (expected, of_tables) = anew.without(slot), kept.without(slot)
         np.testing.assert_allclose(gains, expected, rtol=1e-8, atol=1e-12 * expected.max())
         assert own == pytest.approx(of_tables, rel=1e-8)
-    assert anew._cross is None
-    assert kept._cross is not None
+    assert anew._followed is None
+    assert kept._followed is not None

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +90,29 @@ class ErrorFunction:
         return cells
 
 
+class _Alike(NamedTuple):
+    """Functions of one axis with the same knots.  functions : (g,) indices; columns : (g n,) in A, one by one"""
+
+    axis: int
+    basis: Spline
+    functions: NDArray[np.intp]
+    columns: NDArray[np.intp] | slice
+
+
+class _Moving(NamedTuple):
+    """How every term moves the tool point.
+
+    axis, along : (terms,) whose frame, and which direction of it; tilted, turning : indices of those that tilt the
+    direction of travel, and that turn the frame; sign : (terms,)
+    """
+
+    axis: NDArray[np.intp]
+    along: NDArray[np.intp]
+    tilted: NDArray[np.intp]
+    turning: NDArray[np.intp]
+    sign: Array
+
+
 Term = ErrorFunction | PlaneError
 """What adds to the deviation of the tool point with a lever of its own."""
 
@@ -147,8 +171,7 @@ class ErrorModel:
         shape = (len(self.terms), len(poses), 3)
         if self._unmoved is not None:
             return np.broadcast_to(self._unmoved, shape).copy()
-        nominal = frames(self.machine, poses)
-        return np.array([self._lever(f, poses, nominal) for f in self.terms]).reshape(shape)
+        return self._levers(poses, frames(self.machine, poses))
 
     @cached_property
     def _unmoved(self) -> Array | None:
@@ -158,29 +181,44 @@ class ErrorModel:
         if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.machine.axes):
             return None
         pose = np.zeros((1, len(self.machine.axes)))
-        nominal = frames(self.machine, pose)
-        return np.array([self._lever(f, pose, nominal) for f in self.terms]).reshape(-1, 1, 3)
+        return self._levers(pose, frames(self.machine, pose))
 
-    def _lever(self, function: Term, poses: Array, nominal: Frames) -> Array:
-        axis = self.machine.axes[function.axis]
-        direction = nominal.rotations[function.axis][:, :, function.component % 3]
-        if function.kind == "location" and not axis.rotary:
-            travel = nominal.rotations[function.axis] @ np.array(axis.direction)
-            tilted: Array = cross(direction, travel) * poses[:, function.axis, None]
-            return tilted
-        if function.angular:
-            direction = cross(direction, nominal.tcp - nominal.origins[function.axis])
-        lever: Array = axis.sign * direction
-        return lever
+    def _levers(self, poses: Array, nominal: Frames) -> Array:
+        """Return the levers of all terms at frames, (terms, m, 3).
+
+        Along a direction of its axis frame, about it with the arm from there, or by the direction of travel tilted.
+        """
+        how, of = self._moving, self._moving.axis
+        levers: Array = nominal.rotations[of, :, :, how.along]
+        levers[how.tilted] = self._tilted(levers[how.tilted], of[how.tilted], poses, nominal)
+        levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])
+        levers *= how.sign[:, None, None]
+        return levers
+
+    def _tilted(self, about: Array, of: NDArray[np.intp], poses: Array, nominal: Frames) -> Array:
+        """Return what tilts of directions of travel do, (t, m, 3).  about : (t, m, 3); of : (t,) whose travel"""
+        travels = [nominal.rotations[axis] @ np.array(self.machine.axes[axis].direction) for axis in of]
+        return cross(about, np.array(travels).reshape(about.shape)) * poses.T[of][:, :, None]
+
+    @cached_property
+    def _moving(self) -> _Moving:
+        axes = [self.machine.axes[term.axis] for term in self.terms]
+        tilted = [t.kind == "location" and not axis.rotary for t, axis in zip(self.terms, axes, strict=True)]
+        pairs = zip(self.terms, tilted, strict=True)
+        return _Moving(
+            np.array([term.axis for term in self.terms], dtype=np.intp),
+            np.array([term.component % 3 for term in self.terms], dtype=np.intp),
+            np.flatnonzero(tilted),
+            np.flatnonzero([term.angular and not aside for term, aside in pairs]),
+            np.array([1.0 if aside else axis.sign for axis, aside in zip(axes, tilted, strict=True)]),
+        )
 
     def angular_levers(self, poses: Array) -> Array:
         """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
-        nominal = frames(self.machine, poses)
+        how, nominal = self._moving, frames(self.machine, poses)
         result = np.zeros((len(self.terms), len(poses), 3))
-        for i, function in enumerate(self.terms):
-            axis = self.machine.axes[function.axis]
-            if function.angular and (axis.rotary or function.kind != "location"):
-                result[i] = axis.sign * nominal.rotations[function.axis][:, :, function.component % 3]
+        turned = nominal.rotations[how.axis[how.turning], :, :, how.along[how.turning]]
+        result[how.turning] = how.sign[how.turning, None, None] * turned
         return result
 
     def rows(self, poses: Array, approaches: Array) -> Array:
@@ -198,34 +236,47 @@ class ErrorModel:
 
         levers : (terms, m), the effect of each term on the reading
         """
-        result = np.empty((len(poses), self.size))
+        result, signed = np.empty((len(poses), self.size)), self.effects(levers, approaches)
         for group in self._alike:
-            first = self.functions[group[0]]
-            values = first.basis.rows(poses[:, first.axis])
-            for i in group:
-                result[:, self.functions[i].columns] = self._signed(i, levers[i], approaches)[:, None] * values
-        for plane, lever in zip(self.planes, levers[len(self.functions) :], strict=True):
+            values = group.basis.rows(poses[:, group.axis])
+            rows = signed[group.functions].T[:, :, None] * values[:, None, :]
+            result[:, group.columns] = rows.reshape(len(poses), -1)
+        for plane, lever in zip(self.planes, signed[len(self.functions) :], strict=True):
             result[:, plane.columns] = lever[:, None] * plane.rows(plane.coordinates(poses))
         return result
 
     @cached_property
-    def _alike(self) -> tuple[tuple[int, ...], ...]:
-        """Indices of functions that share axis and knots, so that their spline rows are computed once."""
+    def _alike(self) -> tuple[_Alike, ...]:
+        """The functions that share axis and knots, so that their spline rows are computed once."""
         groups: dict[tuple[int, int, bytes], list[int]] = {}
         for i, function in enumerate(self.functions):
             basis = function.basis
             groups.setdefault((function.axis, basis.size, basis.knots.tobytes()), []).append(i)
-        return tuple(tuple(group) for group in groups.values())
+        return tuple(self._group(members) for members in groups.values())
+
+    def _group(self, members: list[int]) -> _Alike:
+        first, each = self.functions[members[0]], [self.functions[i].columns for i in members]
+        columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
+        together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
+        return _Alike(first.axis, first.basis, np.array(members), together)
+
+    @cached_property
+    def same_cells(self) -> NDArray[np.intp]:
+        """The first term that has the same cells as each term, (terms,)."""
+        first = np.arange(len(self.terms))
+        for group in self._alike:
+            first[group.functions] = group.functions[0]
+        return first
 
     def effects(self, levers: Array, approaches: Array) -> Array:
         """Return what a unit of each term adds to scalar readings, reversals by their sign, (terms, m)."""
-        return np.array([self._signed(i, lever, approaches) for i, lever in enumerate(levers)]).reshape(levers.shape)
+        effects, reversals = levers.copy(), self._reversals
+        effects[reversals] *= 0.5 * approaches.T[self._moving.axis[reversals]]
+        return effects
 
-    def _signed(self, index: int, lever: Array, approaches: Array) -> Array:
-        function = self.terms[index]
-        if function.kind != "reversal":
-            return lever
-        return lever * (0.5 * approaches[:, function.axis])
+    @cached_property
+    def _reversals(self) -> NDArray[np.intp]:
+        return np.flatnonzero([term.kind == "reversal" for term in self.terms])
 
     def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
         """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
@@ -235,11 +286,14 @@ class ErrorModel:
     def compose(self, values: Array, approaches: Array) -> SmallMotions:
         """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""
         shape = (len(self.machine.axes), values.shape[1], 3)
-        parts = SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+        parts, signed = (
+            SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape)),
+            self.effects(values, approaches),
+        )
         for i, function in enumerate(self.terms):
             straight = function.kind == "location" and not self.machine.axes[function.axis].rotary
             part = parts.tilt if straight else parts.rotation if function.angular else parts.displacement
-            part[function.axis, :, function.component % 3] += self._signed(i, values[i], approaches)
+            part[function.axis, :, function.component % 3] += signed[i]
         return parts
 
 

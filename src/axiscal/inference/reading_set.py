@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import Term
-from axiscal.measurement.cells import RestEffect
 from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
@@ -51,11 +50,11 @@ class _Visits(NamedTuple):
     cell: list[NDArray[np.int64]]
     reach: list[Array]
 
-    def note(self, number: NDArray[np.intp], effect: RestEffect) -> None:
+    def note(self, number: NDArray[np.intp], cells: NDArray[np.int64], reach: Array) -> None:
         """Add what a rest does to some numbers."""
         self.number.append(number)
-        self.cell.append(effect.cells)
-        self.reach.append(effect.reach)
+        self.cell.append(cells)
+        self.reach.append(reach)
 
     def shared(self, numbers: int) -> Array:
         """Return what a unit of the rest in each cell that was visited adds to the numbers, (m, c)."""
@@ -98,9 +97,9 @@ class ReadingSet:
         terms, where = self._observation.errors.terms, (self._places.poses[mine], self._places.approaches[mine])
         for number, effects in enumerate(self._observation.rest_effects(setup, *where, everyone=True)):
             at = self._first(mine) + number
-            for effect in effects:
-                self._visits[effect.function].note(at, effect)
-                self.extra_variance[at] -= (effect.reach * terms[effect.function].rest) ** 2
+            for function, reach, cells in zip(effects.functions.tolist(), effects.reach, effects.cells, strict=True):
+                self._visits[function].note(at, cells, reach)
+                self.extra_variance[at] -= (reach * terms[function].rest) ** 2
 
     def _first(self, readings: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return where the numbers of readings begin."""

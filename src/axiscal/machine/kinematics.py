@@ -124,4 +124,4 @@ def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
 
 
 def _turn(axis: Axis, coordinate: Array) -> Array:
-    return rigid.rotation(np.outer(coordinate, axis.direction))
+    return rigid.turned_about(np.array(axis.direction), coordinate)

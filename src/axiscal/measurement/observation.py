@@ -20,7 +20,7 @@ from axiscal.error_model.actual import MovedErrors, deviation_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
-from axiscal.measurement.cells import Cell, RestEffect, add_rest, cell_columns, rest_effects
+from axiscal.measurement.cells import Cell, CellColumns, RestEffects, add_rests, rest_effects
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
@@ -159,9 +159,8 @@ class Observation:
         for course, share in self.drifts_shown(setup, at):
             result[:, list(course.columns)] = share * course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
-        for effect in self._rest_effects(mounted, levers, poses, approaches):
-            rest, columns = self.errors.terms[effect.function].rest, self.cell_columns(effect.function)
-            add_rest(effect, rest, columns, result, variances)
+        effects = self._rest_effects(mounted, levers, poses, approaches)
+        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.at(effects), result, variances)
         return Rows(result, variances)
 
     def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
@@ -185,12 +184,11 @@ class Observation:
 
     def _fresh_rests(self, setup: int, poses: Array, approaches: Array, levers: Array) -> Array:
         """Return the covariances that rests of cells not visited yet give the numbers of each reading, (m, k, k)."""
-        covariances = np.zeros((len(poses), len(levers), len(levers)))
         each = [self._rest_effects(self.setups[setup], along, poses, approaches) for along in levers]
-        for same in zip(*each, strict=True):
-            fresh = self.cell_columns(same[0].function)[same[0].cells] < 0
-            reach = np.stack([effect.reach for effect in same], axis=1) * self.errors.terms[same[0].function].rest
-            covariances += np.where(fresh, 1.0, 0.0)[:, None, None] * reach[:, :, None] * reach[:, None, :]
+        fresh = self.cell_columns.at(each[0]) < 0
+        rests = np.where(fresh, self._stated_rests[each[0].functions][:, None], 0.0)
+        reach = np.stack([effects.reach * rests for effects in each]).transpose(2, 0, 1)
+        covariances: Array = reach @ reach.transpose(0, 2, 1)
         return covariances
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
@@ -273,9 +271,7 @@ class Observation:
             effects[straight] *= float(np.sqrt(2.0)) / mounted.base
         return effects
 
-    def rest_effects(
-        self, setup: int, poses: Array, approaches: Array, everyone: bool = False
-    ) -> list[list[RestEffect]]:
+    def rest_effects(self, setup: int, poses: Array, approaches: Array, everyone: bool = False) -> list[RestEffects]:
         """Return what the rests do to each number of readings, of cells that were visited or not.
 
         poses, approaches : (m, q); everyone : as if every error had a rest
@@ -285,7 +281,7 @@ class Observation:
 
     def _rest_effects(
         self, mounted: Setup, levers: Array, poses: Array, approaches: Array, everyone: bool = False
-    ) -> list[RestEffect]:
+    ) -> RestEffects:
         among = tuple(range(len(self.errors.terms))) if everyone else self.with_rest
         return rest_effects(self.errors, mounted, levers, poses, approaches, among)
 
@@ -329,13 +325,14 @@ class Observation:
         """The indices of the errors that have a rest."""
         return tuple(i for i, function in enumerate(self.errors.terms) if function.rest > 0)
 
-    def cell_columns(self, function: int) -> NDArray[np.intp]:
-        """Return the column of the rest of every cell of an error, -1 where there is none."""
-        return self._columns_of_cells[function]
+    @cached_property
+    def _stated_rests(self) -> Array:
+        return np.array([term.rest for term in self.errors.terms])
 
     @cached_property
-    def _columns_of_cells(self) -> dict[int, NDArray[np.intp]]:
-        return cell_columns(self.errors, self.with_rest, self.cells)
+    def cell_columns(self) -> CellColumns:
+        """The columns of the rests of all cells."""
+        return CellColumns(self.errors, self.with_rest, self.cells)
 
 
 def directions_of(setup: Setup) -> list[Array | None]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.measurement.cells import Cell, rest_effects
+from axiscal.measurement.cells import Cell, RestEffects, rest_effects
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation, Zero
@@ -30,25 +31,49 @@ def visited(observation: Observation, places: Places, times: Array | None = None
     for i, setup in enumerate(places.setups.tolist()):
         if times is not None and observation.setups[setup].drift > 0 and not np.isnan(times[i]):
             size = _let_wander(observation, courses, setup, float(times[i]), size)
-        for cell in fresh.get(i, ()):
-            if cell not in cells:
-                cells[cell], size = size, size + 1
+        size = _let_in(cells, fresh.get(i, ()), size)
     if size == observation.size:
         return observation
     return replace(observation, cells=MappingProxyType(cells), courses=MappingProxyType(courses))
+
+
+def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
+    """Return the map with columns for those of some cells that had none, in their order."""
+    cells = dict(observation.cells)
+    if _let_in(cells, visited, observation.size) == observation.size:
+        return observation
+    return replace(observation, cells=MappingProxyType(cells))
+
+
+def _let_in(cells: dict[Cell, int], visited: Iterable[Cell], size: int) -> int:
+    """Give cells that have none a column, in place, and return how many columns there are then."""
+    for cell in visited:
+        if cell not in cells:
+            cells[cell], size = size, size + 1
+    return size
+
+
+def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
+    """Return in which cells readings of a set-up are, and what a unit of their rests does to a number at most.
+
+    poses : (m, q)
+    """
+    levers = np.max(np.abs(observation.levers(setup, poses)), axis=0)
+    mounted, sides = observation.setups[setup], np.ones_like(poses)
+    found = rest_effects(observation.errors, mounted, levers, poses, sides, observation.with_rest)
+    reach = np.abs(found.reach)
+    return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
 
 def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
     """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
-        mounted, poses = observation.setups[setup], places.poses[mine]
-        levers = np.max(np.abs(observation.levers(setup, poses)), axis=0)
-        sides = np.ones_like(poses)
-        for effect in rest_effects(observation.errors, mounted, levers, poses, sides, observation.with_rest):
-            open_ones = observation.cell_columns(effect.function)[effect.cells] < 0
-            for k in np.flatnonzero(open_ones & (np.abs(effect.reach) > _ROUNDING)):
-                fresh[int(mine[k])].append((effect.function, int(effect.cells[k])))
+        shown = cells_shown(observation, setup, places.poses[mine])
+        where, which = np.nonzero(((observation.cell_columns.at(shown) < 0) & (shown.reach > 0)).T)
+        cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
+        for place, cell in zip(mine[where].tolist(), cells, strict=True):
+            fresh[place].append(cell)
     return fresh
 
 

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 from axiscal.numerics.threads import hold_loaded_libraries
@@ -72,6 +73,16 @@ def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
     shares: Array = _function("scipy.special", "log_ndtr")(below)
     return shares
+
+
+def sparse_product(values: Array, rows: NDArray[np.intp], first: NDArray[np.intp], count: int, right: Array) -> Array:
+    """Return S B, (count, m), of a matrix S that is stored column by column.
+
+    values, rows : (k,) entries and where they stand; first : (n + 1,) where those of each column begin; right : (n, m)
+    """
+    stored = _function("scipy.sparse", "csc_array")((values, rows, first), shape=(count, len(right)))
+    product: Array = stored @ right
+    return product
 
 
 def inverse_of_product(lower: Array) -> Array:

@@ -47,6 +47,14 @@ def rotation(vector: Array) -> Array:
     return result
 
 
+def turned_about(direction: Array, angles: Array) -> Array:
+    """Return the rotations about one direction by many angles (Rodrigues).  direction : (3,) unit; angles : (m,) rad"""
+    about = skew(direction[None])[0]
+    at = angles[:, None, None]
+    result: Array = np.eye(3) + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * (about @ about)
+    return result
+
+
 def left_jacobian(vector: Array) -> Array:
     """Return J with exp([v + dv]×) = exp([J dv]×) exp([v]×) (Barfoot 2017, eq. 7.77), (m, 3, 3).  vector : (m, 3)"""
     angle = np.linalg.norm(vector, axis=1)[:, None, None]
@@ -68,5 +76,10 @@ def skew(vector: Array) -> Array:
 
 def cross(first: Array, second: Array) -> Array:
     """Return first × second.  Both (..., 3), broadcast against each other; several times as fast as numpy's."""
-    (a, b, c), (x, y, z) = (np.moveaxis(vector, -1, 0) for vector in (first, second))
-    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
+    a, b, c = first[..., 0], first[..., 1], first[..., 2]
+    x, y, z = second[..., 0], second[..., 1], second[..., 2]
+    result = np.empty(np.broadcast_shapes(first.shape, second.shape))
+    result[..., 0] = b * z - c * y
+    result[..., 1] = c * x - a * z
+    result[..., 2] = a * y - b * x
+    return result

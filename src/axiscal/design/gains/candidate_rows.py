@@ -10,15 +10,17 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
+from axiscal.design.gains.rests_in_cells import RestsInCells
 from axiscal.design.gains.three_values import PAIRS, SharedReadings
+from axiscal.measurement.cells import RestEffects, add_rests
 from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading_rows import numbers_of_setups
+from axiscal.measurement.visits import cells_shown, with_cells
 from axiscal.numerics import Array
 
 _BLOCK = 4096
@@ -32,23 +34,19 @@ MEMORY = 1e9
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Rests:
-    """What the rest of one function does to the numbers of a block.  reach, cells : (numbers,)"""
-
-    function: int
-    reach: Array
-    cells: NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class _Block:
-    """Candidates of one set-up.  candidates, numbers : slices of the pool's candidates and of their numbers."""
+    """Candidates of one set-up.
+
+    candidates, numbers : slices of the pool's candidates and of their numbers; rests : what those of cells do to them
+    shown : by candidate, the cells that a reading there opens
+    """
 
     setup: int
     candidates: slice
     numbers: slice
     rows: Array | None
-    rests: tuple[_Rests, ...]
+    rests: RestsInCells
+    shown: RestEffects
 
 
 class Forms(NamedTuple):
@@ -113,13 +111,7 @@ class Pool:
 
     def _add_cells_and_drifts(self, block: _Block, observation: Observation, columns: Array, into: Array) -> None:
         """Add what visited cells and drifts do, in place.  columns : (c, n); into : (c, numbers)."""
-        for rests in block.rests:
-            of = observation.cell_columns(rests.function)
-            if of.max() < 0:
-                continue
-            table = np.where(of >= 0, columns[:, of], 0.0)
-            for values, sums in zip(table, into, strict=True):
-                sums += rests.reach * values.take(rests.cells)
+        block.rests.add(observation, columns, into)
         for number, course, share in self._drifts(observation, block.setup):
             moved = share * (columns[:, list(course.columns)] @ course.rows()[0])
             into[:, number :: self._values(block)] += moved[:, None]
@@ -166,18 +158,28 @@ class Pool:
 
     def rows(self, observation: Observation, index: int) -> Array:
         """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
-        block = next(b for b in self._blocks if b.candidates.start <= index < b.candidates.stop)
+        block = self._block_of(index)
         count = self._values(block)
         inside = count * (index - block.candidates.start) + np.arange(count)
         result = np.zeros((count, observation.size))
         result[:, : self.size] = self._rows(block)[inside]
-        for rests in block.rests:
-            columns = observation.cell_columns(rests.function)[rests.cells[inside]]
-            known = np.flatnonzero(columns >= 0)
-            result[known, columns[known]] += rests.reach[inside[known]]
+        effects = block.rests.effects
+        of = RestEffects(effects.functions, effects.reach[:, inside], effects.cells[:, inside])
+        add_rests(of, np.zeros(len(of.functions)), observation.cell_columns.at(of), result, np.zeros(count))
         for number, course, share in self._drifts(observation, block.setup):
             result[number, list(course.columns)] += share * course.rows()[0]
         return result
+
+    def opened(self, observation: Observation, index: int) -> Observation:
+        """Return the map with columns for the cells that a reading at a candidate opens."""
+        block = self._block_of(index)
+        inside = index - block.candidates.start
+        cells = block.shown.cells[:, inside][block.shown.reach[:, inside] > 0]
+        functions = block.shown.functions[block.shown.reach[:, inside] > 0]
+        return with_cells(observation, zip(functions.tolist(), cells.tolist(), strict=True))
+
+    def _block_of(self, index: int) -> _Block:
+        return next(b for b in self._blocks if b.candidates.start <= index < b.candidates.stop)
 
     def _drifts(self, observation: Observation, setup: int) -> Iterator[tuple[int, Course, float]]:
         """Yield the drifts that each number of a set-up's readings shows, with their shares."""
@@ -198,21 +200,17 @@ class Pool:
 
     def _block(self, setup: int, candidates: slice) -> _Block:
         first, count = int(self.first[candidates.start]), int(self.values[candidates].sum())
-        block = _Block(setup, candidates, slice(first, first + count), None, self._rests(setup, candidates))
+        shown = cells_shown(self._bare, setup, self.lattice.poses[candidates])
+        block = _Block(setup, candidates, slice(first, first + count), None, self._rests(setup, candidates), shown)
         return replace(block, rows=self._rows(block)) if self._kept else block
 
-    def _rests(self, setup: int, candidates: slice) -> tuple[_Rests, ...]:
+    def _rests(self, setup: int, candidates: slice) -> RestsInCells:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
         part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
-        effects = self._bare.rest_effects(setup, *part)
-        return tuple(
-            _Rests(
-                same[0].function,
-                np.stack([each.reach for each in same], axis=1).ravel(),
-                np.repeat(same[0].cells, len(same)),
-            )
-            for same in zip(*effects, strict=True)
-        )
+        each = self._bare.rest_effects(setup, *part)
+        reach = np.stack([one.reach for one in each], axis=2).reshape(each[0].reach.shape[0], len(each) * len(part[0]))
+        cells = np.repeat(each[0].cells, len(each), axis=1)
+        return RestsInCells.of(self._bare, RestEffects(each[0].functions, reach, cells))
 
     def _rows(self, block: _Block) -> Array:
         if block.rows is not None:

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, LowRank
+from axiscal.design.gains.reading_columns import ReadingColumns
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
-
-_NEAR = 32768
-"""Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -74,28 +72,27 @@ class Scores:
         self.pool, self.state, self.begun = pool, state, state
         self.members, self.places = list[Member](), Places.none(pool.lattice.poses.shape[1])
         self.above, self.below, self.joint = pool.forms(state.scorer())
-        self._cross: Array | None = None
-        self._reach: Array | None = None
+        self._followed: ReadingColumns | None = None
         self._rows: Array | None = None
 
-    def follow(self) -> tuple[Array, Array]:
+    def follow(self) -> ReadingColumns:
         """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
-        if self._cross is None or self._reach is None:
+        if self._followed is None:
             size = self.state.observation.size
             rows = np.array([row for m in self.members for row in self._padded(m)]).reshape(-1, size)
             half = rows @ self.state.factor
             weighted = self.state.weighted
-            self._cross = self._products(self.state.factor @ half.T)
-            self._reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
-        return self._cross, self._reach
+            cross = self._products(self.state.factor @ half.T)
+            reach = self._products(self.state.factor @ (weighted.T @ (weighted @ half.T)))
+            self._followed = ReadingColumns(cross, reach, self.pool.count)
+        return self._followed
 
     def fork(self) -> Self:
         """Return a copy that goes its own way."""
         other = copy.copy(self)
         other.members = list(self.members)
         other.above, other.below, other.joint = self.above.copy(), self.below.copy(), self.joint.copy()
-        other._cross = None if self._cross is None else self._cross.copy()
-        other._reach = None if self._reach is None else self._reach.copy()
+        other._followed = None if self._followed is None else self._followed.copy()
         return other
 
     @property
@@ -110,7 +107,10 @@ class Scores:
         bundle : how often it is read
         """
         place = what if isinstance(what, Places) else self.pool.lattice.at(what)
-        self.state = self.state.opened(place)
+        if isinstance(what, Places):
+            self.state = self.state.opened(place)
+        else:
+            self.state = self.state.opened_to(self.pool.opened(self.state.observation, what))
         rows, variance = self._looked_at(what)
         slot = len(self.members) if slot is None else slot
         self._place(slot, place, Member(rows, variance / bundle))
@@ -146,10 +146,8 @@ class Scores:
         back = change.back.T
         self.above[here] = np.diagonal(back.T @ change.omega @ back)
         self.below[here] = noise + np.einsum("ij,ji->i", cross[here], back)
-        if self._cross is not None and self._reach is not None:
-            own = slice(here.start - count, here.stop - count)
-            self._cross[:, own], self._reach[:, own] = cross @ back, reach @ back
-            self._cross[here], self._reach[here] = self._cross[count:, own].T, self._reach[count:, own].T
+        if self._followed is not None:
+            self._followed.put(slice(here.start - count, here.stop - count), cross @ back, reach @ back)
         self._changed(here, change, cross, reach)
         self.state, self.last = state, change
         return change.gain
@@ -214,11 +212,11 @@ class Scores:
         if numbers.stop - here == 1:
             spread, omega = float(self.below[here]) - noise, float(self.above[here])
             return np.array([[1.0 / max(noise - spread, 1e-9 * noise)]]), np.array([[omega]])
-        crossed, reached = self.follow()
         own = slice(here - self.pool.count, numbers.stop - self.pool.count)
-        values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed[numbers, own])
+        crossed, reached = self.follow().of(own, numbers)
+        values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed)
         grown: Array = vectors / np.maximum(values, 1e-9 * noise) @ vectors.T
-        return grown, reached[numbers, own]
+        return grown, reached
 
     def _columns(self, slot: int) -> tuple[Array, Array]:
         """Return rows times C Gᵀ and times C W C Gᵀ of a reading of the plan, each (numbers, k).
@@ -226,13 +224,11 @@ class Scores:
         From tables, 40 m k bytes to bring up to date at every change, or made anew, 8 m n bytes, where rows are short.
         """
         numbers = self._numbers(slot)
-        if self._cross is None and self.pool.scalar and self.state.observation.size <= len(self.members):
+        if self._followed is None and self.pool.scalar and self.state.observation.size <= len(self.members):
             h = self.state.factor @ (self._padded(self.members[slot]) @ self.state.factor).T
             seen = self._products(np.hstack([h, self.state.weighed(h)[0]]))
             return seen[:, :1], seen[:, 1:]
-        crossed, reached = self.follow()
-        own = slice(numbers.start - self.pool.count, numbers.stop - self.pool.count)
-        return crossed[:, own].copy(), reached[:, own].copy()
+        return self.follow().of(slice(numbers.start - self.pool.count, numbers.stop - self.pool.count))
 
     def _looked_at(self, what: int | Places) -> tuple[Array, float]:
         """Return the rows (k, n) of a reading whose cells have columns, and the variance of its noise."""
@@ -266,20 +262,14 @@ class Scores:
     def _room(self, numbers: slice) -> None:
         at = np.full(numbers.stop - numbers.start, numbers.start)
         self.above, self.below = np.insert(self.above, at, 0.0), np.insert(self.below, at, 1.0)
-        if self._cross is not None and self._reach is not None:
-            self._cross, self._reach = (
-                np.insert(np.insert(table, at - self.pool.count, 0.0, axis=1), at, 0.0, axis=0)
-                for table in (self._cross, self._reach)
-            )
+        if self._followed is not None:
+            self._followed.room(numbers.start - self.pool.count, len(at))
 
     def _cut(self, numbers: slice) -> None:
         at = np.arange(numbers.start, numbers.stop)
         self.above, self.below = np.delete(self.above, at), np.delete(self.below, at)
-        if self._cross is not None and self._reach is not None:
-            self._cross, self._reach = (
-                np.delete(np.delete(table, at - self.pool.count, axis=1), at, axis=0)
-                for table in (self._cross, self._reach)
-            )
+        if self._followed is not None:
+            self._followed.cut(slice(numbers.start - self.pool.count, numbers.stop - self.pool.count))
 
     def _products(self, vectors: Array) -> Array:
         if self._rows is None:
@@ -299,19 +289,6 @@ class Scores:
         cross : rows times H = C Gᵀ, (numbers, k); reach : times Z = C W H
         """
         self.above, self.below, self.joint = self._after(change.eta, change.omega, cross, reach)
-        if self._cross is not None and self._reach is not None:
+        if self._followed is not None:
             scaled = cross @ change.eta
-            half = reach - scaled @ (change.omega / 2)
-            mine = slice(self.pool.count, None)
-            take_off(self._reach, np.hstack([scaled, half]), np.hstack([half[mine], scaled[mine]]).T)
-            take_off(self._cross, scaled, cross[mine].T)
-
-
-def take_off(table: Array, left: Array, right: Array) -> None:
-    """Subtract a product of low rank in place, (m, k) −= (m, j) (j, k): 2 m k j operations, 16 m k bytes.
-
-    A few rows at a time, so that the product is taken off while it is near.
-    """
-    height = max(1, _NEAR // max(table.shape[1], 1))
-    for start in range(0, len(table), height):
-        table[start : start + height] -= left[start : start + height] @ right
+            self._followed.change(scaled, reach - scaled @ (change.omega / 2), cross)

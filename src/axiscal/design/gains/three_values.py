@@ -82,8 +82,8 @@ class SharedReadings:
         """Return the same after a change of the covariance; the arguments, (numbers, k), are as in `Scores`."""
         other = copy(self)
         (near_a, near_b), (far_a, far_b) = self.ends(scaled), self.ends(half)
-        other.above = self.above - np.sum(near_a * far_b, axis=2) - np.sum(far_a * near_b, axis=2)
-        other.below = self.below - np.sum(near_a * self.ends(cross)[1], axis=2)
+        other.above = self.above - np.einsum("tpk,tpk->tp", near_a, far_b) - np.einsum("tpk,tpk->tp", far_a, near_b)
+        other.below = self.below - np.einsum("tpk,tpk->tp", near_a, self.ends(cross)[1])
         return other
 
     def within(self, kept: NDArray[np.intp]) -> SharedReadings:

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, LowRank
-from axiscal.design.gains.running_gains import Replacement, Scores, take_off
+from axiscal.design.gains.reading_columns import take_off
+from axiscal.design.gains.running_gains import Replacement, Scores
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.design.plan.objective import Objective, Standing
 from axiscal.design.plan.watch import Watch
@@ -185,7 +186,8 @@ class DefendedScores(Scores):
         if part.columns is None:
             beta, pi = self.beta[numbers], self.pi[numbers]
         else:
-            beta, pi = (table[numbers[:, None], part.columns] for table in (self.beta, self.pi))
+            at = numbers[:, None] * self.watched.count + part.columns
+            beta, pi = (table.reshape(-1).take(at) for table in (self.beta, self.pi))
             pulled, turned = pulled[:, part.columns], turned[:, part.columns]
         return beta + cross @ pulled, pi + cross @ turned + reach @ pulled
 

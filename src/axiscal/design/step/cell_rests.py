@@ -28,7 +28,7 @@ class Rests:
             return
         self._axis, self._both = axis, np.vstack([both, np.zeros(both.shape[1])])
         self._terms = [terms[i] for i in self._with]
-        self._columns = [observation.cell_columns(i) for i in self._with]
+        self._columns = [observation.cell_columns.of(i) for i in self._with]
         self._levers = effects[self._with].reshape(len(self._with), -1, levers)
         self._parked = at[::levers]
         cells = [f.cells(f.coordinates(self._parked)) for f in self._terms]

@@ -1,0 +1,35 @@
+"""Turns and cross products against scipy's and numpy's."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from axiscal.numerics.from_scipy import sparse_product
+from axiscal.numerics.rigid import cross, turned_about
+
+
+def test_turns_about_one_direction_are_those_of_their_rotation_vectors() -> None:
+    rng = np.random.default_rng(1)
+    angles = np.concatenate([[0.0, 1e-12, -np.pi, np.pi], rng.uniform(-7, 7, 40)])
+    for direction in [*np.eye(3), *rng.normal(size=(5, 3))]:
+        unit = direction / np.linalg.norm(direction)
+        expected = Rotation.from_rotvec(angles[:, None] * unit).as_matrix()
+        np.testing.assert_allclose(turned_about(unit, angles), expected, atol=2e-15)
+
+
+def test_cross_products_of_stacks_are_those_of_numpy() -> None:
+    rng = np.random.default_rng(2)
+    first, second = rng.normal(size=(4, 6, 3)), rng.normal(size=(6, 3))
+    np.testing.assert_array_equal(cross(first, second), np.cross(first, second))
+    assert cross(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+
+
+def test_a_product_of_few_entries_is_that_of_the_whole_matrix() -> None:
+    rng = np.random.default_rng(3)
+    whole = rng.normal(size=(9, 5)) * (rng.random((9, 5)) < 0.4)
+    columns, rows = np.nonzero(whole.T)
+    first = np.searchsorted(columns, np.arange(6))
+    right = rng.normal(size=(5, 4))
+    found = sparse_product(whole[rows, columns], rows, first, 9, right)
+    np.testing.assert_allclose(found, whole @ right, atol=1e-14)
