@@ -89,3 +89,23 @@ def test_the_table_of_defaults_is_the_program_s() -> None:
             format_quantity(usual.reading_time, "s"),
         ]
         assert (usual.reads, [cell.strip() for cell in rest.split("|")]) == (reads, expected)
+
+
+@pytest.mark.parametrize(
+    ("controls", "lines", "begun_before", "noise"),
+    [
+        ('["klipper"]', "", False, 5e-6),
+        ('["marlin", "reprapfirmware"]', "", False, 5e-6),
+        ('["klipper"]', 'noise = "2 um"\n', False, 2e-6),
+        ('["klipper", "linuxcnc"]', "", False, 1e-6),
+        ('["klipper"]', "", True, 1e-6),
+    ],
+)
+def test_the_probe_of_a_printer_reads_as_its_owners_say(
+    controls: str, lines: str, begun_before: bool, noise: float
+) -> None:
+    text = f'machine = "printer-gantry"\ncontrols = {controls}\n[target]\nreadings = 5\n[[setups]]\nname = "probe"\n'
+    text += f'instrument = "probe"\ndirection = "z"\nmoves = ["X", "Y"]\n{lines}'
+    printer = load_machine("printer-gantry").text
+    (probe,) = campaign_from_texts(text, "c.toml", printer, "m.toml", usual_doubts=not begun_before).setups
+    assert probe.noise == noise

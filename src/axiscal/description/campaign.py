@@ -20,6 +20,7 @@ from axiscal.units import format_quantity
 if TYPE_CHECKING:
     from axiscal.description.campaign_schema import CampaignTable
 
+_PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
 _LONGEST_DOUBT = 0.1
 """m."""
@@ -152,7 +153,9 @@ def _described(
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, document, usual_doubts)
-    setups = read_setups(table.setups, Surroundings(machine, document, artefacts, tool, asking, usual_doubts))
+    printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
+    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer)
+    setups = read_setups(table.setups, around)
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)
     if target_needed and target.empty:

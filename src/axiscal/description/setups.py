@@ -21,7 +21,7 @@ from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.artefact import Artefact, reads_as
-from axiscal.measurement.instrument import INSTRUMENTS, Instrument, model_of
+from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
@@ -46,6 +46,7 @@ class Surroundings:
     artefacts : by name; tool : std of how far the tool's point is from where it is stated, along its x, y, z, m
     asking : readings are to be asked for, so that every set-up must say where it can be read
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
+    printer : the probe is that of a 3D printer
     """
 
     machine: Machine
@@ -54,6 +55,7 @@ class Surroundings:
     tool: Vector
     asking: bool
     usual_doubts: bool
+    printer: bool = False
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -93,7 +95,7 @@ class _Reader:
         with self._at("name"):
             name = _name(table.name)
         with self._at("instrument"):
-            usual = _instrument(table.instrument)
+            usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else _instrument(table.instrument)
         site = SiteReader(table, around.machine, around.artefacts, around.tool, self._at).site()
         with self._at("direction"):
             direction = self._direction(usual, site)
