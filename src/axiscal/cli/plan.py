@@ -87,8 +87,8 @@ def plan(
         typer.Option(
             "--prove",
             help="Prove the bound for readings anywhere in the travel, not only for the candidates. For machines whose "
-            "errors add up axis by axis, and on charts of one or two coordinates; takes seconds with one axis, minutes "
-            "with three.",
+            "errors add up axis by axis, for set-ups that move two linear axes, and on charts of one or two "
+            "coordinates; takes seconds with one axis, minutes with three.",
         ),
     ] = False,
     gap: Annotated[

@@ -1,15 +1,16 @@
 """A lower bound that holds for readings anywhere, not only on a lattice: where errors simply add up, and on charts.
 
 The matrix Z of `dual` bounds every plan once Σ |Z b|² over its readings is bounded. Without lever arms Z b(t) is a sum
-of polynomial curves, one per axis, and the largest |Z b(t)|² over all poses is enclosed by `steepest`; on a chart of
-one or two coordinates it is a sum of waves times splines, and is enclosed by `chart_boxes`. The poses found
-on the way join the weighted plan, until no place is worth more than those that have weight. The rests of cells are
-taken as known: that can only lower the bound. In floating point, with a margin for rounding, without intervals.
+of polynomial curves, one per axis, and the largest |Z b(t)|² over all poses is enclosed by `steepest`; over two linear
+axes that act together, or through lever arms, it is a polynomial of both (`plane_boxes`); on a chart of one or two
+coordinates it is a sum of waves times splines, and is enclosed by `chart_boxes`. The poses found on the way join the
+weighted plan, until no place is worth more than those that have weight. The rests of cells are taken as known: that can
+only lower the bound. In floating point, with a margin for rounding, without intervals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,11 +20,13 @@ from numpy.typing import NDArray
 from axiscal.design.bound.certificate import Dual
 from axiscal.design.bound.chart_boxes import largest_on_chart, refuse_unless_boxed
 from axiscal.design.bound.lower_bound import Bound, most_numbers, settling
+from axiscal.design.bound.plane_boxes import largest_on_plane, planar
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.bound.row_curves import joined, refuse_unless_polynomial, row_sums
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.step.starts_with_levers import sides
+from axiscal.exceptions import PlanError
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -74,6 +77,7 @@ def prove(
         refuse_setup(state.observation, setup)
     if not count:
         return Proof(Bound(state.value, True), 0.0)
+    flat = [setup for setup in setups if _flat(state.observation, setup)]
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
     open_ones: list[float] = []
     lattice = _begun(state, lattice, places)
@@ -82,7 +86,8 @@ def prove(
         dual = relaxation.solved()
         level = float(relaxation.slopes(dual) @ relaxation.weights) / count
         kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
-        found = [_largest(dual, *way, kept, level, gap) for way in _ways(state, setups)]
+        found = [_largest(dual, *way, kept, level, gap) for way in _ways(state, setups, flat)]
+        found += [_on_plane(dual, *way, level, gap) for way in _ways(state, flat)]
         found += [_on_chart(dual, setup, level, gap) for setup in setups if charted(state, setup)]
         spent = count * max(each.upper for each in found)
         best = max(best, dual.floor(spent, numbers))
@@ -126,9 +131,32 @@ def charted(state: Covariance, setup: int) -> bool:
 def refuse_setup(observation: Observation, setup: int) -> None:
     """Raise PlanError for a set-up for which no proof can be had."""
     if observation.setups[setup].chart is None:
-        refuse_unless_polynomial(observation, setup)
+        if not _flat(observation, setup):
+            refuse_unless_polynomial(observation, setup)
     else:
         refuse_unless_boxed(observation, setup)
+
+
+def _flat(observation: Observation, setup: int) -> bool:
+    """Whether a set-up moves two axes that do not add up, and its rows are polynomials of both."""
+    try:
+        refuse_unless_polynomial(observation, setup)
+    except PlanError:
+        return planar(observation, setup)
+    return False
+
+
+def _on_plane(dual: Dual, setup: int, side: Array, level: float, gap: float) -> _Steep:
+    """Enclose the largest |Z b|² of a set-up that moves two axes which do not add up, and find where it is large."""
+    observation, mounted = dual.state.observation, dual.state.observation.setups[setup]
+    reach = dual.reach / mounted.noise
+    found = largest_on_plane(observation, setup, side, reach, level * (1 + gap / 4), _CUTS)
+    spans = np.array([np.ptp(mounted.span(observation.machine.axes[axis], axis)) for axis in mounted.moves])
+    steep = int(np.sum(found.lengths > level * (1 + gap / 8)))
+    chosen = _apart(found.places / spans, np.arange(steep))
+    poses = np.tile(np.array(mounted.park), (len(chosen), 1))
+    poses[:, list(mounted.moves)] = found.places[chosen]
+    return _Steep(found.upper, Places.of_setup(setup, poses, np.tile(side, (len(poses), 1))))
 
 
 def _on_chart(dual: Dual, setup: int, level: float, gap: float) -> _Steep:
@@ -139,9 +167,9 @@ def _on_chart(dual: Dual, setup: int, level: float, gap: float) -> _Steep:
     return _Steep(found.upper, found.places)
 
 
-def _ways(state: Covariance, setups: list[int]) -> list[tuple[int, Array]]:
-    """Return each set-up with each of the sides that it can be read from."""
-    plain = [setup for setup in setups if not charted(state, setup)]
+def _ways(state: Covariance, setups: list[int], without: Sequence[int] = ()) -> list[tuple[int, Array]]:
+    """Return each set-up that is not on a chart, nor left out, with each of the sides that it can be read from."""
+    plain = [setup for setup in setups if not charted(state, setup) and setup not in without]
     return [(setup, side) for setup in plain for side in sides(state.observation, setup)]
 
 
