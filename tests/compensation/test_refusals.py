@@ -1,0 +1,149 @@
+"""What no control can hold, and old files that are not whole, are refused with what is wrong and what to do."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.compensation.controllers import marlin
+from axiscal.compensation.controllers.isg import leadscrew
+from axiscal.compensation.controllers.linuxcnc import cross
+from axiscal.compensation.controllers.sinumerik import writing
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.old_files import OldFile, read_old
+from axiscal.compensation.registry import export, loaded
+from axiscal.compensation.surface import Mesh
+from axiscal.compensation.table import CompensationTable
+from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.volume import whole_travel
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine, machine_from_text
+from tests.generators.texts import machine_text
+
+THREE = machine_from_text(
+    machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+)
+FANUC = (
+    "%\nN3620A1P10A2P50A3P100;\nN3621A1P11A2P51A3P101;\nN3622A1P40A2P70A3P110;\nN3623A1P1A2P1A3P1;\n{}\nN10000P0;\n%\n"
+)
+PITCH = "N3624A1P10.0A2P10.0A3P10.0;"
+LATHE = machine_from_text(
+    machine_text("w-b-X-Z-t", {"X": (0, 300), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+)
+
+
+@pytest.mark.parametrize(
+    ("controller", "name", "text", "what"),
+    [
+        ("klipper", "printer.cfg", "[printer]\nkinematics: cartesian\n", "no mesh and no skew is saved here"),
+        ("fanuc", "par.txt", FANUC.format("N3624A1P0A2P0A3P0;"), "no axis has an interval of compensation"),
+        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "parameter 3626 without 3627"),
+        ("linuxcnc-volumetric", "X.comp", "0 0 0\n1 0 0\n", "X.comp is no file of the component"),
+        (
+            "csv",
+            "X.csv",
+            "axis,over,position_mm,forward_um,reverse_um,std_um\nX,Y,0,0,0,1\nX,Z,10,0,0,1\n",
+            "the file holds several tables",
+        ),
+    ],
+)
+def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, what: str) -> None:
+    with pytest.raises(TableError, match=re.escape(what)):
+        loaded(controller, THREE, ExportOptions(old_files=(OldFile(name, text),)))
+
+
+@pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
+def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
+    found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
+    assert {table.axis for table in found.lookups} == {"X"}
+
+
+def test_a_table_is_of_the_axis_that_is_said() -> None:
+    old = OldFile("a.comp", "0 0 0\n100 100.01 100.01\n", axis="Y")
+    assert {table.axis for table in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
+
+
+def test_a_height_without_its_place() -> None:
+    mesh = Mesh(np.array([0.0, 0.1]), np.array([0.0, 0.1]), np.zeros((2, 2)))
+    with pytest.raises(TableError, match=r"'M421 I0 Z0\.05' says no height of a point"):
+        marlin.read("M421 I0 J0 Z0.01\nM421 I0 Z0.05", mesh)
+
+
+def test_a_folder_without_files(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match="there is no file in this folder"):
+        read_old([str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"unit": "cm"}, '"cm" is not the unit of a machine'),
+        ({"points": 1}, "a table of 1 points"),
+        ({"points": 5001}, "a table of 5001 points"),
+        ({"mesh": 1}, "a mesh of 1 points a side"),
+        ({"encoder": 3}, "measuring system 3"),
+        ({"numbers": {"X": (-1,)}}, "numbers of axes are negative"),
+        ({"origin": "record"}, '"record" is not the hash of a record'),
+    ],
+)
+def test_a_choice_that_no_control_has(options: dict[str, object], what: str) -> None:
+    with pytest.raises(TableError, match=what):
+        ExportOptions(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "heidenhain", "isg", "sinumerik"])
+def test_an_axis_has_one_number_in_these_controls(controller: str) -> None:
+    options = ExportOptions(numbers={"X": (1, 2)})
+    with pytest.raises(TableError, match="X is given the numbers 1 and 2"):
+        options.numbered(THREE)
+
+
+@pytest.mark.parametrize("controller", ["isg-etalon", "linuxcnc-volumetric"])
+def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
+    with pytest.raises(TableError, match="the machine has 2 linear axes"):
+        export(read_of(LATHE), controller, ExportOptions())
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        (ExportOptions(pivots=True), "Leave --pivots out"),
+        (ExportOptions(spacing=0.01), "spacing"),
+    ],
+)
+def test_the_whole_correction_refuses_what_it_does_itself(options: ExportOptions, what: str) -> None:
+    with pytest.raises(TableError, match=what):
+        export(read_of(THREE), "linuxcnc-volumetric", options)
+
+
+def test_uneven_points_where_the_control_knows_one_distance() -> None:
+    uneven = table("X", "X", [0.0, 0.01, 0.03])
+    with pytest.raises(TableError, match="not evenly spaced"):
+        leadscrew.write(uneven, 1, False)
+    with pytest.raises(TableError, match="not evenly spaced"):
+        writing.write([uneven], [], {"X": "X1"})
+
+
+def test_what_a_lincurve_cannot_hold() -> None:
+    wiring = cross.Wiring({"X": (0,), "Y": (1,)}, {"X": 0.1, "Y": 0.1}, "mm")
+    assert cross.write([], wiring) == ""
+    with pytest.raises(TableError, match="the table of X over Y has 17 points, a lincurve holds 16"):
+        cross.write([table("X", "Y", np.linspace(0, 0.2, 17).tolist())], wiring)
+    with pytest.raises(TableError, match="Z has no joint in LinuxCNC"):
+        cross.write([table("X", "Z", [0.0, 0.1])], wiring)
+
+
+def table(axis: str, over: str, at: list[float]) -> CompensationTable:
+    zeros = np.zeros(len(at))
+    return CompensationTable(axis, False, np.array(at), zeros, zeros, zeros, over)
+
+
+def read_of(machine: Machine) -> Estimate:
+    model = ErrorModel(machine)
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(6).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
