@@ -8,7 +8,12 @@ over all travel and over the part, what endless readings would leave, and the ti
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.description.campaign import campaign_from_texts
@@ -16,8 +21,11 @@ from axiscal.design.gains.covariance import Covariance
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.motion import travel_seconds
+from axiscal.measurement.chart_places import arrivals_of
+from axiscal.measurement.place import Places
 from axiscal.measurement.travel import held_seconds
 from axiscal.numerics.threads import one_thread
+from benchmarks.rests_as_noise import left_with_rests_as_noise
 
 _TOOL = 'tool_length = "{tool}"\ntool_eccentricity = "0 um"\n'
 _HEAD = f'machine = "dmu60"\n{_TOOL}[target]\nreadings = 1\n{{target}}\n[[artefacts]]\nname = "balls"\n'
@@ -36,6 +44,11 @@ _CASES: tuple[tuple[str, str, str, int, str, str], ...] = (
     ("three balls, 15 deg, part not aligned", "1.5 um", "", 15, "0 um", f"{_PART}\naligned = false"),
     ("three balls, 15 deg, part", "1.5 um", "", 15, "0 um", _PART),
 )
+
+_ASKED = (16.729, 11.332, 15.292, 10.430, 4.13, 2.54)
+"""um, as counted elsewhere."""
+_CLOSED = 1e-6
+"""rad: a turn that ends where it began."""
 
 
 def described(noise: str, ball: str, step: int, tool: str, target: str) -> Case:
@@ -61,6 +74,28 @@ def figures(case: Case) -> tuple[int, float, float, float]:
     )
 
 
+def every_pose(case: Case) -> Places:
+    """Return every pose of a raster that can be taken, a full turn once, with or without room to come to it."""
+    (setup,) = case.description.setups
+    chart, machine = setup.chart, case.description.machine
+    assert chart is not None
+    values = [chart.bounds(number).values for number in range(chart.size)]
+    grid = np.stack([each.ravel() for each in np.meshgrid(*values, indexing="ij")], axis=1)
+    turned = machine.axes[0].travel[1] - _CLOSED
+    grid = grid[(grid[:, -2] < turned) & chart.feasible(chart.poses(grid))]
+    come = arrivals_of(machine, setup, chart, grid, np.ones_like(grid))
+    return Places.of_setup(0, chart.poses(grid), np.nan_to_num(come))
+
+
+def _as_counted_elsewhere() -> None:
+    print("\nevery pose of the raster, room to come to it or not; rests as noise; of the part without reversals")
+    for (name, noise, ball, step, tool, target), asked in zip(_CASES, _ASKED, strict=True):
+        case = described(noise, ball, step, tool, target)
+        places = every_pose(case)
+        left = left_with_rests_as_noise(case, places, "reversal" if target else "")
+        print(f"{name:42} {len(places):5} {left:7.3f}   asked for {asked:6.3f}")
+
+
 @one_thread()
 def main() -> None:
     """Print the figures."""
@@ -68,6 +103,7 @@ def main() -> None:
     for name, noise, ball, step, tool, target in _CASES:
         count, before, left, endless = figures(described(noise, ball, step, tool, target))
         print(f"{name:42} {count:5} {before:7.2f} {left:7.3f} {endless:9.3f}")
+    _as_counted_elsewhere()
     chart = described("1 um", 'ball = "low"\n', 15, "0 um", "").description.setups[0].chart
     if chart is not None:
         start, stop = np.zeros((1, 2)), np.radians([[90.0, 30.0]])

@@ -9,7 +9,12 @@ from both sides. Last the proof on a chart of two coordinates against random pos
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.bound.chart_boxes import largest_on_chart
@@ -20,6 +25,7 @@ from axiscal.measurement.chart_places import arrivals_of, chart_candidates
 from axiscal.measurement.charts.arrivals import has_room
 from axiscal.measurement.place import Places
 from axiscal.numerics.threads import one_thread
+from benchmarks.rests_as_noise import left_with_rests_as_noise
 
 _MIDDLE, _LENGTH = {"X": 300, "Y": 200, "Z": 200}, {"X": 600, "Y": 400, "Z": 400}
 _LEGS = (("X", "y", "xy"), ("Y", "x", "xy"), ("Y", "z", "yz"), ("Z", "y", "yz"), ("Z", "x", "zx"), ("X", "z", "zx"))
@@ -123,18 +129,22 @@ def _proof() -> None:
     print(f"proof at a ball, gap 1 %: {found.upper / best:.5f} times the largest of {tried:,} random poses")
 
 
+def _row(name: str, case: Case, asked: tuple[float, float]) -> None:
+    count, left, endless = figures(case)
+    noisy = left_with_rests_as_noise(case, everything(case))
+    print(f"{name:32} {count:8} {left:7.3f} {endless:8.3f} {noisy:15.3f}   {asked[0]:6.2f} {asked[1]:6.2f}")
+
+
 @one_thread()
 def main() -> None:
     """Print the figures."""
-    print(f"{'':32} readings    left  endless   asked for, um")
-    count, left, endless = figures(_case(bar("xy", 30, -70), ""))
-    print(f"{'bar in xy, not aligned':32} {count:8} {left:7.3f} {endless:8.3f}   14.564 14.483")
+    print(f"{'':32} readings    left  endless  rests as noise   asked for, um")
+    _row("bar in xy, not aligned", _case(bar("xy", 30, -70), ""), (14.564, 14.483))
     bars = "".join(bar(plane, 3, -70) for plane in ("xy", "yz", "zx"))
     parts = {"bar": bars, "lasers": _lasers(), "squares": _squares(), "levels": _levels()}
     for name, asked in _ASKED.items():
         setups = "".join(parts[part] for part in name.split(", "))
-        count, left, endless = figures(_case(setups, "aligned = true"))
-        print(f"{name:32} {count:8} {left:7.3f} {endless:8.3f}   {asked[0]:6.2f} {asked[1]:6.2f}")
+        _row(name, _case(setups, "aligned = true"), asked)
     _proof()
 
 
