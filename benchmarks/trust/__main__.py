@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from benchmarks.trust.attack_table import FIRST, attack_rows, attacked, goal_lines, kept_outcomes, processes_here
+from axiscal.study.work import processors_here
+from benchmarks.trust.attack_table import FIRST, attack_rows, attacked, goal_lines
 from benchmarks.trust.causes import cause_rows
 from benchmarks.trust.curves import CASES, DATA, iso_test
 from benchmarks.trust.displays import display_rows
@@ -203,8 +204,7 @@ def _causes(args: argparse.Namespace) -> Iterator[str]:
 
 
 def _attacks(args: argparse.Namespace) -> Iterator[str]:
-    kept = kept_outcomes()
-    machines = attacked(kept, args.attacked, args.processes, 60 * args.minutes)
+    kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes)
     if not machines:
         return
     yield _ATTACKS.format(machines=machines, first=FIRST).strip("\n")
@@ -256,7 +256,7 @@ def main() -> None:
     parser.add_argument("--learnt", type=int, default=200, help="virtual machines with wrong priors")
     parser.add_argument("--trials", type=int, default=100, help="machines with something wrong, of each kind")
     parser.add_argument("--attacked", type=int, default=100, help="machines in each cell of the attack table")
-    parser.add_argument("--processes", type=int, default=processes_here(), help="that attack at once")
+    parser.add_argument("--processes", type=int, default=processors_here(), help="that attack at once")
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which no more machines are attacked")
     parser.add_argument("--part", choices=list(PARTS), help="only this section, the others stay as they are")
     parser.add_argument("--out", type=Path, default=PAGE)

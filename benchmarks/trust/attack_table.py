@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
-import os
+import math
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import asdict
-from itertools import product
-from multiprocessing import Pool
+from itertools import product, takewhile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import stats
 
+from axiscal.campaign.versions import versions
+from axiscal.exceptions import StudyError
+from axiscal.study.processes import Processes
+from axiscal.study.results import Results
+from axiscal.study.running import run_missing
+from axiscal.study.study_case import canonical
+from axiscal.study.work import Engine, WorkItem, here
 from benchmarks.trust.attacks import ATTACKS, Attack, Outcome, outcome
 from benchmarks.trust.benches import PLACES, PRIORS
 from benchmarks.trust.sources import ROOT, version
@@ -37,77 +42,66 @@ class Trial(NamedTuple):
 
 
 CELLS = tuple(product(PLACES, PRIORS))
+Outcomes = dict[Trial, Outcome]
 
 
-class Kept:
-    """Outcomes of this version, one line of a file for each."""
+def attacked(machines: int, processes: int, seconds: float) -> tuple[Outcomes, int]:
+    """Try the machines that are missing, one of every cell after the other; return the outcomes of this version.
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.outcomes: dict[Trial, Outcome] = {}
-        text = path.read_text(encoding="utf-8") if path.exists() else ""
-        self._torn = bool(text) and not text.endswith("\n")
-        for line in text.splitlines():
-            with suppress(ValueError, KeyError, TypeError):  # the last line may be half written
-                row = json.loads(line)
-                self.outcomes[Trial(*row["trial"])] = Outcome(**row["outcome"])
-
-    def keep(self, trial: Trial, found: Outcome) -> None:
-        """Add an outcome."""
-        self.outcomes[trial] = found
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write("\n" * self._torn + json.dumps({"trial": trial, "outcome": asdict(found)}) + "\n")
-            self._torn = False
-
-
-def kept_outcomes() -> Kept:
-    """Return the outcomes of this version that are there already."""
-    beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
-    return Kept(_KEPT / f"{version(beside)}.jsonl")
-
-
-def attacked(kept: Kept, machines: int, processes: int, seconds: float) -> int:
-    """Try the machines that are missing, one of every cell after the other, and return how many every cell has now.
-
-    seconds : after which to stop; what is done is kept, and the next run goes on from there
+    seconds : after which no more are begun; what is done is kept, and the next run goes on from there
+    Returns with them how many machines every cell has now. Raises StudyError where one could not be tried.
     """
     wanted = [
         Trial(number, places, scales, FIRST + index)
         for index, number, (places, scales) in product(range(machines), range(len(ATTACKS)), CELLS)
     ]
-    missing, until = [trial for trial in wanted if trial not in kept.outcomes], time.monotonic() + seconds
-    with Pool(processes) as pool:
-        for trial, found in pool.imap_unordered(_tried, missing):
-            kept.keep(trial, found)
-            if time.monotonic() > until:
-                pool.terminate()
-                break
-    return _complete(kept, machines)
+    until = time.monotonic() + seconds
+    items = (WorkItem(_key(trial), trial) for trial in takewhile(lambda _: time.monotonic() < until, wanted))
+    beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
+    name = version(beside)
+    engine: Engine = Processes(processes) if processes > 1 else here
+    with Results(_KEPT / name, "attacks", name, versions(), resume=True) as results:
+        run_missing(results, items, len(wanted), tried, engine)
+        found = results.all()
+    if wrong := next((done for done in found.values() if done.result is None), None):
+        raise StudyError(f"{wrong.key} could not be tried: {wrong.error}", f"Mend it, and remove {_KEPT / name}")
+    outcomes = {Trial(*json.loads(key)): _outcome(done.result or {}) for key, done in found.items()}
+    return outcomes, _complete(outcomes, machines)
 
 
-def _tried(trial: Trial) -> tuple[Trial, Outcome]:
-    return trial, outcome(ATTACKS[trial.attack], trial.places, trial.scales, trial.seed)
+def _key(trial: Trial) -> str:
+    return canonical(list(trial))
 
 
-def _complete(kept: Kept, machines: int) -> int:
+def tried(trial: Trial) -> dict[str, Any]:
+    """Return the outcome of one machine, what is not a number as none."""
+    found = asdict(outcome(ATTACKS[trial.attack], trial.places, trial.scales, trial.seed))
+    return {name: None if value != value else value for name, value in found.items()}
+
+
+def _outcome(result: dict[str, Any]) -> Outcome:
+    ratio, inside = (math.nan if result[name] is None else float(result[name]) for name in ("ratio", "inside"))
+    return Outcome(ratio, inside, str(result["word"]))
+
+
+def _complete(kept: Outcomes, machines: int) -> int:
     """Return how many of the first machines are there in every cell."""
     for index in range(machines):
         cells = product(range(len(ATTACKS)), CELLS)
-        if any(Trial(number, *cell, FIRST + index) not in kept.outcomes for number, cell in cells):
+        if any(Trial(number, *cell, FIRST + index) not in kept for number, cell in cells):
             return index
     return machines
 
 
-def attack_rows(kept: Kept, machines: int) -> Iterator[str]:
+def attack_rows(kept: Outcomes, machines: int) -> Iterator[str]:
     """Yield the lines of the table: one for each attack, a cell for each of places and priors."""
     for number, attack in enumerate(ATTACKS):
         cells = [_cell(_outcomes(kept, number, cell, machines)) for cell in CELLS]
         yield f"| {attack.words} | {' | '.join(cells)} |"
 
 
-def _outcomes(kept: Kept, attack: int, cell: tuple[str, str], machines: int) -> list[Outcome]:
-    return [kept.outcomes[Trial(attack, *cell, FIRST + index)] for index in range(machines)]
+def _outcomes(kept: Outcomes, attack: int, cell: tuple[str, str], machines: int) -> list[Outcome]:
+    return [kept[Trial(attack, *cell, FIRST + index)] for index in range(machines)]
 
 
 def _cell(found: Sequence[Outcome]) -> str:
@@ -127,7 +121,7 @@ def limits(count: int, of: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-def goal_lines(kept: Kept, machines: int) -> Iterator[str]:
+def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
     """Yield in words how many cells reach the goal, and which surely do not."""
     cells = [
         (attack, cell, sum(each.silent for each in _outcomes(kept, number, cell, machines)))
@@ -152,8 +146,3 @@ def _missed(cells: Iterable[tuple[Attack, tuple[str, str], int]], machines: int)
 
 
 _PRIOR = {"stated": "stated", "estimate": "learnt"}
-
-
-def processes_here() -> int:
-    """Return how many may work at once."""
-    return os.cpu_count() or 1

@@ -11,13 +11,11 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.report.findings import findings
 from axiscal.simulation import Simulator, VirtualMachine
-from benchmarks.trust.measured import BAND
+from axiscal.study.coverage import curves_held, tcp_held
 
 _LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\napproach = "both"\n'
 _ANGLE = '[[setups]]\nname = "angle {0}"\ninstrument = "autocollimator"\ndirection = "{0}"\n'
@@ -70,19 +68,16 @@ def covered(name: str, wrong: float, machines: int) -> Coverage:
 def _one(problem: Case, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
     rng = np.random.default_rng((seed, 9))
     estimation = concluded(problem, read_evenly(problem, machine, rng, readings))
-    inside = [_curve(estimation, index, machine) for index in range(len(machine.curves))]
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
     approaches = rng.choice([-1.0, 1.0], poses.shape)
-    mean, std = tcp_prediction(estimation, poses, approaches)
-    moves = std > 0
-    tcp = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
+    tcp = tcp_held(estimation, machine, poses, approaches)
     said = (
         any(finding.code in ("prior-misfit", "lack-of-fit") for finding in findings(estimation))
         if seed < _JUDGED
         else np.nan
     )
-    return float(np.mean(np.concatenate(inside))), float(tcp.mean()), float(said)
+    return curves_held(estimation, machine), tcp, float(said)
 
 
 def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> list[Reading]:
@@ -96,15 +91,6 @@ def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator
         approach = tuple(int(sign) for sign in rng.choice([-1, 1], len(low)))
         taken.append(Reading(setup.name, pose, approach, machine.read(setup, pose, approach, rng)))
     return taken
-
-
-def _curve(estimation: Estimation, index: int, machine: VirtualMachine) -> Array:
-    """Return at 101 positions whether one error's band holds its truth."""
-    function = estimation.banded.case.errors.functions[index]
-    positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
-    mean, std = estimation.estimate().curve(function.name, positions)
-    held: Array = (np.abs(machine.curves[index](positions) - mean) <= BAND * std).astype(float)
-    return held
 
 
 @dataclass(frozen=True)

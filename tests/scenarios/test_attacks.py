@@ -11,21 +11,21 @@ from scipy import stats
 
 from benchmarks.trust import attack_table
 from benchmarks.trust.__main__ import renewed, stamp
-from benchmarks.trust.attack_table import CELLS, FIRST, Kept, Trial, attack_rows, attacked, goal_lines, limits
+from benchmarks.trust.attack_table import CELLS, FIRST, Outcomes, Trial, attack_rows, attacked, goal_lines, limits
 from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
 from benchmarks.trust.sources import ROOT, version
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
 
 
-def filled(path: Path, machines: int, word: str = "holds", ratio: float = 1.0) -> Kept:
+def filled(machines: int, word: str = "holds", ratio: float = 1.0) -> Outcomes:
     """Return outcomes of so many machines in every cell."""
-    kept = Kept(path)
-    for index in range(machines):
-        for number in range(len(ATTACKS)):
-            for cell in CELLS:
-                kept.keep(Trial(number, *cell, FIRST + index), Outcome(ratio, 0.95, word))
-    return kept
+    return {
+        Trial(number, *cell, FIRST + index): Outcome(ratio, 0.95, word)
+        for index in range(machines)
+        for number in range(len(ATTACKS))
+        for cell in CELLS
+    }
 
 
 def test_there_are_at_least_sixteen_ways_of_being_wrong() -> None:
@@ -70,8 +70,8 @@ def test_a_failure_is_silent_where_the_verdict_holds_and_the_truth_is_far_worse(
     assert not Outcome(1.4, 0.9, "holds").silent
 
 
-def test_a_row_has_a_cell_for_each_of_places_and_priors(tmp_path: Path) -> None:
-    rows = list(attack_rows(filled(tmp_path / "kept.jsonl", 2), 2))
+def test_a_row_has_a_cell_for_each_of_places_and_priors() -> None:
+    rows = list(attack_rows(filled(2), 2))
     assert len(rows) == len(ATTACKS)
     assert all(row.count("|") == 8 for row in rows)
     assert "1.0, 95%, 100%, **0%** (0%–84%)" in rows[0]  # (1 - 0.025^(1/2)), of none in two
@@ -83,45 +83,35 @@ def test_the_limits_of_a_share_are_those_of_clopper_and_pearson() -> None:
     assert high == pytest.approx(stats.beta.ppf(0.975, 4, 37))
 
 
-def test_cells_beyond_the_goal_are_named(tmp_path: Path) -> None:
-    few, many = (" ".join(goal_lines(filled(tmp_path / f"{ratio}", 3, ratio=ratio), 3)) for ratio in (1.0, 2.0))
+def test_cells_beyond_the_goal_are_named() -> None:
+    few, many = (" ".join(goal_lines(filled(3, ratio=ratio), 3)) for ratio in (1.0, 2.0))
     assert "More than that" not in few
     assert "nothing (planned, stated) 100%" in many
 
 
 def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
-    path, tried = tmp_path / "kept.jsonl", []
+    monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "kept")
+    tried = []
 
     def counted(attack: object, places: str, scales: str, seed: int) -> Outcome:
         tried.append((places, scales, seed))
-        return Outcome(1.0, 0.95, "holds")
+        if len(tried) == 4:
+            raise KeyboardInterrupt
+        return Outcome(np.nan if places == "random" else 1.0, 0.95, "holds")
 
     monkeypatch.setattr(attack_table, "outcome", counted)
-    monkeypatch.setattr(attack_table, "Pool", Here)
-    assert attacked(Kept(path), 2, 1, np.inf) == 2
-    path.write_text(path.read_text()[:-20])  # the last line was being written
-    assert attacked(Kept(path), 2, 1, np.inf) == 2
-    assert attacked(Kept(path), 3, 1, np.inf) == 3
+    with pytest.raises(KeyboardInterrupt):
+        attacked(2, 1, np.inf)
+    outcomes, machines = attacked(2, 1, np.inf)
+    assert machines == 2
+    assert {each.word for each in outcomes.values()} == {"holds"}
+    assert {trial.places for trial, each in outcomes.items() if np.isnan(each.ratio)} == {"random"}
+    assert attacked(3, 1, np.inf)[1] == 3
+    assert attacked(2, 1, np.inf)[1] == 2
     assert len(tried) == 3 * len(CELLS) + 1
-    assert attacked(Kept(tmp_path / "other"), 2, 1, 0.0) == 0
-
-
-class Here:
-    """A pool that works here."""
-
-    def __init__(self, _processes: int) -> None:
-        self.imap_unordered = map
-
-    def __enter__(self) -> Here:
-        """Begin."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """End."""
-
-    def terminate(self) -> None:
-        """Stop."""
+    monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "other")
+    assert attacked(2, 1, 0.0) == ({}, 0)
 
 
 def test_a_section_says_which_sources_it_was_measured_with() -> None:

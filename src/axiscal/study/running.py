@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import closing
+from itertools import chain
 from typing import NamedTuple
 
 from axiscal.study.results import Results
@@ -23,22 +24,23 @@ class Ran(NamedTuple):
 
 def run_missing(
     results: Results,
-    questions: Iterable[WorkItem],
+    items: Iterable[WorkItem],
     count: int,
     solve: Solve,
     engine: Engine,
     watch: Watch = lambda done, of: None,
 ) -> Ran:
-    """Work on all questions that have no result yet, and keep what comes of them; each is on the disk at once.
+    """Work on all items that have no result yet, and keep what comes of them; each is on the disk at once.
 
-    count : of all questions.  Raises StudyError, SchedulerError, KeyboardInterrupt; what was kept is kept.
+    count : of all items.  Raises StudyError, SchedulerError, KeyboardInterrupt; what was kept is kept.
     """
     there = results.keys()
     missing, done = count - len(there), 0
-    watch(0, missing)
-    if missing > 0:
-        left = (question for question in questions if question.key not in there)
-        with closing(engine(solve, left)) as coming:
+    left = (item for item in items if item.key not in there)
+    first = next(left, None)
+    if first is not None:  # an engine takes seconds to begin
+        watch(0, missing)
+        with closing(engine(solve, chain([first], left))) as coming:
             for found in coming:
                 results.keep(found)
                 done += 1
