@@ -74,7 +74,10 @@ def _verdict(path: Path, folder: Path) -> tuple[str, bool]:
 
 
 def _looked_at(path: Path, folder: Path) -> str:
-    description = read_campaign(path, target_needed=False, asking=False)
+    try:
+        description = read_campaign(path, target_needed=False, asking=False)
+    except InputError as refused:  # such as one that goes on from a record which its own scenario makes first
+        return f"refused: {refused}"[:200]
     machine, text = printed_machine(description.machine.text), path.read_text(encoding="utf-8")
     said = Said(text, machine)
     target = [] if "[target]" in text else ["--readings", "12"]
