@@ -8,6 +8,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import question_document, question_text
+from axiscal.estimation.deciding import Contest
 from axiscal.guide.question import Question
 from axiscal.measurement.place import Place
 from axiscal.record.events import Asked
@@ -46,3 +47,33 @@ def test_a_reading_that_decides_nothing_says_nothing_of_it(tmp_path: Path) -> No
         assert isinstance(asked, Asked)
         assert Question.of(campaign, asked).decides == ""
         assert question_document(campaign, asked)["decides"] == ""
+
+
+def test_a_reading_that_is_taken_back_and_vouched_for_competes_anew(tmp_path: Path) -> None:
+    """An implausible reading competes with nothing until somebody vouches for it: then it is the cause, not a step.
+
+    The judge is the same record opened by somebody who did not look before.
+    """
+    description, rng, path = CASE.description, np.random.default_rng(3), tmp_path / "c.axiscal"
+    drawn, setup = Simulator(description.machine, description.setups).drawn(3), description.setups[0]
+
+    def fresh() -> Contest | None:
+        with Campaign.open(path, write=False) as other:
+            return other.contest()
+
+    with Campaign.create(path, description) as campaign:
+        for x in np.linspace(0.013, 0.987, 12).tolist():
+            value = drawn.read(setup, (x,), (1,), rng) + 15e-6 * (x > 0.43)
+            campaign.record(value, at=Place("laser", (x,), (1,)), live=False)
+            if campaign.contest() is not None:
+                break
+        far = Place("laser", (0.995,), (1,))
+        wrong = drawn.read(setup, far.pose, (1,), rng) + 150e-6
+        campaign.record(wrong, at=far, live=False)
+        doubted = campaign.contest()
+        campaign.undo()
+        campaign.record(wrong, at=far, accepted=True, live=False)
+        believed = campaign.contest()
+    assert doubted is not None
+    assert doubted != believed
+    assert believed == fresh()

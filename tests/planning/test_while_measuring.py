@@ -97,10 +97,10 @@ def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start)
     known = campaign.known().accuracy.rms
     asked = question(campaign)
     campaign.record(source.read(campaign.request(asked)).value + OFF)
-    assert campaign.known().accuracy.rms == pytest.approx(known, rel=1e-4)  # how far others are believed moves
+    assert campaign.known().accuracy.rms > (1 - 1e-4) * known  # it makes nothing better known
     left = len(campaign.state.plan)
     question(campaign)
-    deciding = "13 rejected, to decide between bad of laser and bump of EXX after 13"
+    deciding = "13 rejected, to decide between bad of laser and detail of EXX after 13"
     assert [plan.basis for plan in plans(campaign)] == ["", deciding]
     assert (len(plans(campaign)[-1].places), left) == (4, 3)  # the reading that decides comes before them
 

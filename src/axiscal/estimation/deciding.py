@@ -40,7 +40,7 @@ _FEWEST, _CANDIDATES = 6, 160
 """Fewer readings leave everything open; one of so many candidates is near the best of a curve of some tens of knots."""
 _TELLS = 2.0
 """Standard deviations by which the two predictions differ where a reading decides: less would be asked for in vain."""
-_ONE_CAUSE: frozenset[Family] = frozenset({"drift", "levelling"})
+_ONE_CAUSE: tuple[frozenset[Family], ...] = (frozenset({"drift", "levelling"}), frozenset({"bump", "detail"}))
 """Families that differ in how, not in what to do."""
 
 
@@ -84,7 +84,8 @@ def _rivals(found: Watched) -> tuple[Explanation, Explanation] | None:
 
 
 def _alike(one: Explanation, other: Explanation) -> bool:
-    return one.owner == other.owner and {one.family, other.family} <= _ONE_CAUSE
+    both = {one.family, other.family}
+    return one.owner == other.owner and any(both <= each for each in _ONE_CAUSE)
 
 
 def _decided(

@@ -30,7 +30,7 @@ from axiscal.numerics.remembered import remembered
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 
-COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump", "together"})
+COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump", "detail", "together"})
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""

@@ -49,6 +49,7 @@ def cause_words(found: Explanation) -> str:
         "step": said("{owner} steps", owner=found.owner),
         "pitch": said("{owner} repeats along its axis", owner=found.owner),
         "bump": said("{owner} has a detail that its knots do not follow", owner=found.owner),
+        "detail": said("{owner} has a detail that is narrower than its knots are apart", owner=found.owner),
         "reversal": said("{owner} is not the same everywhere", owner=found.owner),
         "scale": said("{owner} is linear, as by temperature or a wrong scale", owner=found.owner),
         "together": said("{owner}: two axes do together what no sum of their curves holds", owner=found.owner),

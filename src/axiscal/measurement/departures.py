@@ -6,7 +6,7 @@ with places has one column for each place that it may be at.
     drift             τ, hours since the set-up began; levelling off 1 − exp(−3τ)
     step              1 where the axis is beyond a place, times the lever of the error
     pitch             cos, sin 2πt/p times the lever (screw pitch, encoder line)
-    bump              exp(−(t − c)²/w²) times the lever
+    bump, detail      exp(−(t − c)²/w²) times the lever, w the spacing of the knots, or half of it
     reversal varies   ±½ exp(−(t − c)²/w²), w a quarter of the travel, times the lever
     scale             (t − middle)/travel times the lever (thermal growth, a wrong scale)
     together          twist u v of two linear axes, or sag of both, u, v their shares of the travel, times the lever
@@ -29,7 +29,7 @@ from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
-Family = Literal["drift", "levelling", "step", "pitch", "bump", "reversal", "scale", "together", "bad"]
+Family = Literal["drift", "levelling", "step", "pitch", "bump", "detail", "reversal", "scale", "together", "bad"]
 
 _HOUR, _LEVELLING = 3600.0, 1200.0
 """s: a drift is counted by the hour, and a machine that stood levels out in twenty minutes, or about."""
@@ -39,8 +39,9 @@ _PITCHES = (5e-3, 10e-3, 20e-3)
 """Usual pitches of screws, m, where an axis states none."""
 _FINEST, _MOST_PITCHES = 2.0, 60
 """A scan over frequencies ends at so many turns per reading, and takes at most so many."""
-_OWN_SHARE, _QUARTER = 0.8, 0.25
-"""Shares: bumps overlap a little, and a hump is half as wide as the travel."""
+_OWN_SHARE, _QUARTER, _NARROW = 0.8, 0.25, 0.5
+"""Shares: bumps overlap a little, a varying reversal is half as wide as the travel, a detail half as wide as a bump."""
+_HUMPS: tuple[Family, ...] = ("bump", "detail")
 _FELT = 1e-12
 """m/rad, 1, or rad/rad: rounding of a lever."""
 _POINTS = 400
@@ -213,7 +214,9 @@ def _possible(
         yield from (("reversal", float(centre)) for centre in np.linspace(low, high, 5))
         return
     yield from (("step", float(place)) for place in np.linspace(low, high, search.steps + 2)[1:-1])
-    yield from (("bump", float(place)) for place in np.arange(low, high, _OWN_SHARE * _spacing(function, axis)))
+    for family in _HUMPS:
+        apart = _OWN_SHARE * _width(family, function, axis)
+        yield from ((family, float(place)) for place in np.arange(low, high, apart))
     yield "scale", 0.0
     yield from (("pitch", pitch) for pitch in _pitches(observation, function, axis, count, search))
 
@@ -229,8 +232,7 @@ def shape(family: Family, place: float, function: ErrorFunction, axis: Axis, at:
     if family == "scale":
         linear: Array = ((at - (low + high) / 2) / (high - low))[:, None]
         return linear
-    width = _QUARTER * (high - low) if family == "reversal" else _spacing(function, axis)
-    hump: Array = np.exp(-(((at - place) / width) ** 2))[:, None]
+    hump: Array = np.exp(-(((at - place) / _width(family, function, axis)) ** 2))[:, None]
     return hump
 
 
@@ -256,6 +258,13 @@ def _grid(pair: tuple[int, int], axes: Sequence[Axis]) -> Array:
     lines = [np.linspace(*axes[k].travel, _SIDE) for k in pair]
     poses[:, list(pair)] = np.stack([each.ravel() for each in np.meshgrid(*lines)], axis=1)
     return poses
+
+
+def _width(family: Family, function: ErrorFunction, axis: Axis) -> float:
+    """Return how wide a hump is, m or rad."""
+    if family == "reversal":
+        return _QUARTER * axis.length
+    return _spacing(function, axis) * (_NARROW if family == "detail" else 1.0)
 
 
 def _spacing(function: ErrorFunction, axis: Axis) -> float:

@@ -28,6 +28,7 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
         "step": later("a step in {owner}"),
         "pitch": later("an error of {owner} within a turn of its screw"),
         "bump": later("a detail of {owner}"),
+        "detail": later("a detail of {owner} narrower than its knots are apart"),
         "reversal": later("a reversal that varies, {owner},"),
         "together": later("what two axes do together, {owner},"),
     }

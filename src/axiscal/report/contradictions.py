@@ -101,6 +101,10 @@ def _of_error(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     if each.family == "bump":
         remedy = said("read more densely there, and give it more knots")
         return said("{name} seems to have a bump of {size} near {place}", **told), remedy
+    if each.family == "detail":
+        what = "{name} seems to have a detail of {size} near {place}, narrower than its knots are apart"
+        remedy = said("read there again and on both sides of it: one reading cannot tell a detail from a slip")
+        return said(what, **told), remedy
     if each.family == "reversal":
         return said("{name} seems to be another by {size} near {place}", **told), said("give the reversal knots")
     remedy = said("state the temperature, or a larger std")

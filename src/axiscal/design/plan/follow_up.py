@@ -32,7 +32,7 @@ def follow_up(task: Task, taken: Places, ends: Array, count: int, budget: float 
     """
     times = clock(task)
     last = float(ends[-1]) + count * float(times.reading.max())
-    later = _at(watch(task.observation, task.yardstick, task.lattice, taken, ends), 1.0)
+    later = _at(watch(task.observation, task.yardstick, task.lattice, taken, ends, "detail"), 1.0)
     scores = DefendedScores(
         Pool(task.observation, task.lattice, task.memory), task.state, later, task.yardstick, _SQUARINGS
     )

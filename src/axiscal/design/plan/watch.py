@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ places of a step left the others as they were: on a mill 4.7 um were vouched for
 """
 _PARTS = 1000
 """Where no side is asked for, every other thousandth of the travel is read on the way back."""
+
+
+Humps = Literal["bump", "detail"]
 
 
 class OneWay(NamedTuple):
@@ -169,15 +172,23 @@ def _shares(ends: Array) -> Array:
     return shares
 
 
-def watch(observation: Observation, yardstick: Yardstick, lattice: Places, order: Places, ends: Array) -> Watch:
+def watch(
+    observation: Observation,
+    yardstick: Yardstick,
+    lattice: Places,
+    order: Places,
+    ends: Array,
+    humps: Humps = "bump",
+) -> Watch:
     """Return what readings at the places of a lattice are to be watched for.
 
     lattice : the candidates; order : readings of a plan, from which the way is known where several axes move
-    ends : (m,) when each of them ends, s
+    ends : (m,) when each of them ends, s; humps : which of both, readings that would show every detail show the bumps
     """
     known: dict[int, RoundTrip | ShortWay] = {**_evenly(observation), **_on_short_ways(observation, order, ends)}
     times: Times = MappingProxyType(known)
-    found = _thinned([each for each in _departures(observation, lattice, times) if each.family in COUNTED])
+    sought = COUNTED - set(get_args(Humps)) | {humps}
+    found = _thinned([each for each in _departures(observation, lattice, times) if each.family in sought])
     found = sorted(found, key=lambda each: each.columns.shape[1])
     fields = [
         (np.zeros((len(yardstick.root.matrix), 1)), 0.0) if each.function is None else field(yardstick, each)
