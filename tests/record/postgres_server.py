@@ -30,8 +30,8 @@ def programs() -> Path:
 class RunningServer:
     """A server that runs; address : of one of its databases."""
 
-    def __init__(self, folder: Path, bin_folder: Path) -> None:
-        self.folder, self._bin = folder, bin_folder
+    def __init__(self, folder: Path, bin_folder: Path, durable: bool) -> None:
+        self.folder, self._bin, self._durable = folder, bin_folder, durable
 
     def address(self, database: str = "postgres", user: str = OWNER) -> str:
         """Return the address of a database."""
@@ -43,7 +43,13 @@ class RunningServer:
 
     def start(self) -> None:
         """Start it."""
-        options = [*_QUICK, "-c", "listen_addresses=", "-c", f"unix_socket_directories={self.folder}"]
+        options = [
+            *([] if self._durable else _QUICK),
+            "-c",
+            "listen_addresses=",
+            "-c",
+            f"unix_socket_directories={self.folder}",
+        ]
         self.control("-l", str(self.folder / "log"), "-o", " ".join(options), "start")
 
     def stop(self, mode: str = "immediate") -> None:
@@ -57,8 +63,8 @@ def _as_nobody_much(command: list[str], folder: Path) -> None:
 
 
 @contextmanager
-def running_server() -> Iterator[RunningServer]:
-    """Yield a server; it and its folder are gone afterwards."""
+def running_server(*, durable: bool = False) -> Iterator[RunningServer]:
+    """Yield a server; it and its folder are gone afterwards.  durable : it waits for its disk, as it does in a shop"""
     bin_folder = programs()
     folder = Path(tempfile.mkdtemp(prefix="axiscal-pg-"))  # a socket's name has to be short
     try:
@@ -67,7 +73,7 @@ def running_server() -> Iterator[RunningServer]:
             os.chown(folder, account.pw_uid, account.pw_gid)
         make = [str(bin_folder / "initdb"), "-D", str(folder / "data"), "-U", OWNER, "-A", "trust", "-N", "-E", "UTF8"]
         _as_nobody_much([*make, "--locale=C"], folder)
-        server = RunningServer(folder, bin_folder)
+        server = RunningServer(folder, bin_folder, durable)
         server.start()
         try:
             yield server

@@ -15,8 +15,8 @@ from axiscal.record.postgres.address import StoreAddress
 
 _PATIENCE = 15.0
 """Seconds for an answer: a server of a shop answers in hundredths, a lost network never."""
-_LOCK = "4s"
-"""How long another writer is waited for."""
+_LOCK = 4000
+"""Milliseconds for which another writer is waited for."""
 _SENTENCES = {
     "28P01": ("The store does not take this password", "Put the right one into PGPASSWORD"),
     "28000": ("The store does not let this user in", "Ask whoever keeps it for an account"),
@@ -46,12 +46,17 @@ class Database:
         return list(found or [])
 
     @contextmanager
-    def transaction(self) -> Iterator[None]:
-        """Do all that the block does, or nothing; where the server goes away at the end it is not known which."""
-        self.rows("START TRANSACTION")
-        self._within = True
+    def transaction(self, held: str) -> Iterator[None]:
+        """Do all that the block does, or nothing; where the server goes away at the end it is not known which.
+
+        held : what nobody else may write to meanwhile, by a name
+        """
+        from pg8000.native import literal
+
         try:
-            self.rows(f"SET LOCAL lock_timeout = '{_LOCK}'")
+            # one question to the server; the lock comes before the first look at what there is
+            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock(hashtextextended({literal(held)}, 20))")
+            self._within = True
             yield
             self._commit()
         except BaseException:
@@ -69,10 +74,6 @@ class Database:
             raise RecordError(
                 what, "Look at it, then give the command again if it is not there", failure.file
             ) from None
-
-    def held(self, name: str) -> None:
-        """Keep all others from writing to what has this name, until the transaction ends."""
-        self.rows("SELECT pg_advisory_xact_lock(hashtextextended(:name, 20))", name=name)
 
     def close(self) -> None:
         """Close the connection."""
@@ -146,6 +147,7 @@ def _connected(address: StoreAddress) -> Any:
             sock=line,
             ssl_context=_tls(address),
             application_name="axiscal",
+            startup_params={"lock_timeout": str(_LOCK)},
         )
     except (Error, OSError, struct.error) as failure:
         line.close()

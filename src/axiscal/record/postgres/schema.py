@@ -73,7 +73,7 @@ def prepare(database: Database) -> bool:
     if _there(database):
         refuse_newer(database)
         return False
-    with database.transaction():
+    with database.transaction("tables"):
         for role in ROLES:
             database.rows(_ROLE.format(role=role))
         for script in (_TABLES, *(_KEPT.format(table=table) for table in ("campaigns", "events")), _RIGHTS):

@@ -62,8 +62,7 @@ class ServerLog:
         entry = Entry(campaign_of(first), name, None, None)
         with _closed_at_a_fault(database):
             refuse_newer(database)
-            with database.transaction():
-                database.held(f"name {name}")
+            with database.transaction(f"name {name}"):
                 if entries(database, name):
                     remedy = "Go on with it by `axiscal next`, or give the campaign another name"
                     raise RecordError("The store has a campaign of this name already", remedy, f"{PREFIX}{name}")
@@ -99,8 +98,7 @@ class ServerLog:
         """Keep events as they were written elsewhere, in one transaction; else as `append`."""
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
-        with self._database.transaction():
-            self._database.held(self.entry.id)
+        with self._database.transaction(self.entry.id):
             self._catch_up()
             refuse_overtaken(len(self._texts), after, self.path)
             story = self._story.then(rows, self.path)

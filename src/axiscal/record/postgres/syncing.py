@@ -43,8 +43,7 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     refuse_newer(database)
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
-    with database.transaction():
-        database.held(entry.id)
+    with database.transaction(entry.id):
         there = entries(database, entry.id)
         if not there:
             enter(database, entry)

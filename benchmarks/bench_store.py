@@ -1,0 +1,133 @@
+"""What the store of a shop costs: an index over 100,000 events, and a PostgreSQL server with eight writers.
+
+`python -m benchmarks.bench_store`; figures for docs/fleet.md. The server is one of its own, with its disk waited for.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from axiscal.exceptions import OvertakenError
+from axiscal.measurement.reading import Reading
+from axiscal.record.events import Created, Event, Recorded
+from axiscal.record.folder_index import FolderIndex
+from axiscal.record.log import chained_texts
+from axiscal.record.postgres.address import store_address
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.schema import prepare
+from axiscal.record.postgres.server_log import ServerLog
+from axiscal.record.postgres.syncing import synced
+from axiscal.record.store import Record
+from tests.record.postgres_server import running_server
+
+RECORDS, EVENTS, WRITERS, EACH = 200, 500, 8, 200
+CREATED = Created("", "", "", "", {})
+
+
+def reading(value: float) -> Recorded:
+    return Recorded(Reading("laser along X", (0.12, 0.25, 0.3), (1, 0, 0), value, time=12.5))
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _folder(folder)
+        with running_server(durable=True) as server:
+            address = server.address()
+            database = Database(store_address(address))
+            prepare(database)
+            _sent(database, folder)
+            _own(address)
+            _one(address)
+            database.close()
+
+
+def _folder(folder: Path) -> None:
+    for number in range(RECORDS):
+        events: list[Event] = [reading(1e-9 * n) for n in range(EVENTS - 1)]
+        with Record.create(folder / f"{number:03}.axiscal", Created("", "", "", str(number), {})) as record:
+            record.append(*events)
+    with FolderIndex.open(folder) as index:
+        built = _processor(index.refresh)
+        print(f"{RECORDS * EVENTS} events in {RECORDS} records; seconds of processor time: index built {built:.2f}")
+    with FolderIndex.open(folder) as index:
+        again, over_all = _processor(index.refresh), statistics.median(_processor(index.kinds) for _ in range(5))
+        print(f"  looked at again {again:.3f} s; one figure over all events {over_all:.3f} s")
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    begin = time.perf_counter()
+    work()
+    return time.perf_counter() - begin
+
+
+def _processor(work: Callable[[], object]) -> float:
+    begin = time.process_time()
+    work()
+    return time.process_time() - begin
+
+
+def _sent(database: Database, folder: Path) -> None:
+    begin = time.perf_counter()
+    for file in sorted(folder.glob("*.axiscal")):
+        with Record.open(file) as record:
+            synced(database, record, file.stem)
+    print(f"sent to PostgreSQL by sync, a transaction a record: {time.perf_counter() - begin:.1f} s")
+
+
+def _own(address: str) -> None:
+    """Eight writers, each in a campaign of its own: one commit an event."""
+    with multiprocessing.Pool(WRITERS) as pool:
+        spans = pool.starmap(_write, [(address, number) for number in range(WRITERS)])
+    waits = sorted(wait for _, _, each in spans for wait in each)
+    wall = max(end for _, end, _ in spans) - min(begin for begin, _, _ in spans)
+    rate, late = len(waits) / wall, waits[int(0.99 * len(waits))]
+    said = f"median {1e3 * statistics.median(waits):.1f} ms, p99 {1e3 * late:.0f} ms"
+    print(f"{WRITERS} writers, a campaign each: {rate:.0f} commits/s, {said}")
+
+
+def _write(address: str, number: int) -> tuple[float, float, list[float]]:
+    waits = list[float]()
+    with ServerLog.create(Database(store_address(address)), f"own {number}", CREATED) as log:
+        begin = time.monotonic()
+        for n in range(EACH):
+            waits.append(_seconds(lambda n=n: log.append(reading(1e-9 * n))))  # type: ignore[misc]
+        return begin, time.monotonic(), waits
+
+
+def _one(address: str) -> None:
+    """Eight writers fight for one campaign: what each was told is kept is there, without a gap."""
+    with ServerLog.create(Database(store_address(address)), "one", CREATED) as log:
+        with multiprocessing.Pool(WRITERS) as pool:
+            told = pool.starmap(_fight, [(address, number) for number in range(WRITERS)])
+        won = sorted(value for values, _ in told for value in values)
+        kept = sorted(each.value for each in log.state().readings)
+        whole = tuple(chained_texts(text.row for text in log.texts())) == log.texts()
+        numbers = [stored.number for stored in log.events()]
+    refused, gaps = sum(count for _, count in told), numbers != list(range(1, len(numbers) + 1))
+    lost, more = len(set(won) - set(kept)), len(set(kept) - set(won))
+    lost, more = len(set(won) - set(kept)), len(set(kept) - set(won))
+    print(f"{WRITERS} writers, one campaign: {len(won)} won, {refused} refused")
+    print(f"  lost {lost}, not acknowledged {more}, gaps {int(gaps)}, chain {'whole' if whole else 'broken'}")
+
+
+def _fight(address: str, number: int) -> tuple[list[float], int]:
+    won, refused = list[float](), 0
+    with ServerLog.open(Database(store_address(address)), "one") as log:
+        for n in range(EACH):
+            value = 1e-9 * (number * EACH + n)
+            try:
+                log.append(reading(value), after=log.last())
+                won.append(value)
+            except OvertakenError:
+                refused += 1
+    return won, refused
+
+
+if __name__ == "__main__":
+    main()
