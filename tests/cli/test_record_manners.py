@@ -149,3 +149,19 @@ def test_one_command_keeps_a_reading_and_says_the_next_one(record: Path, capsys:
     assert (document["reading"], document["next"]["question"]["reading"]) == (2, 3)
     document = json.loads(said(capsys, "next", str(record), "--json"))
     assert document["question"]["reading"] == 3
+
+
+def test_what_next_says_to_type_for_three_values_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The line is given as it stands, with numbers for its letters."""
+    sphere = '[[setups]]\nname = "ball"\ninstrument = "sphere"\nartefact = "ball"\nraster = { C = "90 deg" }\n'
+    ball = '[[artefacts]]\nname = "ball"\nballs = { one = ["50 mm", "0 mm", "0 mm"] }\n'
+    head = 'machine = "machine.toml"\ncompensation_active = false\n[target]\nreadings = 2\n'
+    axes: dict[str, tuple[float, float]] = {"C": (0, 360), "X": (-200, 200), "Y": (-200, 200), "Z": (-200, 200)}
+    (tmp_path / "machine.toml").write_text(machine_text("w-C'-b-X-Y-Z-t", axes, {"EXX EYY": "20 um"}))
+    (tmp_path / "campaign.toml").write_text(head + ball + sphere)
+    record = str(tmp_path / "ball.axiscal")
+    assert run(["start", str(tmp_path / "campaign.toml"), record]) == 0
+    line = re.search(r'record \S+ "(X um, Y um, Z um)"', said(capsys, "next", record))
+    assert line is not None
+    typed = line[1].replace("X", "1").replace("Y", "-2").replace("Z", "0.5")
+    assert "1 reading" in said(capsys, "record", record, typed) + said(capsys, "status", record)

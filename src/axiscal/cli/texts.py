@@ -8,6 +8,7 @@ from axiscal.campaign.ending import Ended
 from axiscal.guide.question import coming_text, go_text, parked_text, touch_text
 from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import reads_text
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
@@ -22,6 +23,8 @@ def micrometres(length: float) -> str:
 def question_text(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
+    each = ("X", "Y", "Z") if INSTRUMENTS[setup.instrument].values > 1 else ("VALUE",)
+    values = ", ".join(f"{name} {reading_unit(setup)}" for name in each)
     words = coming_text, touch_text, parked_text, deciding_text
     coming, touch, parked, decides = (word(campaign, asked) for word in words)
     lines = [
@@ -31,7 +34,7 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
         f"  parked    {parked}" if parked else "",
         f"  decides   {decides}" if decides else "",
-        f'  then      axiscal record {campaign.path} "VALUE {reading_unit(setup)}"',
+        f'  then      axiscal record {campaign.path} "{values}"',
     ]
     return "\n".join(line for line in lines if line)
 
