@@ -7,8 +7,9 @@ import re
 import threading
 import urllib.parse
 from collections.abc import Iterator
+from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
@@ -107,15 +108,24 @@ class Handler(BaseHTTPRequestHandler):
         """Nobody reads it."""
 
 
-@pytest.fixture
-def printer() -> Iterator[Server]:
-    server = Server()
+Printing = TypeVar("Printing", bound=Server)
+
+
+@contextmanager
+def serving(server: Printing) -> Iterator[Printing]:
+    """Yield a printer that answers."""
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     yield server
     server.shutdown()
     server.server_close()
     thread.join()
+
+
+@pytest.fixture
+def printer() -> Iterator[Server]:
+    with serving(Server()) as server:
+        yield server
 
 
 def opened(kind: str, server: Server) -> Any:

@@ -87,6 +87,13 @@ def export(
             "written with the component in them, with apply.sh and undo.sh, started without motors first.",
         ),
     ] = None,
+    load: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PRINTER",
+            help="klipper: moonraker:HOST, reprapfirmware: duet:HOST; the height map is put into it and is in force.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -100,6 +107,7 @@ def export(
       axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
+      axiscal export bed.axiscal --to klipper --load moonraker:voron.local --out mesh
     """
 
     if to == "list":
@@ -129,10 +137,19 @@ def export(
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
         deliver_export(offered, out, record_state(campaign))
+    done = None if load is None else _loaded(load, offered, name)
     if json:
-        say_document(_document(offered, out))
+        say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))
     else:
         say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
+        if done is not None:
+            say(done)
+
+
+def _loaded(printer: str, offered: Export, name: str) -> str:
+    from axiscal.campaign.printer_loader import load
+
+    return load(printer, offered.files, name)
 
 
 def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | None) -> Export:

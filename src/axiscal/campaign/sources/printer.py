@@ -95,9 +95,18 @@ class Printer(ABC):
     def probed(self, codes: list[str]) -> float:
         """Execute lines, probe, and return the height of the bed there, mm."""
 
-    def _ask(self, path: str, query: dict[str, str] | None = None, body: str | None = None) -> bytes:
+    def _ask(
+        self,
+        path: str,
+        query: dict[str, str] | None = None,
+        body: str | None = None,
+        method: str | None = None,
+        kind: str | None = None,
+    ) -> bytes:
+        """Return an answer; raises SourceError.  kind : of what is sent, where it is another than usual"""
         url = f"http://{self._host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
-        asked = urllib.request.Request(url, None if body is None else body.encode("ascii"))
+        headers = {} if kind is None else {"Content-Type": kind}
+        asked = urllib.request.Request(url, None if body is None else body.encode("ascii"), headers, method=method)
         try:
             with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
                 data: bytes = answer.read(_MOST + 1)
@@ -136,27 +145,32 @@ class Moonraker(Printer):
 
     def refuse_unready(self) -> None:
         """Ask for state, homing, mesh and skew."""
-        found = self._status("webhooks", "print_stats", "toolhead", "bed_mesh")
-        if _get(found, "webhooks", "state") != "ready":
-            raise self._not_ready(f"is {_get(found, 'webhooks', 'state')!r}, not ready", "Restart it")
-        if _get(found, "print_stats", "state") in ("printing", "paused"):
-            raise self._not_ready("prints", "Wait until it has ended")
-        if not set("xyz") <= set(str(_get(found, "toolhead", "homed_axes") or "")):
+        self.refuse_busy()
+        found = self._status("toolhead", "bed_mesh")
+        if not set("xyz") <= set(str(found_at(found, "toolhead", "homed_axes") or "")):
             raise self._not_ready("is not homed", "Send G28 first")
-        if _get(found, "bed_mesh", "profile_name"):
+        if found_at(found, "bed_mesh", "profile_name"):
             raise self._not_ready("has a bed mesh in force", "Send BED_MESH_CLEAR first")
+
+    def refuse_busy(self) -> None:
+        """Raise SourceError where it is not ready, or prints."""
+        found = self._status("webhooks", "print_stats")
+        if found_at(found, "webhooks", "state") != "ready":
+            raise self._not_ready(f"is {found_at(found, 'webhooks', 'state')!r}, not ready", "Restart it")
+        if found_at(found, "print_stats", "state") in ("printing", "paused"):
+            raise self._not_ready("prints", "Wait until it has ended")
 
     def probed(self, codes: list[str]) -> float:
         """Send the lines and PROBE; `last_z_result` is where it met the bed."""
         self._script("\n".join([*codes, "PROBE"]))
-        return self._height(_get(self._status("probe"), "probe", "last_z_result"))
+        return self._height(found_at(self._status("probe"), "probe", "last_z_result"))
 
     def _script(self, script: str) -> None:
         self._ask("/printer/gcode/script", {"script": script}, body="")
 
     def _status(self, *objects: str) -> dict[str, Any]:
         found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
-        status = _get(found, "result", "status")
+        status = found_at(found, "result", "status")
         if not isinstance(status, dict):
             raise self._failed("answers no status")
         return status
@@ -171,21 +185,33 @@ class Duet(Printer):
 
     def refuse_unready(self) -> None:
         """Ask the object model for state, homing and compensation."""
-        try:
-            found = self._document("/machine/model")
-        except SourceError:
-            self._alone = True
-            self._document("/rr_connect", {"password": ""})
-            parts = {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
-            found = dict(parts)
-        if _get(found, "state", "status") != "idle":
-            raise self._not_ready(f"is {_get(found, 'state', 'status')!r}, not idle", "Wait, or end what it does")
-        axes = _get(found, "move", "axes")
+        found = self.refuse_busy()
+        axes = found_at(found, "move", "axes")
         homed = [axis.get("homed") for axis in axes if isinstance(axis, dict)] if isinstance(axes, list) else []
         if len(homed) < 3 or not all(each is True for each in homed[:3]):
             raise self._not_ready("is not homed", "Send G28 first")
-        if str(_get(found, "move", "compensation", "type") or "none").lower() != "none":
+        if _compensation(found) != "none":
             raise self._not_ready("has a height map in force", "Send G29 S2 first")
+
+    def refuse_busy(self) -> dict[str, Any]:
+        """Return its object model; raises SourceError where it does anything."""
+        found = self._model()
+        if found_at(found, "state", "status") != "idle":
+            raise self._not_ready(f"is {found_at(found, 'state', 'status')!r}, not idle", "Wait, or end what it does")
+        return found
+
+    def compensation(self) -> str:
+        """Return the kind of compensation in force."""
+        return _compensation(self._model())
+
+    def _model(self) -> dict[str, Any]:
+        if not self._alone:
+            try:
+                return self._document("/machine/model")
+            except SourceError:
+                self._alone = True
+        self._document("/rr_connect", {"password": ""})
+        return {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
 
     def probed(self, codes: list[str]) -> float:
         """Send the lines and G30 S-1, which probes and only says at which height."""
@@ -213,7 +239,12 @@ class Duet(Printer):
         return said
 
 
-def _get(found: Any, *keys: str) -> Any:
+def _compensation(model: dict[str, Any]) -> str:
+    return str(found_at(model, "move", "compensation", "type") or "none").lower()
+
+
+def found_at(found: Any, *keys: str) -> Any:
+    """Return what stands under keys in an answer, None where nothing does."""
     for key in keys:
         found = found.get(key) if isinstance(found, dict) else None
     return found

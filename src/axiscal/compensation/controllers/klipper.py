@@ -119,6 +119,11 @@ def write_mesh(mesh: Mesh, name: str) -> str:
     return _HEADER + "".join(f"{_SAVED}{line}\n" for line in lines)
 
 
+def plain_profile(saved: str) -> str:
+    """Return a saved block as a file that printer.cfg may include."""
+    return saved.removeprefix(_HEADER).replace(f"\n{_SAVED}", "\n").removeprefix(_SAVED)
+
+
 def read_mesh(text: str, name: str) -> Mesh:
     """Return the mesh of a saved block as bed_mesh.py reads it; raises TableError."""
     _, header, block = text.partition(_HEADER)

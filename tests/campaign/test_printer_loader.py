@@ -1,0 +1,180 @@
+"""Height maps put into printers, against small servers that keep files and read them as the printers do."""
+
+from __future__ import annotations
+
+import configparser
+import json
+import re
+import urllib.parse
+import zlib
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axiscal.campaign.printer_loader import load
+from axiscal.cli.app import run
+from axiscal.exceptions import SourceError, TableError
+from tests.campaign.test_printer_source import Handler, Server, serving
+from tests.compensation.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
+
+INCLUDE = "[include axiscal_mesh.cfg]\n[printer]\nkinematics: cartesian\n"
+MAP = "0:/sys/heightmap.csv"
+
+
+class Keeping(Server):
+    """A printer with files: Klipper's configuration, or the card of a Duet."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.RequestHandlerClass = Files
+        self.files: dict[str, str] = {"printer.cfg": INCLUDE}
+        self.profiles: dict[str, Any] = {}
+        self.info, self.spoils = "ready", False
+
+    def restart(self) -> None:
+        """Read printer.cfg and what it includes, as Klipper's configfile.py does."""
+        config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=(";", "#"))
+        included = re.findall(r"^\[include (\S+)\]", self.files["printer.cfg"], re.MULTILINE)
+        config.read_string("".join(self.files.get(name, "") for name in included))
+        for section in config.sections():
+            if section.startswith("bed_mesh "):
+                rows = config[section]["points"].strip().split("\n")
+                self.profiles[section[9:]] = [[float(v) for v in row.split(",")] for row in rows]
+
+    def execute(self, code: str) -> str:
+        if code.startswith("BED_MESH_PROFILE LOAD="):
+            name = code.partition("=")[2]
+            self.klipper["bed_mesh"] = {"profile_name": name, "probed_matrix": self.profiles[name]}
+        if code == "G29 S1":
+            duet_map(self.files[MAP])
+            self.duet["move"]["compensation"]["type"] = "none" if self.spoils else "mesh"
+        return super().execute(code)
+
+
+class Files(Handler, BaseHTTPRequestHandler):
+    server: Keeping
+
+    def do_GET(self) -> None:
+        path, _, query = self.path.partition("?")
+        asked = dict(urllib.parse.parse_qsl(query))
+        name = asked.get("name") or urllib.parse.unquote(path.removeprefix("/machine/file/"))
+        if path == "/printer/info":
+            self._say(json.dumps({"result": {"state": self.server.info}}))
+        elif path == "/server/files/config/printer.cfg":
+            self._say(self.server.files["printer.cfg"])
+        elif path == "/rr_download" or (path.startswith("/machine/file/") and not self.server.alone):
+            self._say(self.server.files[name]) if name in self.server.files else self.send_error(404)
+        else:
+            super().do_GET()
+
+    def do_PUT(self) -> None:
+        self._kept(urllib.parse.unquote(self.path.removeprefix("/machine/file/")), self._body())
+        self._say("")
+
+    def do_POST(self) -> None:
+        path, _, query = self.path.partition("?")
+        if path == "/rr_upload":
+            asked, body = dict(urllib.parse.parse_qsl(query)), self._body()
+            right = f"{zlib.crc32(body.encode()):08x}" == asked["crc32"]
+            self._kept(asked["name"], body)
+            self._say(json.dumps({"err": int(not right)}))
+        elif path == "/server/files/upload":
+            found = re.search(r"boundary=(\S+)", self.headers["Content-Type"])
+            assert found is not None
+            parts = self._body().split(f"--{found[1]}")
+            held = {re.search(r' name="(\w+)"', part)[1]: part for part in parts[1:-1]}  # type: ignore[index]
+            assert held["root"].endswith("\r\n\r\nconfig\r\n")
+            name = re.search(r'filename="([^"]+)"', held["file"])
+            assert name is not None
+            self._kept(name[1], held["file"].partition("\r\n\r\n")[2].removesuffix("\r\n"))
+            self._say('{"action": "create_file"}')
+        elif path == "/printer/restart":
+            self._body()
+            self.server.restart()
+            self._say('{"result": "ok"}')
+        else:
+            super().do_POST()
+
+    def _body(self) -> str:
+        return self.rfile.read(int(self.headers.get("Content-Length", 0))).decode()
+
+    def _kept(self, name: str, text: str) -> None:
+        self.server.files[name] = text.replace("1", "2") if self.server.spoils else text
+
+
+@pytest.fixture
+def printer() -> Iterator[Keeping]:
+    with serving(Keeping()) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return estimated(tmp_path_factory.mktemp("bed"), klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+
+
+def at(kind: str, server: Keeping) -> str:
+    return f"{kind}:127.0.0.1:{server.server_address[1]}"
+
+
+def test_klipper_holds_the_mesh_of_the_export(printer: Keeping, record: Path, tmp_path: Path) -> None:
+    words = ["export", str(record), "--to", "klipper", "--out", str(tmp_path / "k"), "--load", at("moonraker", printer)]
+    assert run(words) == 0
+    held = printer.klipper["bed_mesh"]
+    assert held["profile_name"] == "axiscal"
+    apart = held["probed_matrix"] - bed(X, Y)
+    assert apart.std() < 0.004 < 0.04 < bed(X, Y).std()
+    assert "#*#" not in printer.files["axiscal_mesh.cfg"]
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_duet_holds_the_map_of_the_export_and_the_one_of_before(
+    printer: Keeping, record: Path, tmp_path: Path, alone: bool
+) -> None:
+    printer.alone, printer.files[MAP] = alone, "the old one"
+    words = ["export", str(record), "--to", "reprapfirmware", "--out", str(tmp_path / "d")]
+    assert run([*words, "--load", at("duet", printer)]) == 0
+    assert printer.files[MAP] == (tmp_path / "d" / "heightmap.csv").read_text()
+    assert printer.files["0:/sys/heightmap_before_axiscal.csv"] == "the old one"
+    assert printer.duet["move"]["compensation"]["type"] == "mesh"
+
+
+MESH = "#*# [bed_mesh axiscal]\n#*# points =\n#*# \t  0.100000, 0.200000\n"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda p: p.klipper.update(print_stats={"state": "printing"}), "prints"),
+        (lambda p: p.files.update({"printer.cfg": "[printer]\n"}), "does not read it"),
+        (lambda p: setattr(p, "info", "error"), "after it was started again"),
+        (lambda p: setattr(p, "spoils", True), "does not hold the profile"),
+    ],
+)
+def test_klipper_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
+    spoil(printer)
+    with pytest.raises(SourceError, match=why):
+        load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda p: p.duet["state"].update(status="processing"), "not idle"),
+        (lambda p: setattr(p, "spoils", True), "does not hold"),
+    ],
+)
+def test_a_duet_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
+    spoil(printer)
+    with pytest.raises(SourceError, match=why):
+        load(at("duet", printer), {"heightmap.csv": "a map 1"}, "axiscal")
+
+
+def test_what_goes_to_no_printer_is_refused() -> None:
+    with pytest.raises(TableError, match="is no printer"):
+        load("octoprint:here", {}, "axiscal")
+    with pytest.raises(TableError, match="which this export does not hold"):
+        load("duet:here", {"bed_mesh.cfg": MESH}, "axiscal")
