@@ -16,6 +16,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import products_of_rows
 
 
 class Sharing(NamedTuple):
@@ -38,9 +39,9 @@ class ErrorPart:
 
     def sharing(self) -> Sharing:
         """Return E (m, m), the products of the levers of numbers that share a cell; most share none."""
-        products = (self.shared @ self.shared.T).ravel()
-        where = np.flatnonzero(products)
-        return Sharing(where, products[where])
+        number, cell = np.nonzero(self.shared)
+        row, column, values = products_of_rows(self.shared[number, cell], number, cell, self.shared.shape)
+        return Sharing(row * len(self.shared) + column, values)
 
 
 class _Visits(NamedTuple):

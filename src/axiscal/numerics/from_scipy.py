@@ -85,6 +85,21 @@ def sparse_product(values: Array, rows: NDArray[np.intp], first: NDArray[np.intp
     return product
 
 
+def products_of_rows(
+    values: Array, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, ...]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Return the entries of S Sᵀ that are not nought, row by row: their rows, columns and values, each (e,).
+
+    values, rows, columns : (k,) entries of S and where they stand; shape : of S
+    """
+    stored = _function("scipy.sparse", "csr_array")((values, (rows, columns)), shape=shape)
+    product = (stored @ stored.T).tocsr()
+    product.sort_indices()
+    found = product.tocoo()
+    kept = found.data != 0
+    return found.row[kept].astype(np.intp), found.col[kept].astype(np.intp), found.data[kept]
+
+
 def inverse_of_product(lower: Array) -> Array:
     """Return (L Lᵀ)⁻¹, (n, n).  lower : (n, n), lower triangular"""
     half = np.tril(_function("scipy.linalg.lapack", "dpotri")(lower, lower=1)[0])
