@@ -5,8 +5,10 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
+COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/compensation tests/gcode \
+	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/web/test_first.py tests/linuxcnc/test_patched_configuration.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -24,6 +26,7 @@ help:
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
 	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
+	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
 	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; ROOM=numerics; hours)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
@@ -94,6 +97,10 @@ fuzz: .venv/dev.stamp
 fuzz-coverage: .venv/dev.stamp .venv-fuzz/stamp
 	.venv-fuzz/bin/python -m tests.reliability.guided $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
+coverage: .venv-mutants/stamp
+	.venv-mutants/bin/python -m coverage run -m pytest -q $(COVERING)
+	.venv-mutants/bin/python -m coverage report
+
 mutants: .venv-mutants/stamp
 	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(ROOM),--room $(ROOM))
 
@@ -146,7 +153,7 @@ distclean: clean
 	@touch $@
 
 .venv-mutants/stamp: requirements/mutants.txt requirements/dev.txt | .venv/bin/pip
-	@echo "axiscal: installing cosmic-ray and the test tools into .venv-mutants"
+	@echo "axiscal: installing coverage, cosmic-ray and the test tools into .venv-mutants"
 	@$(BIN)/python -m venv .venv-mutants
 	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
 	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/mutants.txt
