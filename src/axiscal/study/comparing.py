@@ -21,6 +21,8 @@ Unit = tuple[int, int]
 """Draw and machine: what is measured in every way."""
 _SURE = 2.0
 """Standard errors on either side: nineteen of twenty."""
+NOTHING = 0.05
+"""Minutes or readings, of which nobody takes notice."""
 _ROUNDING = 1e-9
 """Share of the values below which they are all the same."""
 ACCURACIES, COSTS = ("U", "rms", "true_rms"), ("minutes", "readings")
@@ -143,7 +145,7 @@ def unbeaten(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> list[Mea
     return [
         way
         for spent, left, way in sorted(known, key=lambda each: each[:2])
-        if not any(c <= spent and a <= left and (c, a) != (spent, left) for c, a, _ in known)
+        if not any((c <= spent + NOTHING and a < left) or (c < spent - NOTHING and a <= left) for c, a, _ in known)
     ]
 
 

@@ -9,6 +9,7 @@ from axiscal.report.sentences import figure
 from axiscal.study.comparing import (
     ACCURACIES,
     COSTS,
+    NOTHING,
     ChoiceChange,
     Mean,
     MeasuringWay,
@@ -24,8 +25,6 @@ from axiscal.study.study_file import Study
 
 _REACHES = 0.5
 """Share of the machines on which a way has to reach the target for its time to count."""
-_NOTHING = 0.05
-"""Minutes or readings, of which nobody takes notice."""
 _WORDS = {"U": "U", "rms": "the promised RMS", "true_rms": "the true RMS"}
 
 
@@ -118,7 +117,7 @@ def _more(found: Mean, cost: str) -> str:
 
 def _counts(spent: Mean) -> bool:
     """Return whether a difference of minutes or readings is one, surely."""
-    return spent.sure and abs(spent.value) > _NOTHING
+    return spent.sure and abs(spent.value) > NOTHING
 
 
 def _smaller(found: Mean, accuracy: str) -> str:
