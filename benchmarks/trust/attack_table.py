@@ -45,15 +45,24 @@ CELLS = tuple(product(PLACES, PRIORS))
 Outcomes = dict[Trial, Outcome]
 
 
-def attacked(machines: int, processes: int, seconds: float) -> tuple[Outcomes, int]:
+EVERY = tuple(range(len(ATTACKS)))
+
+
+def beginning_with(words: Sequence[str]) -> tuple[int, ...]:
+    """Return the numbers of the attacks that begin with one of some words."""
+    return tuple(number for number in EVERY if ATTACKS[number].words.startswith(tuple(words)))
+
+
+def attacked(machines: int, processes: int, seconds: float, which: Sequence[int] = EVERY) -> tuple[Outcomes, int]:
     """Try the machines that are missing, one of every cell after the other; return the outcomes of this version.
 
     seconds : after which no more are begun; what is done is kept, and the next run goes on from there
+    which : numbers of the attacks
     Returns with them how many machines every cell has now. Raises StudyError where one could not be tried.
     """
     wanted = [
         Trial(number, places, scales, FIRST + index)
-        for index, number, (places, scales) in product(range(machines), range(len(ATTACKS)), CELLS)
+        for index, number, (places, scales) in product(range(machines), which, CELLS)
     ]
     until = time.monotonic() + seconds
     items = (WorkItem(_key(trial), trial) for trial in takewhile(lambda _: time.monotonic() < until, wanted))
@@ -66,7 +75,7 @@ def attacked(machines: int, processes: int, seconds: float) -> tuple[Outcomes, i
     if wrong := next((done for done in found.values() if done.result is None), None):
         raise StudyError(f"{wrong.key} could not be tried: {wrong.error}", f"Mend it, and remove {_KEPT / name}")
     outcomes = {Trial(*json.loads(key)): _outcome(done.result or {}) for key, done in found.items()}
-    return outcomes, _complete(outcomes, machines)
+    return outcomes, _complete(outcomes, machines, which)
 
 
 def _key(trial: Trial) -> str:
@@ -84,20 +93,20 @@ def _outcome(result: dict[str, Any]) -> Outcome:
     return Outcome(ratio, inside, str(result["word"]))
 
 
-def _complete(kept: Outcomes, machines: int) -> int:
+def _complete(kept: Outcomes, machines: int, which: Sequence[int]) -> int:
     """Return how many of the first machines are there in every cell."""
     for index in range(machines):
-        cells = product(range(len(ATTACKS)), CELLS)
+        cells = product(which, CELLS)
         if any(Trial(number, *cell, FIRST + index) not in kept for number, cell in cells):
             return index
     return machines
 
 
-def attack_rows(kept: Outcomes, machines: int) -> Iterator[str]:
+def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = EVERY) -> Iterator[str]:
     """Yield the lines of the table: one for each attack, a cell for each of places and priors."""
-    for number, attack in enumerate(ATTACKS):
+    for number in which:
         cells = [_cell(_outcomes(kept, number, cell, machines)) for cell in CELLS]
-        yield f"| {attack.words} | {' | '.join(cells)} |"
+        yield f"| {ATTACKS[number].words} | {' | '.join(cells)} |"
 
 
 def _outcomes(kept: Outcomes, attack: int, cell: tuple[str, str], machines: int) -> list[Outcome]:
