@@ -122,10 +122,11 @@ metre may all miss a bump of 30 mm.
 _AGAIN = """
 ## Attacks, some of them once more
 The same cells for some attacks, {machines} machines each, since details half as wide as knots are apart are among what
-readings may show and what plans must vouch for. Before, a reading that alone met a bump was left out as a slip, and the promise
-held, silently: the table above is of that state, with the same machines. One bad reading is now one of two things until it is read again, so that fewer
-machines are said to hold. A step that falls into a gap of a hundred millimetres and more between random places stays
-unseen: a family that may sit anywhere counts by its root mean square over all places, of which the gap is a few.
+readings may show and what plans must vouch for. Before, a reading that alone met a bump was left out as a slip, and
+the promise held, silently: the table above is of that state, with the same machines. One bad reading is now one of two
+things until it is read again, so that fewer machines are said to hold. A step that falls into a gap of a hundred
+millimetres and more between random places stays unseen: a family that may sit anywhere counts by its root mean square
+over all places, of which the gap is a few.
 (`make trust PART=again MACHINES={machines} ONLY="{only}"`)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |
