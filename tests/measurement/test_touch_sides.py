@@ -20,6 +20,7 @@ from axiscal.measurement.touched import cycle_of
 from axiscal.numerics import Array
 from tests.description.test_sites import SPHERES, TOUCHED, described
 from tests.generators.kinematics import pose_with_tip, stem, tip
+from tests.generators.machines import random_machine, random_poses
 
 DMU = load_machine("dmu60")
 THREE = 'touches = 3\napproach = "both"\n'
@@ -89,3 +90,13 @@ def test_three_touches_are_refused_where_they_are_none(change: str, to: str) -> 
 def test_a_cycle_that_touches_all_sides_is_refused() -> None:
     with pytest.raises(DescriptionError, match="touches them from all sides"):
         cycle_of(DMU, setup_of())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_sides_are_square_to_each_other_and_to_the_stem_on_any_machine(seed: int) -> None:
+    """Also where no linear axis goes across the stem, or there is none."""
+    machine = random_machine(seed, count=2)
+    poses, _ = random_poses(machine, 5, np.random.default_rng(seed))
+    for pose, ways in zip(poses, touch_frames(machine, poses), strict=True):
+        np.testing.assert_allclose(ways @ ways.T, np.eye(3), atol=1e-12)
+        np.testing.assert_allclose(ways[2], stem(machine, pose), atol=1e-12)
