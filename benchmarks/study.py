@@ -24,23 +24,8 @@ from axiscal.study.results import FILE, Results
 from axiscal.study.running import run_missing
 from axiscal.study.study_file import Study, read_study
 from axiscal.study.work import Done, Engine, WorkItem, here
+from tests.study.texts import CAMPAIGN
 
-_CAMPAIGN = """machine = "one-axis"
-[target]
-rms = "3 um"
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.3 um"
-[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "x"
-moves = ["X"]
-approach = "both"
-"""
 _STUDY = """[study]
 campaign = "campaign.toml"
 machines = {machines}
@@ -54,7 +39,7 @@ setups = [["dial"], ["laser"], ["dial", "laser"]]
 def described(folder: Path, machines: int) -> Study:
     """Return a study of three ways of measuring one axis."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "campaign.toml").write_text(_CAMPAIGN)
+    (folder / "campaign.toml").write_text(CAMPAIGN)
     (folder / "study.toml").write_text(_STUDY.format(machines=machines))
     return read_study(folder / "study.toml")
 

@@ -19,19 +19,7 @@ from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from tests.generators.planes import bed, poses_of, probe, table
-
-FLAT = """
-chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[errors]
-EZX = { std = "40 um", knots = 7, length = "110 mm" }
-EZY = { std = "40 um", knots = 6, length = "80 mm"}
-EZXY = { std = "20 um", knots = [7, 6], length = ["110 mm", "80 mm"], rest = "2 um" }
-"""
+from tests.generators.planes import bed, poses_of, probe, table, warped
 
 
 def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tuple[Knowledge, Scorer]:
@@ -45,7 +33,7 @@ def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tup
 
 @pytest.mark.parametrize("count", [0, 3, 9])
 def test_the_step_reaches_what_is_certified(count: int) -> None:
-    machine = machine_from_text(FLAT)
+    machine = machine_from_text(warped((7, 6)))
     known, scorer = _known(machine, count)
     root = volume_root(volume_moments(known.observation.errors, whole_travel(known.observation.errors)))
     step = best_step(known, root, spread(machine, known.observation.setups, 400))

@@ -14,19 +14,9 @@ from axiscal.design.plan.task import Limits, Task
 from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Places
 from tests.generators.designs import problem, random_poses
-from tests.generators.planes import bed, probe, table
+from tests.generators.planes import bed, probe, table, warped
 
-WARPED = """
-chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[errors]
-EZX = { std = "40 um", knots = 5, length = "110 mm" }
-EZY = { std = "40 um", knots = 4, length = "80 mm"}
-EZXY = { std = "20 um", knots = [5, 4], length = ["110 mm", "80 mm"], rest = "2 um" }
-"""
+WARPED = warped((5, 4))
 LEVERED = WARPED.replace("EZXY", "EAX = { std = '200 urad', knots = 4, length = '110 mm' }\nEZXY")
 
 

@@ -46,6 +46,22 @@ EXX_reversal = { std = "3 um" }
 """
 
 
+def warped(knots: tuple[int, int]) -> str:
+    """Return a table of two axes with heights that do not add up.  knots : along X and Y."""
+    x, y = knots
+    return f"""
+chain = "w-b-X-Y-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[errors]
+EZX = {{ std = "40 um", knots = {x}, length = "110 mm" }}
+EZY = {{ std = "40 um", knots = {y}, length = "80 mm" }}
+EZXY = {{ std = "20 um", knots = [{x}, {y}], length = ["110 mm", "80 mm"], rest = "2 um" }}
+"""
+
+
 def bed() -> Machine:
     """Return a bed of three linear axes, two of its errors of two axes each."""
     return machine_from_text(BED)
