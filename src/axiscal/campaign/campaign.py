@@ -88,8 +88,8 @@ class Campaign:
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         texts = description.machine.text, description.text, description.machine_source, description.source
-        created = Created(*texts, versions(), description.prior_text, description.usual_doubts)
-        return cls(created_log(path, created), description, planner)
+        held = description.usual_doubts, description.machine.fine_knots
+        return cls(created_log(path, Created(*texts, versions(), description.prior_text, *held)), description, planner)
 
     @classmethod
     def open(cls, path: str | Path, planner: Planner = plan_ahead, *, write: bool = True) -> Self:

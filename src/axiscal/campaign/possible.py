@@ -25,7 +25,9 @@ def described(record: EventLog) -> CampaignDescription:
     if created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    description = campaign_from_texts(*texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts)
+    description = campaign_from_texts(
+        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
+    )
     _refuse_impossible(record.events(), description, record.path)
     return description
 

@@ -113,14 +113,16 @@ def campaign_from_texts(
     target_needed: bool = False,
     prior_text: str = "",
     usual_doubts: bool = True,
+    fine_knots: bool = True,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
     usual_doubts : what nothing is stated of is doubted as is usual; in records of before it was not
+    fine_knots : as in `Machine`
     """
     document = Document.parse(text, source)
-    machine = machine_from_text(machine_text, machine_source)
+    machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
     return _described(document, machine, machine_source, target_needed, prior_text, False, usual_doubts)
 
 

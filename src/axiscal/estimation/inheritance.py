@@ -53,7 +53,10 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     assert isinstance(created, Created)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))
-    return campaign_from_texts(*texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts), readings
+    description = campaign_from_texts(
+        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
+    )
+    return description, readings
 
 
 def last_estimation(text: str) -> Estimation:

@@ -12,6 +12,7 @@ import binascii
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Inherited, Rival
 from axiscal.exceptions import InputError, RecordError
-from axiscal.machine import machine_from_text
+from axiscal.machine import Machine, machine_from_text
 from axiscal.numerics import Array
 
 SCHEMA = "axiscal-type/1"
@@ -65,6 +66,7 @@ class TypePrior:
     machine_text : the description over whose errors it stands; records : that were looked at, by their digests
     learned : by error; directions : in which sisters may differ together; doubt : that a machine is no sister
     mean : (n,); covariance : (n, n); own : (n, n) the part of it in which sisters differ, m or rad
+    fine_knots : of that description, as in `Machine`; what was learnt before could not say it
     """
 
     machine_text: str
@@ -75,6 +77,12 @@ class TypePrior:
     mean: Array
     covariance: Array
     own: Array
+    fine_knots: bool = False
+
+    @cached_property
+    def machine(self) -> Machine:
+        """The machine over whose errors it stands."""
+        return machine_from_text(self.machine_text, fine_knots=self.fine_knots)
 
     @property
     def counted(self) -> tuple[SisterRecord, ...]:
@@ -86,6 +94,7 @@ class TypePrior:
         document = {
             "schema": SCHEMA,
             "machine": self.machine_text,
+            "fine_knots": self.fine_knots,
             "records": [
                 {"file": r.file, "digest": r.digest, "readings": r.readings, "left_out": r.left_out}
                 for r in self.records
@@ -127,6 +136,7 @@ def type_prior(text: str) -> TypePrior:
             mean,
             covariance,
             own,
+            bool(document.get("fine_knots", False)),
         )
         _check(found)
     except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, binascii.Error) as error:
@@ -136,7 +146,7 @@ def type_prior(text: str) -> TypePrior:
 
 
 def _check(found: TypePrior) -> None:
-    size = ErrorModel(machine_from_text(found.machine_text)).size
+    size = ErrorModel(found.machine).size
     if found.mean.shape != (size,) or not np.all(np.isfinite(found.mean)):
         raise ValueError(f"it has {found.mean.size} unknowns, and its machine {size}, all of them finite")
     if not all(0 < each.scale < np.inf for each in found.learned.values()):
@@ -194,7 +204,7 @@ def over(found: TypePrior, errors: ErrorModel) -> Inherited:
 
     What its knots hold and those of the type cannot is as stated, in the sizes of the type.
     """
-    across = carried_over(ErrorModel(machine_from_text(found.machine_text)), errors)
+    across = carried_over(ErrorModel(found.machine), errors)
     beyond = across.beyond()
     for term in errors.terms:
         if term.name in found.learned:

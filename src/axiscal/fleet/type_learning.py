@@ -69,8 +69,9 @@ class Lesson:
         covariance = root @ found.covariance @ root.T + cut
         own = root @ (found.covariance - found.common) @ root.T + cut
         learned = {name: self._learned(found, name) for name in dict.fromkeys(b.name for b in self.units.blocks)}
-        halves = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
-        return TypePrior(self.machine.text, self.records, learned, directions, doubt, root @ found.mean, *halves)
+        whole, mine = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
+        text, knots, mean = self.machine.text, self.machine.fine_knots, root @ found.mean
+        return TypePrior(text, self.records, learned, directions, doubt, mean, whole, mine, knots)
 
     def _learned(self, found: SisterPrior, name: str) -> Learned:
         """Return what was learnt of an error, the mean over its coarse and fine parts by the variance they hold."""

@@ -11,7 +11,6 @@ from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.fleet.type_learning import FEW
-from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 
 _RIGHT = 1.25
@@ -43,7 +42,7 @@ class ErrorLine(NamedTuple):
 def error_lines(prior: TypePrior) -> list[ErrorLine]:
     """Return a line for each error, in the order of the machine."""
     lines, variances = list[ErrorLine](), np.diagonal(prior.covariance)
-    for term in ErrorModel(machine_from_text(prior.machine_text)).terms:
+    for term in ErrorModel(prior.machine).terms:
         learned = prior.learned[term.name]
         stated, known = (
             float(np.sqrt(np.mean(each))) for each in (np.diagonal(term.covariance), variances[term.columns])
@@ -109,7 +108,7 @@ def directions_named(prior: TypePrior) -> list[list[str]]:
     if prior.directions == 0:
         return []
     scale = np.sqrt(np.maximum(np.diagonal(prior.own), np.finfo(float).tiny))
-    terms = ErrorModel(machine_from_text(prior.machine_text)).terms
+    terms = ErrorModel(prior.machine).terms
     correlation = prior.own / scale[:, None] / scale
     for term in terms:
         correlation[term.columns, term.columns] = np.eye(term.columns.stop - term.columns.start)

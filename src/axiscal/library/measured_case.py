@@ -40,7 +40,7 @@ class Case:
         learn: bool = False,
     ) -> None:
         text = campaign_text(machine.name, setups, target, "estimate" if learn else "stated")
-        self._hold(campaign_from_texts(text, _SOURCE, machine.text, machine.name))
+        self._hold(campaign_from_texts(text, _SOURCE, machine.text, machine.name, fine_knots=machine.fine_knots))
 
     @classmethod
     def of(cls, description: CampaignDescription) -> Case:

@@ -41,8 +41,11 @@ class Parts:
     chain: str
 
 
-def assemble(document: Document) -> Parts:
-    """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError."""
+def assemble(document: Document, fine_knots: bool) -> Parts:
+    """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError.
+
+    fine_knots : knots of which nothing is said are as close as is cheap
+    """
     tables, faults = read_model(document, MachineFile), Faults()
     name, tool, radius, stylus = document.path.stem, 0.0, 0.0, 0.0
     with faults.noted():
@@ -58,7 +61,8 @@ def assemble(document: Document) -> Parts:
     entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
     planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    return Parts(name, axes, tool, radius, stylus, as_fine_as_is_cheap(entries, known), planes, tables.chain)
+    curves = as_fine_as_is_cheap(entries, known) if fine_knots else entries
+    return Parts(name, axes, tool, radius, stylus, curves, planes, tables.chain)
 
 
 def _name(document: Document, tables: MachineFile) -> str:

@@ -27,6 +27,7 @@ class Machine:
     tool_radius : m, of the cylinder from the tip of the tool to the spindle, which enters nothing that is kept out
     errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
     planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
+    fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
     """
 
     name: str
@@ -38,6 +39,7 @@ class Machine:
     planes: tuple[PlaneEntry, ...] = ()
     tool_radius: float = TOOL_RADIUS
     stylus: float = 0.0
+    fine_knots: bool = True
 
     def index(self, axis_name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
@@ -84,15 +86,18 @@ def load_machine(source: str | Path) -> Machine:
     return _built(Document.read(path))
 
 
-def machine_from_text(text: str, source_name: str | Path = "machine.toml") -> Machine:
-    """Return the machine in a TOML text; `source_name` is what failures call it. Raises as `load_machine`."""
-    return _built(Document.parse(text, source_name))
+def machine_from_text(text: str, source_name: str | Path = "machine.toml", *, fine_knots: bool = True) -> Machine:
+    """Return the machine in a TOML text; raises as `load_machine`.
+
+    source_name : what failures call it; fine_knots : as in `Machine`
+    """
+    return _built(Document.parse(text, source_name), fine_knots)
 
 
-def _built(document: Document) -> Machine:
+def _built(document: Document, fine_knots: bool = True) -> Machine:
     from axiscal.machine.building import assemble
 
-    parts = assemble(document)
+    parts = assemble(document, fine_knots)
     return Machine(
         parts.name,
         parts.axes,
@@ -103,4 +108,5 @@ def _built(document: Document) -> Machine:
         parts.planes,
         parts.tool_radius,
         parts.stylus,
+        fine_knots,
     )

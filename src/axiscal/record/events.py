@@ -22,6 +22,7 @@ class Created:
     versions : of axiscal and of what it computes with
     prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
     usual_doubts : what nothing is stated of is doubted as is usual; records of before could not say it
+    fine_knots : knots of which nothing is said are as close as is cheap; records of before could not say it
     """
 
     machine_text: str
@@ -31,6 +32,7 @@ class Created:
     versions: Mapping[str, str]
     prior_text: str = ""
     usual_doubts: bool = False
+    fine_knots: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,8 +119,8 @@ def _created(fields: Mapping[str, Any]) -> Created:
     versions = {_text(name): _text(value) for name, value in fields["versions"].items()}
     machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
     sources = _text(fields["machine_source"]), _text(fields["campaign_source"])
-    drifts = _flag(fields.get("usual_doubts", False))  # older records could not say it
-    return Created(machine, campaign, *sources, versions, _text(fields.get("prior_text", "")), drifts)
+    held = (_flag(fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # older records could not say it
+    return Created(machine, campaign, *sources, versions, _text(fields.get("prior_text", "")), *held)
 
 
 def _recorded(fields: Mapping[str, Any]) -> Recorded:

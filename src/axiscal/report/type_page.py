@@ -10,7 +10,6 @@ from axiscal.accuracy.expanded import BAND
 from axiscal.error_model.model import ErrorFunction, ErrorModel
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.fleet.type_words import ErrorLine, error_lines, summary_sentences
-from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from axiscal.report.digits import numbers
 from axiscal.report.drawing.shown import shown
@@ -25,7 +24,7 @@ _POINTS, _HEIGHT = 61, 200
 
 def render(prior: TypePrior, saved: Sequence[str] = ()) -> str:
     """Return the page as self-contained HTML.  saved : sentences on what it saves a campaign"""
-    machine = machine_from_text(prior.machine_text)
+    machine = prior.machine
     errors = ErrorModel(machine)
     curves = [function for function in errors.functions if function.basis.size > 1]
     pictures = [

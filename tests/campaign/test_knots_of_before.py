@@ -1,0 +1,112 @@
+"""A record, and a type, of before knots stood at a quarter of the length: they keep their knots and their figures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.inheritance import last_campaign
+from axiscal.estimation.type_prior import type_prior
+from axiscal.fleet.type_learning import learnt_type
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.record.carried import heritage_text
+from axiscal.record.events import Created
+from axiscal.record.payload import decode, encode
+from axiscal.record.store import Record
+from tests.generators.texts import machine_text
+
+MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": "20 um"}).replace("knots = 5, ", "")
+CAMPAIGN = """machine = "machine.toml"
+[target]
+readings = 9
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+noise = "0.5 um"
+"""
+READINGS = tuple(
+    Reading("laser", (x,), (1,), value)
+    for x, value in ((0.0, 0.0), (0.07, 9e-6), (0.21, -4e-6), (0.28, 2e-6), (0.45, 11e-6), (0.6, 3e-6))
+)
+PLACES = np.array([0.1, 0.33, 0.52])
+MEAN = (7.914902007275632e-06, 7.947668671089699e-06, 7.4262076362034805e-06)
+STD = (1.9899566803117915e-06, 3.758173796836754e-06, 5.984484805295907e-06)
+"""m, at the places, less what EXX is at 0: of this record in the last commit in which half of the length was usual."""
+
+
+def described(knots: str = "") -> CampaignDescription:
+    return campaign_from_texts(
+        CAMPAIGN, "campaign.toml", MACHINE.replace('length = "200 mm"', f'length = "150 mm"{knots}'), "machine.toml"
+    )
+
+
+def written(path: Path, description: CampaignDescription, *, before: bool = False) -> Path:
+    """Write a record of the readings.  before : its first event has no word of knots"""
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(READINGS)
+        (first, *rest) = [stored.event for stored in campaign._record.events()]
+    if before:
+        kind, text = encode(first)
+        fields = json.loads(text)
+        assert fields.pop("fine_knots") is True
+        created = decode(kind, json.dumps(fields))
+        assert isinstance(created, Created)
+        path.unlink()
+        Record.create(path, created).close()
+        with Record.open(path) as record:
+            for event in rest:
+                record.append(event)
+    return path
+
+
+def figures(path: Path) -> tuple[Array, Array]:
+    """Return what is known of EXX at the places, less what it is at 0: means and stds, (3,), m."""
+    with Campaign.open(path) as campaign:
+        known = campaign.known()
+    term, belief = known.case.errors.names["EXX"], known.knowledge.belief
+    rows = term.rows(PLACES) - term.rows(np.zeros(1))
+    covariance = (belief.factor @ belief.factor.T)[term.columns, term.columns]
+    return rows @ belief.mean[term.columns], np.sqrt(np.diagonal(rows @ covariance @ rows.T))
+
+
+def test_a_record_of_before_keeps_its_knots_and_its_figures(tmp_path: Path) -> None:
+    old = written(tmp_path / "old.axiscal", described(), before=True)
+    stated = written(tmp_path / "stated.axiscal", described(', spacing = "75 mm"'))
+    new = written(tmp_path / "new.axiscal", described())
+    mean, std = figures(old)
+    np.testing.assert_allclose(mean, MEAN, rtol=1e-6)
+    np.testing.assert_allclose(std, STD, rtol=1e-6)
+    np.testing.assert_allclose((mean, std), figures(stated), rtol=1e-12)
+    assert not np.allclose(std, figures(new)[1], rtol=1e-3)
+    with Campaign.open(new) as campaign:
+        assert campaign.case().errors.names["EXX"].basis.size == 17
+
+
+def test_as_a_prior_it_is_estimated_with_its_own_knots(tmp_path: Path) -> None:
+    old = written(tmp_path / "old.axiscal", described(), before=True)
+    description, readings = last_campaign(heritage_text(old))
+    assert not description.machine.fine_knots
+    with Campaign.open(old, write=False) as campaign:
+        assert readings == campaign.state.readings
+    Campaign.create(tmp_path / "again.axiscal", description).close()
+    with Campaign.open(tmp_path / "again.axiscal", write=False) as campaign:
+        assert not campaign.description.machine.fine_knots
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_a_type_stands_over_the_knots_that_it_was_learnt_at(before: bool, tmp_path: Path) -> None:
+    records = [written(tmp_path / f"{number}.axiscal", described(), before=before) for number in (1, 2)]
+    fields = json.loads(learnt_type(records).text())
+    assert fields["fine_knots"] is not before
+    if before:
+        del fields["fine_knots"]
+    found = type_prior(json.dumps(fields))
+    assert len(found.mean) == (9 if before else 17)
