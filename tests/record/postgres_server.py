@@ -1,21 +1,26 @@
-"""A real PostgreSQL server for the tests, in a folder of its own, on a socket of its own, as a user without rights."""
+"""A real PostgreSQL server for the tests, in a folder of its own, on a socket of its own, as a user without rights.
+
+It ends with the process that began it, and its folder with it, however that process ends.
+"""
 
 from __future__ import annotations
 
 import os
-import pwd
 import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 _QUICK = ["-c", "fsync=off", "-c", "full_page_writes=off", "-c", "shared_buffers=16MB", "-c", "max_connections=50"]
 """A server that lives for a minute need not outlive the power."""
 OWNER = "keeper"
+_ENDING = 'cat > /dev/null; "$1" -D "$2/data" -m immediate -s stop; rm -rf "$2"'
+"""What waits in a shell for the end of what is written to it: nobody can prevent that, no SIGKILL either."""
 
 
 def programs() -> Path:
@@ -58,8 +63,22 @@ class RunningServer:
 
 
 def _as_nobody_much(command: list[str], folder: Path) -> None:
-    user = {"user": "postgres", "group": "postgres", "extra_groups": []} if os.geteuid() == 0 else {}
-    subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL, **user)  # type: ignore[call-overload]
+    subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL, **_nobody_much())
+
+
+def _nobody_much() -> dict[str, Any]:
+    """Return who PostgreSQL runs as, for `subprocess`: it refuses root."""
+    return {"user": "postgres", "group": "postgres", "extra_groups": []} if os.geteuid() == 0 else {}
+
+
+@contextmanager
+def _ended_after(folder: Path, bin_folder: Path) -> Iterator[None]:
+    """End the server and its folder after the block, or with this process."""
+    command, silent = ["sh", "-c", _ENDING, "sh", str(bin_folder / "pg_ctl"), str(folder)], subprocess.DEVNULL
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=silent, stderr=silent, cwd="/", start_new_session=True, **_nobody_much()
+    ):
+        yield
 
 
 @contextmanager
@@ -67,17 +86,11 @@ def running_server(*, durable: bool = False) -> Iterator[RunningServer]:
     """Yield a server; it and its folder are gone afterwards.  durable : it waits for its disk, as it does in a shop"""
     bin_folder = programs()
     folder = Path(tempfile.mkdtemp(prefix="axiscal-pg-"))  # a socket's name has to be short
-    try:
-        if os.geteuid() == 0:
-            account = pwd.getpwnam("postgres")
-            os.chown(folder, account.pw_uid, account.pw_gid)
+    if os.geteuid() == 0:
+        shutil.chown(folder, "postgres", "postgres")
+    with _ended_after(folder, bin_folder):
         make = [str(bin_folder / "initdb"), "-D", str(folder / "data"), "-U", OWNER, "-A", "trust", "-N", "-E", "UTF8"]
         _as_nobody_much([*make, "--locale=C"], folder)
         server = RunningServer(folder, bin_folder, durable)
         server.start()
-        try:
-            yield server
-        finally:
-            server.stop()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        yield server
