@@ -15,6 +15,7 @@ from axiscal.estimation.ruled import ruling_of
 from axiscal.exceptions import RecordError
 from axiscal.fleet.bringing import brought
 from axiscal.fleet.shop_list import shop_list, target_words
+from axiscal.record.folder_index import FolderIndex
 from tests.generators.sisters import read_on, slide, write_record
 
 
@@ -101,6 +102,25 @@ def test_a_record_is_brought_goes_on_and_is_never_overwritten_by_less(folder: Pa
     with pytest.raises(RecordError, match="from event 19"):
         brought(folder, mine)
     assert new.file.read_bytes() == before
+
+
+def test_what_is_measured_in_the_folder_meanwhile_is_not_lost(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
+    there = brought(folder, mine).file
+    note(mine, "on the laptop")
+    refreshed = FolderIndex.refresh
+
+    def then_noted(index: FolderIndex) -> None:
+        refreshed(index)
+        note(there, "in the folder")
+
+    monkeypatch.setattr(FolderIndex, "refresh", then_noted)
+    with pytest.raises(RecordError, match="Another process has written"):
+        brought(folder, mine)
+    with Campaign.open(there, write=False) as campaign:
+        assert campaign.state.notes[-1].text == "in the folder"
 
 
 def test_one_that_cannot_be_brought_stops_no_other(

@@ -34,7 +34,8 @@ def brought(folder: Path, source: Path) -> Brought:
                 return Brought(each.file, "there already", 0)
         for each in there:
             if each.last <= len(texts) and texts[each.last - 1].chain == each.chain:
-                write_copy(record, each.file)
+                with Record.open(each.file) as there_already:  # behind its end: a copy in its place could hold less
+                    there_already.extend([text.row for text in texts[each.last :]], after=each.last)
                 return Brought(each.file, "went on", len(texts) - each.last)
         if there:
             raise _parted(record, texts, there[0], index)
