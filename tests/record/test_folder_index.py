@@ -46,6 +46,22 @@ def said_by_records(folder: Path) -> dict[str, tuple[str, str, int]]:
     return found
 
 
+def test_a_name_need_not_be_text(tmp_path: Path) -> None:
+    name = os.fsdecode(b"M\xfcller.axiscal")
+    begun(tmp_path / name, "m", 1)
+    assert refreshed(tmp_path) == ([name], said_by_records(tmp_path))
+    assert refreshed(tmp_path)[0] == []
+
+
+def test_a_full_disk_is_a_sentence(tmp_path: Path) -> None:
+    with FolderIndex.open(tmp_path) as index:
+        index._database.execute("PRAGMA max_page_count = 1")  # as full as it is
+        begun(tmp_path / "a.axiscal", "m", 400)
+        with pytest.raises(RecordError, match=r"cannot be written: database or disk is full"):
+            index.refresh()
+        assert index.records() == []
+
+
 def test_only_what_is_new_is_read(tmp_path: Path) -> None:
     for number in range(3):
         begun(tmp_path / f"{number}.axiscal", f"m{number}", number + 1)

@@ -21,14 +21,14 @@ from axiscal.record.store import Record
 
 INDEX = ".fleet.sqlite"
 """Its name in the folder."""
-_KIND, _FORM = 0x41584958, 1
+_KIND, _FORM = 0x41584958, 2
 """By which SQLite knows the database as ours ("AXIX"), and its form; of another form it is made anew."""
 _PATIENCE = 4.0
 """Seconds to wait for another program that writes into it; it does without it then."""
 _TABLES = """
-CREATE TABLE records (file TEXT PRIMARY KEY, size INTEGER, changed INTEGER, fault TEXT, campaign TEXT, chain TEXT,
+CREATE TABLE records (file BLOB PRIMARY KEY, size INTEGER, changed INTEGER, fault TEXT, campaign TEXT, chain TEXT,
     last INTEGER);
-CREATE TABLE events (file TEXT, number INTEGER, at TEXT, kind TEXT, payload TEXT, chain TEXT,
+CREATE TABLE events (file BLOB, number INTEGER, at TEXT, kind TEXT, payload TEXT, chain TEXT,
     PRIMARY KEY (file, number)) WITHOUT ROWID;
 CREATE TABLE findings (chain TEXT, question TEXT, answer TEXT, PRIMARY KEY (chain, question)) WITHOUT ROWID;
 """
@@ -82,7 +82,7 @@ class FolderIndex:
     def refresh(self, told: Callable[[str], None] = lambda said: None) -> None:
         """Take in what is new in the folder.  told : called with the name of each record that is read"""
         before = {row[0]: row[1:] for row in self._rows("SELECT file, size, changed, fault FROM records")}
-        files = {file.name: file for file in sorted(self.folder.glob("*.axiscal"))}
+        files = {_name(file): file for file in sorted(self.folder.glob("*.axiscal"))}
         for gone in before.keys() - files.keys():
             with self._writing() as database:
                 database.execute("DELETE FROM events WHERE file = ?", (gone,))
@@ -90,7 +90,7 @@ class FolderIndex:
         for name, file in files.items():
             stamp = _stamp(file)
             if before.get(name) != (*stamp, ""):  # what could not be read is tried again
-                told(name)
+                told(file.name)
                 self._take_in(file, stamp)
 
     def _take_in(self, file: Path, stamp: tuple[int, int]) -> None:
@@ -100,19 +100,19 @@ class FolderIndex:
         except (RecordError, OSError) as fault:
             why = fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)
             with self._writing() as database:
-                database.execute("DELETE FROM events WHERE file = ?", (file.name,))
-                self._enter((file.name, *stamp, why, "", "", 0))
+                database.execute("DELETE FROM events WHERE file = ?", (_name(file),))
+                self._enter((_name(file), *stamp, why, "", "", 0))
             return
         with self._writing() as database:
-            begin = self._known(file.name, texts)
-            new = ((file.name, n, *_fields(text)) for n, text in enumerate(texts[begin:], begin + 1))
+            begin = self._known(_name(file), texts)
+            new = ((_name(file), n, *_fields(text)) for n, text in enumerate(texts[begin:], begin + 1))
             database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?, ?)", new)
-            self._enter((file.name, *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts)))
+            self._enter((_name(file), *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts)))
 
     def _enter(self, row: tuple[object, ...]) -> None:
         self._database.execute("INSERT OR REPLACE INTO records VALUES (?, ?, ?, ?, ?, ?, ?)", row)
 
-    def _known(self, name: str, texts: tuple[ChainedText, ...]) -> int:
+    def _known(self, name: bytes, texts: tuple[ChainedText, ...]) -> int:
         """Return how many events of a record are in the index; none where it has not simply gone on."""
         rows = self._rows("SELECT max(number), chain FROM events WHERE file = ?", name)
         number, chain = rows[0]
@@ -124,11 +124,11 @@ class FolderIndex:
     def records(self) -> list[IndexedRecord]:
         """Return the records of the folder, by their names."""
         rows = self._rows("SELECT file, fault, campaign, chain, last FROM records ORDER BY file")
-        return [IndexedRecord(self.folder / row[0], *row[1:]) for row in rows]
+        return [IndexedRecord(self.folder / os.fsdecode(row[0]), *row[1:]) for row in rows]
 
     def chain_at(self, record: IndexedRecord, number: int) -> str:
         """Return the chain behind an event of a record, "" if it has no such event."""
-        rows = self._rows("SELECT chain FROM events WHERE file = ? AND number = ?", record.file.name, number)
+        rows = self._rows("SELECT chain FROM events WHERE file = ? AND number = ?", _name(record.file), number)
         return str(rows[0][0]) if rows else ""
 
     def parting(self, one: IndexedRecord, other: IndexedRecord) -> int:
@@ -137,7 +137,7 @@ class FolderIndex:
             "SELECT count(*) FROM events AS a JOIN events AS b ON a.number = b.number AND a.chain = b.chain "
             "WHERE a.file = ? AND b.file = ?"
         )
-        return int(self._rows(query, one.file.name, other.file.name)[0][0]) + 1
+        return int(self._rows(query, _name(one.file), _name(other.file))[0][0]) + 1
 
     def kinds(self) -> list[Kinds]:
         """Return what happened in all records together."""
@@ -167,10 +167,13 @@ class FolderIndex:
             self._database.execute("BEGIN IMMEDIATE")
         try:
             yield self._database
-        except BaseException:
+            self._database.commit()
+        except BaseException as failure:
             self._database.rollback()
+            if isinstance(failure, sqlite3.Error):
+                what, remedy = f"The index of the records cannot be written: {failure}", "Make room on the disk"
+                raise RecordError(what, f"{remedy}; the records are as they were", self.folder / INDEX) from failure
             raise
-        self._database.commit()
 
     def _leave(self, why: str) -> None:
         """Go on with a copy in memory."""
@@ -188,6 +191,11 @@ class FolderIndex:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         self.close()
+
+
+def _name(file: Path) -> bytes:
+    """Return the name of a file as the disk has it, which need not be text."""
+    return os.fsencode(file.name)
 
 
 def _fields(text: ChainedText) -> Iterable[str]:
