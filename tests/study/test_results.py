@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import StudyError
+from axiscal.study import results as results_module
 from axiscal.study.results import FILE, Results
 from axiscal.study.work import Done
 
@@ -27,6 +28,18 @@ def test_a_case_is_kept_once_and_is_there_when_opened_again(tmp_path: Path) -> N
     with _opened(tmp_path, resume=True) as results:
         assert results.keys() == {"a", "b"}
         assert results.all() == {"a": Done("a", {"U_um": 0.1}), "b": Done("b", None, "wrong")}
+
+
+def test_one_that_was_ended_at_its_beginning_is_begun_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def ended(value: object) -> str:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(results_module, "canonical", ended)
+        with pytest.raises(KeyboardInterrupt):
+            _opened(tmp_path)
+    with _opened(tmp_path, resume=True) as results:
+        assert results.keys() == set()
 
 
 def test_a_folder_without_results_needs_no_resume(tmp_path: Path) -> None:

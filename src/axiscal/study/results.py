@@ -67,8 +67,9 @@ class Results:
             raise StudyError(what, "Go on with that version, or name another --out", self.path)
 
     def _begin(self, text: str, digest: str, versions: Mapping[str, str]) -> None:
-        self._database.executescript(f"BEGIN; {_SCHEMA} COMMIT;")
+        self._database.executescript(f"BEGIN; {_SCHEMA}")  # tables without the study in them could not be gone on with
         self._database.execute("INSERT INTO study VALUES (?, ?, ?)", (text, digest, canonical(dict(versions))))
+        self._database.execute("COMMIT")
 
     def _count(self) -> int:
         ((count,),) = self._database.execute("SELECT count(*) FROM cases")
