@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,17 +15,19 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
+from axiscal.record.durable import is_running
 from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.opening import opened_log
 from axiscal.record.postgres import database as database_module
 from axiscal.record.postgres.address import store_address
 from axiscal.record.postgres.database import Database, opened_database
 from axiscal.record.postgres.schema import prepare
-from axiscal.record.postgres.server_log import ServerLog, entries
+from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entries
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
-from tests.record.postgres_server import RunningServer, running_server
+from tests.record.postgres_server import RunningServer, programs, running_server
 
+ROOT = Path(__file__).resolve().parents[2]
 CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {})
 READING = Recorded(Reading("laser", (0.1, 0.2), (1, 0), 1e-6))
 _NEXT = "1 + (SELECT max(number) FROM axiscal.events AS e WHERE e.campaign = events.campaign)"
@@ -125,6 +131,43 @@ def test_two_campaigns_of_one_name_are_refused_and_an_id_names_one(log: ServerLo
         ServerLog.open(database, log.entry.id[:5])
 
 
+@pytest.mark.parametrize(
+    "name", ["it's", "back\\slash", "a:b", "'); DROP SCHEMA axiscal CASCADE; --", "µ ☃", "%s", '"']
+)
+def test_a_name_is_never_a_part_of_a_query(database: Database, name: str, request: pytest.FixtureRequest) -> None:
+    name = f"{name} {name_of(request)}"
+    database.rows("SET standard_conforming_strings = off")  # a backslash would hide a quotation mark
+    ServerLog.create(database, name, CREATED).append(READING, after=1)
+    assert ServerLog.open(database, name).last() == 2
+
+
+def test_a_name_that_is_no_text_is_a_sentence(database: Database) -> None:
+    with pytest.raises(RecordError, match="a letter that is none"):
+        ServerLog.create(database, "M\udcfcller", CREATED)
+
+
+def test_a_branch_needs_another_campaign_to_branch_off(log: ServerLog, database: Database) -> None:
+    id_of_none = "00000000-0000-0000-0000-000000000001"
+    for branch_of, branch_at in ((id_of_none, 1), (log.entry.id, 0)):
+        with pytest.raises(RecordError, match="constraint"):
+            enter(database, Entry(id_of_none, "endless", branch_of, branch_at))
+
+
+def test_an_answer_that_was_not_waited_for_is_not_taken_for_the_next_one(
+    log: ServerLog, database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pg8000.native import Connection
+
+    def interrupted(connection: Connection, context: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Connection, "handle_messages", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            database.rows("SELECT 1")
+    assert database.rows("SELECT 2") == [[2]]
+
+
 ADDRESSES: dict[str, Callable[[RunningServer], str]] = {
     "no store is named": lambda server: "",
     "no address of a store": lambda server: "mysql://host/db",
@@ -161,6 +204,29 @@ def test_addresses_are_read_as_postgresqls_own_programs_read_them() -> None:
     given = store_address("postgresql://b%40d:x@host:5433/shop?sslmode=verify-full", surroundings)
     assert (given.user, given.password, given.sslmode) == ("b@d", "x", "verify-full")
     assert store_address(None, {"AXISCAL_STORE": "postgres://u@h/d", "PGSSLMODE": "require"}).sslmode == "require"
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "postgresql://anna:secret/x@host/db",
+        "postgresql://anna:12/secret@host/db",
+        "postgresql://anna:secret?x=s@host/db",
+        "postgresql://anna:12?secret@host/db",
+        "postgresql://anna:12#secret@host/db",
+        "postgresql://anna:secret[@host/db",
+        "postgresql://host/?password=secret",
+        "host=host password=secret",
+        "anna:secret@host/db",
+        "postgresql://anna:secret@host/db?port=many",
+        "postgresql://anna:secret@host/db?port=99999",
+        "postgresql://anna:secret@host/db?keepalives",
+    ],
+)
+def test_no_part_of_a_password_is_said(address: str) -> None:
+    with pytest.raises(RecordError, match=r"is no address of a store.* is %2F") as told:
+        store_address(address, {})
+    assert "secret" not in str(told.value)
 
 
 def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
@@ -207,6 +273,25 @@ def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerL
     assert len(told) == 4
     assert "is not known" in told[-1]
     keeper.close()
+
+
+def test_a_server_of_the_tests_ends_with_what_began_it() -> None:
+    programs()
+    begun = (
+        "import sys, time; from tests.record.postgres_server import running_server\n"
+        "with running_server() as server: print(server.folder, flush=True); time.sleep(600)"
+    )
+    command = [sys.executable, "-c", begun]
+    paths = {"PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
+    with subprocess.Popen(command, env=os.environ | paths, stdout=subprocess.PIPE, text=True) as head:
+        assert head.stdout is not None
+        folder = Path(head.stdout.readline().strip())
+        process = int((folder / "data" / "postmaster.pid").read_text().split()[0])
+        head.kill()
+    until = time.monotonic() + 60
+    while folder.exists() or is_running(process):
+        assert time.monotonic() < until
+        time.sleep(0.05)
 
 
 def test_a_newer_store_is_refused(server: RunningServer, database: Database) -> None:

@@ -30,6 +30,7 @@ class Shop:
 
     def __init__(self, database: Database, folder: Path) -> None:
         self.database, self.folder, self.name = database, folder, f"shop {next(_numbers)} {folder}"
+        folder.mkdir(exist_ok=True)
         with Record.create(self.file("one"), Created("", "", "", self.name, {})) as record:
             record.append(Noted("first"), Noted("second"))
 
@@ -113,6 +114,14 @@ def test_a_third_laptop_forks_from_a_branch_and_takes_what_a_branch_has(shop: Sh
     assert shop.chains(twig) == [text.chain for text in shop.texts("four")]
     with ServerLog.open(shop.database, twig.campaign.id) as log:
         assert log.append(Noted("live, on the branch of a branch")) == 6
+
+
+def test_a_campaign_that_is_called_by_the_id_of_another_is_not_taken_for_it(shop: Shop) -> None:
+    new = shop.synced("one")
+    called = Shop(shop.database, shop.folder / "other")
+    called.name = new.campaign.id
+    called.synced("one")
+    assert (shop.synced("one").case, shop.synced("one").campaign) == ("same", new.campaign)
 
 
 def test_times_and_letters_come_back_as_they_were(shop: Shop) -> None:

@@ -15,8 +15,9 @@ VARIABLE = "AXISCAL_STORE"
 _FORM = "postgresql://USER@HOST/DATABASE"
 _MODES = "", "disable", "prefer", "require", "verify-ca", "verify-full"
 """Of TLS, as PostgreSQL names them: none, where the server has it, always, with a certificate that is checked."""
-_PORT = 5432
-"""PostgreSQL's own."""
+_IN_PASSWORDS = "in a password / is %2F, ? is %3F, # is %23 and @ is %40"
+_PORT, _LAST_PORT = 5432, 65535
+"""PostgreSQL's own; the last there is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +48,20 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
     text = text or environment.get(VARIABLE, "")
     if not text:
         raise RecordError("No store is named", f"Put its address into {VARIABLE}, or give --store: {_FORM}")
+    no_address = RecordError(f"{_hidden(text)} is no address of a store", f"Write it as {_FORM}; {_IN_PASSWORDS}")
     try:
         parts = urlsplit(text)
-        port = parts.port or int(environment.get("PGPORT", _PORT))
         asked = parse_qs(parts.query, strict_parsing=bool(parts.query))
-    except ValueError as failure:
-        raise RecordError(f"{_hidden(text)} is no address of a store: {failure}", f"Write it as {_FORM}") from None
-    if parts.scheme not in ("postgresql", "postgres") or not parts.path.strip("/"):
-        raise RecordError(f"{_hidden(text)} is no address of a store", f"Write it as {_FORM}")
-    options = {name: values[-1] for name, values in asked.items()}
+        options = {name: values[-1] for name, values in asked.items()}
+        port = int(options.pop("port", "") or parts.port or environment.get("PGPORT") or _PORT)
+    except ValueError:  # whose words may hold a part of the password
+        raise no_address from None
+    if parts.scheme not in ("postgresql", "postgres") or not parts.path.strip("/") or not 0 < port <= _LAST_PORT:
+        raise no_address
+    if "@" in f"{parts.path}{parts.query}{parts.fragment}":  # the password was cut in two
+        raise no_address
     sslmode = options.pop("sslmode", environment.get("PGSSLMODE", ""))
     host = unquote(options.pop("host", parts.hostname or environment.get("PGHOST", "localhost")))
-    port = int(options.pop("port", port))
     if options or sslmode not in _MODES:
         wrong = next(iter(options), f"sslmode={sslmode}")
         raise RecordError(f'"{wrong}" in the address of the store is not known', "Use host, port and sslmode alone")
@@ -69,6 +72,9 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
 
 
 def _hidden(text: str) -> str:
-    """Return an address as it may be shown."""
-    before, at, after = text.rpartition("@")
-    return f"{before.partition('://')[0]}://...@{after}" if at else text
+    """Return an address as it may be shown: what is before its last @ and in its options may be a password."""
+    scheme, found, rest = text.partition("://")
+    if not found:
+        return "What is given"
+    _, at, after = rest.rpartition("@")
+    return f"{scheme}://{'...@' if at else ''}{after.partition('?')[0]}"

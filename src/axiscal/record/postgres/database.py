@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import socket
 import ssl
 import struct
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
 
+from axiscal.document import shown
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.record.postgres.address import StoreAddress
 
@@ -51,11 +53,9 @@ class Database:
 
         held : what nobody else may write to meanwhile, by a name
         """
-        from pg8000.native import literal
-
         try:
             # one question to the server; the lock comes before the first look at what there is
-            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock(hashtextextended({literal(held)}, 20))")
+            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock({_lock_number(held)})")
             self._within = True
             yield
             self._commit()
@@ -98,6 +98,10 @@ class Database:
         """Turn what server, network and driver did into a RecordError."""
         try:
             yield
+        except UnicodeEncodeError as failure:
+            self.close()
+            what = f"{shown(failure.object)} has a letter that is none"
+            raise RecordError(what, "Give the campaign a name without it", self._named) from None
         except _network_failures() as failure:
             found = failure.args[0] if failure.args else ""
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
@@ -118,6 +122,14 @@ class Database:
                 state, (f"The store refuses it: {_words(failure)}", "Ask whoever keeps the store")
             )
             raise RecordError(what, remedy, self._named) from failure
+        except BaseException:  # Ctrl-C: the answer that is still to come is not one to the next question
+            self.close()
+            raise
+
+
+def _lock_number(held: str) -> int:
+    """Return the number by which the server locks what has this name."""
+    return int.from_bytes(hashlib.sha256(held.encode(errors="surrogateescape")).digest()[:8], signed=True)
 
 
 def _words(failure: BaseException) -> str:
@@ -147,7 +159,7 @@ def _connected(address: StoreAddress) -> Any:
             sock=line,
             ssl_context=_tls(address),
             application_name="axiscal",
-            startup_params={"lock_timeout": str(_LOCK)},
+            startup_params={"lock_timeout": str(_LOCK), "synchronous_commit": "on"},
         )
     except (Error, OSError, struct.error) as failure:
         line.close()

@@ -18,7 +18,7 @@ CREATE TABLE axiscal.form (number integer PRIMARY KEY);
 INSERT INTO axiscal.form VALUES ({FORM});
 CREATE TABLE axiscal.campaigns (
     id uuid PRIMARY KEY, name text NOT NULL, branch_of uuid REFERENCES axiscal.campaigns, branch_at bigint,
-    CHECK ((branch_of IS NULL) = (branch_at IS NULL)));
+    CHECK ((branch_of IS NULL) = (branch_at IS NULL)), CHECK (branch_of <> id), CHECK (branch_at > 0));
 CREATE INDEX ON axiscal.campaigns (name);
 CREATE TABLE axiscal.events (
     campaign uuid REFERENCES axiscal.campaigns, number bigint CHECK (number > 0), kind text NOT NULL,

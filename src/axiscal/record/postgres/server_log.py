@@ -32,6 +32,7 @@ PREFIX = "store:"
 """How the name of a campaign on the server begins, where a record is asked for."""
 _FEWEST = 8
 """Digits of an id by which a campaign may be named, too."""
+_ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
 
 
 class Entry(NamedTuple):
@@ -190,14 +191,19 @@ def _closed_at_a_fault(database: Database) -> Iterator[None]:
 def entries(database: Database, name: str | None = None) -> list[Entry]:
     """Return the campaigns of a store: all, or those of a name or an id that begins so."""
     rows = database.rows(
-        "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns "
-        "WHERE CAST(:name AS text) IS NULL OR name = :name "
+        f"{_ENTRIES} WHERE CAST(:name AS text) IS NULL OR name = :name "
         "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name)) "
         "ORDER BY name, id",
         name=name,
         few=_FEWEST,
     )
     return [Entry(*row) for row in rows]
+
+
+def entry_of(database: Database, campaign: str) -> Entry | None:
+    """Return the campaign of an id, None if the store has none."""
+    rows = database.rows(f"{_ENTRIES} WHERE id = CAST(:id AS uuid)", id=campaign)
+    return Entry(*rows[0]) if rows else None
 
 
 def enter(database: Database, entry: Entry) -> None:
@@ -227,10 +233,10 @@ def insert(database: Database, campaign: str, last: int, texts: Sequence[Chained
 
 def _ancestors(database: Database, entry: Entry) -> list[Entry]:
     """Return the campaigns that a branch begins with, the nearest first."""
-    found = list[Entry]()
-    while entry.branch_of is not None:
-        entry = entries(database, entry.branch_of)[0]
-        found.append(entry)
+    found, above = list[Entry](), entry.branch_of
+    while above is not None and (nearest := entry_of(database, above)) is not None:
+        found.append(nearest)
+        above = nearest.branch_of
     return found
 
 

@@ -15,7 +15,7 @@ from uuid import UUID, uuid5
 from axiscal.record.log import ChainedText, EventLog, campaign_of
 from axiscal.record.postgres.database import Database
 from axiscal.record.postgres.schema import refuse_newer
-from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entries, insert
+from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entry_of, insert
 
 Case = Literal["new", "ahead", "same", "behind", "fork", "fork again", "fork goes on"]
 """What the laptop is against the store."""
@@ -44,12 +44,12 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
     with database.transaction(entry.id):
-        there = entries(database, entry.id)
-        if not there:
+        there = entry_of(database, entry.id)
+        if there is None:
             enter(database, entry)
             insert(database, entry.id, 0, texts)
             return Synced("new", entry, sent=len(texts))
-        found, rest = _sent(database, there[0], texts)
+        found, rest = _sent(database, there, texts)
     if rest:
         record.extend([text.row for text in rest], after=len(texts))
     return found
@@ -71,8 +71,8 @@ def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tup
         rest = stored[shared:]
         return Synced("fork goes on" if fork else "behind", entry, taken=len(rest), shared=at), rest
     branch = Entry(str(uuid5(UUID(entry.id), texts[shared].chain)), entry.name, entry.id, shared)
-    if known := entries(database, branch.id):
-        return _sent(database, known[0], texts)
+    if known := entry_of(database, branch.id):
+        return _sent(database, known, texts)
     enter(database, branch)
     insert(database, branch.id, shared, texts[shared:])
     return Synced("fork", branch, sent=len(texts) - shared, shared=shared), ()
