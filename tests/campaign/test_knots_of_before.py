@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.inheritance import last_campaign
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.inheritance import inherited, last_campaign
 from axiscal.estimation.type_prior import type_prior
 from axiscal.fleet.type_learning import learnt_type
 from axiscal.measurement.reading import Reading
@@ -99,6 +101,19 @@ def test_as_a_prior_it_is_estimated_with_its_own_knots(tmp_path: Path) -> None:
     Campaign.create(tmp_path / "again.axiscal", description).close()
     with Campaign.open(tmp_path / "again.axiscal", write=False) as campaign:
         assert not campaign.description.machine.fine_knots
+
+
+def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> None:
+    """What its nine knots cannot hold of a curve of seventeen (scipy's natural splines) is as the prior states."""
+    old = written(tmp_path / "old.axiscal", described(), before=True)
+    new = described()
+    errors, knots = ErrorModel(new.machine), np.linspace(0.0, 0.6, 17)
+    found = inherited(heritage_text(old), errors)
+    held = CubicSpline(knots[::2], np.eye(9), bc_type="natural")(knots)
+    beyond = np.linalg.qr(held, mode="complete")[0][:, 9:]
+    stated = beyond.T @ errors.prior_covariance() @ beyond
+    np.testing.assert_allclose(beyond.T @ found.covariance @ beyond, stated, rtol=1e-6, atol=1e-6 * stated.max())
+    assert np.sqrt(np.diagonal(found.covariance)).min() > 0.5e-6
 
 
 @pytest.mark.parametrize("before", [False, True])

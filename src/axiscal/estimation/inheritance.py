@@ -68,13 +68,14 @@ def last_estimation(text: str) -> Estimation:
 def inherited(text: str, errors: ErrorModel) -> Inherited:
     """Return what the campaign in a heritage text knew; errors that it did not have are as their prior states.
 
-    Its curves are read at the knots of today's.
+    Its curves are read at the knots of today's; what these hold and its own could not is as the prior states.
     """
     last = last_estimation(text).banded
     before, belief = last.case.errors, last.knowledge.belief
     across = carried_over(before, errors)
-    factor = belief.factor[: before.size]
-    return across.prior(belief.mean[: before.size], factor @ factor.T, np.diag(across.rests))
+    factor, beyond = belief.factor[: before.size], across.beyond()
+    unknown = np.diag(across.rests) + beyond @ beyond.T
+    return across.prior(belief.mean[: before.size], factor @ factor.T, unknown)
 
 
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
