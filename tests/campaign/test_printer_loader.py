@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import configparser
+import contextlib
 import json
 import re
+import socket
+import threading
 import urllib.parse
 import zlib
 from collections.abc import Iterator
@@ -33,6 +36,7 @@ class Keeping(Server):
         self.files: dict[str, str] = {"printer.cfg": INCLUDE}
         self.profiles: dict[str, Any] = {}
         self.info, self.spoils = "ready", False
+        self.away, self.locked = 0, ""
 
     def restart(self) -> None:
         """Read printer.cfg and what it includes, as Klipper's configfile.py does."""
@@ -48,6 +52,8 @@ class Keeping(Server):
         if code.startswith("BED_MESH_PROFILE LOAD="):
             name = code.partition("=")[2]
             self.klipper["bed_mesh"] = {"profile_name": name, "probed_matrix": self.profiles[name]}
+        if code == "G29 S2":
+            self.duet["move"]["compensation"]["type"] = "none"
         if code == "G29 S1":
             duet_map(self.files[MAP])
             self.duet["move"]["compensation"]["type"] = "none" if self.spoils else "mesh"
@@ -62,9 +68,13 @@ class Files(Handler, BaseHTTPRequestHandler):
         asked = dict(urllib.parse.parse_qsl(query))
         name = asked.get("name") or urllib.parse.unquote(path.removeprefix("/machine/file/"))
         if path == "/printer/info":
-            self._say(json.dumps({"result": {"state": self.server.info}}))
-        elif path == "/server/files/config/printer.cfg":
-            self._say(self.server.files["printer.cfg"])
+            self.server.away -= 1
+            self.send_error(503) if self.server.away >= 0 else self._info()
+        elif self.server.locked and self.server.locked in urllib.parse.unquote(self.path):
+            self.send_error(500)
+        elif path.startswith("/server/files/config/"):
+            name = path.removeprefix("/server/files/config/")
+            self._say(self.server.files[name]) if name in self.server.files else self.send_error(404)
         elif path == "/rr_download" or (path.startswith("/machine/file/") and not self.server.alone):
             self._say(self.server.files[name]) if name in self.server.files else self.send_error(404)
         else:
@@ -97,6 +107,9 @@ class Files(Handler, BaseHTTPRequestHandler):
             self._say('{"result": "ok"}')
         else:
             super().do_POST()
+
+    def _info(self) -> None:
+        self._say(json.dumps({"result": {"state": self.server.info}}))
 
     def _body(self) -> str:
         return self.rfile.read(int(self.headers.get("Content-Length", 0))).decode()
@@ -138,10 +151,14 @@ def test_a_duet_holds_the_map_of_the_export_and_the_one_of_before(
     words = ["export", str(record), "--to", "reprapfirmware", "--out", str(tmp_path / "d")]
     assert run([*words, "--load", at("duet", printer)]) == 0
     assert printer.files[MAP] == (tmp_path / "d" / "heightmap.csv").read_text()
-    assert printer.files["0:/sys/heightmap_before_axiscal.csv"] == "the old one"
+    assert "the old one" in printer.files.values()
     assert printer.duet["move"]["compensation"]["type"] == "mesh"
 
 
+HEIGHTS = (
+    "RepRapFirmware height map file v2\n"
+    "xmin,xmax,ymin,ymax,xspacing,yspacing,xnum,ynum\n0,1,0,1,1,1,2,2\n0.1,0.3\n0.4,0.5\n"
+)
 MESH = "#*# [bed_mesh axiscal]\n#*# points =\n#*# \t  0.100000, 0.200000\n"
 
 
@@ -171,6 +188,60 @@ def test_a_duet_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any
     spoil(printer)
     with pytest.raises(SourceError, match=why):
         load(at("duet", printer), {"heightmap.csv": "a map 1"}, "axiscal")
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_nothing_on_a_duet_is_overwritten_that_is_not_kept(printer: Keeping, alone: bool) -> None:
+    printer.alone, printer.files[MAP] = alone, "of the owner, größer"
+    printer.duet["move"]["compensation"]["type"] = "mesh"
+    meshes = [HEIGHTS.replace("0.1", each) for each in ("0.1", "0.2", "0.2")]
+    for mesh in meshes:
+        said = load(at("duet", printer), {"heightmap.csv": mesh}, "axiscal")
+    assert {"of the owner, größer", *meshes} <= set(printer.files.values())
+    assert "the one that was there" not in said
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_map_that_cannot_be_read_is_not_overwritten(printer: Keeping, alone: bool) -> None:
+    printer.alone, printer.files[MAP], printer.locked = alone, "of the owner", MAP
+    with pytest.raises(SourceError, match=r"refused .*500.* give the command again"):
+        load(at("duet", printer), {"heightmap.csv": "a map 1"}, "axiscal")
+    assert printer.files[MAP] == "of the owner"
+
+
+def test_klipper_keeps_the_mesh_that_was_there_beside_what_it_includes(printer: Keeping) -> None:
+    printer.files["axiscal_mesh.cfg"] = "[bed_mesh mine]\npoints =\n  0.5, 0.6\n"
+    said = load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+    (kept,) = [name for name, text in printer.files.items() if "mine" in text]
+    assert kept in said
+    assert not kept.endswith(".cfg")
+
+
+def test_klipper_is_waited_for_while_moonraker_says_that_it_is_not_there(printer: Keeping) -> None:
+    printer.away = 3
+    assert "in force" in load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+
+
+def test_an_include_that_is_a_comment_reads_nothing(printer: Keeping) -> None:
+    printer.files["printer.cfg"] = "#" + INCLUDE
+    with pytest.raises(SourceError, match="does not read it"):
+        load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+
+
+@pytest.mark.parametrize("kind", ["moonraker", "duet"])
+def test_what_speaks_no_http_is_a_sentence(kind: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=_greets, args=(server,), daemon=True).start()
+        with pytest.raises(SourceError, match="does not answer"):
+            load(f"{kind}:127.0.0.1:{server.getsockname()[1]}", {"bed_mesh.cfg": MESH, "heightmap.csv": ""}, "axiscal")
+
+
+def _greets(server: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        while True:
+            with server.accept()[0] as line:
+                line.recv(4096)
+                line.sendall(b"SSH-2.0-OpenSSH_9.2\r\n")
 
 
 def test_what_goes_to_no_printer_is_refused() -> None:

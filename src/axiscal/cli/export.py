@@ -137,13 +137,13 @@ def export(
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
         deliver_export(offered, out, record_state(campaign))
+    if not json:
+        say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
     done = None if load is None else _loaded(load, offered, name)
     if json:
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))
-    else:
-        say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
-        if done is not None:
-            say(done)
+    elif done is not None:
+        say(done)
 
 
 def _loaded(printer: str, offered: Export, name: str) -> str:

@@ -7,6 +7,7 @@ them, never on a printer.
 
 from __future__ import annotations
 
+import http.client
 import json
 import math
 import re
@@ -26,6 +27,8 @@ TIMEOUT = 60.0
 _HOST = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?(?::[0-9]{1,5})?")
 _MOST = 2_000_000
 """Bytes of an answer; an object model has a hundred thousand."""
+_REFUSED, _ABSENT = 300, 404
+"""Codes of HTTP from here on say that a request was not done, and this one that there is no such file."""
 _CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
 """mm over the bed on the way, mm/min up and across: gentle on any printer."""
 _FARTHEST = 5.0
@@ -80,6 +83,9 @@ class PrinterSource:
 class Printer(ABC):
     """A printer behind its web server.  host : name or address, with :PORT where it is another than usual"""
 
+    _again = "Mend it, then go on with --resume"
+    """What is to be done after a fault."""
+
     def __init__(self, host: str) -> None:
         if not _HOST.fullmatch(host):
             raise SourceError(
@@ -99,25 +105,42 @@ class Printer(ABC):
         self,
         path: str,
         query: dict[str, str] | None = None,
-        body: str | None = None,
+        body: bytes | None = None,
         method: str | None = None,
         kind: str | None = None,
     ) -> bytes:
         """Return an answer; raises SourceError.  kind : of what is sent, where it is another than usual"""
+        return self._done(path, *self._answered(path, query, body, method, kind))
+
+    def _held(self, path: str, query: dict[str, str] | None = None) -> bytes | None:
+        """Return a file, None where the printer says that there is none; raises SourceError."""
+        code, data = self._answered(path, query)
+        return None if code == _ABSENT else self._done(path, code, data)
+
+    def _done(self, path: str, code: int, data: bytes) -> bytes:
+        if code >= _REFUSED:
+            said = data[:2000].decode(errors="replace")
+            raise self._failed(f"refused {path} ({code}): {' '.join(said.split())[:200]}")
+        return data
+
+    def _answered(
+        self,
+        path: str,
+        query: dict[str, str] | None = None,
+        body: bytes | None = None,
+        method: str | None = None,
+        kind: str | None = None,
+    ) -> tuple[int, bytes]:
+        """Return the status of HTTP and what was said, refusals too; raises SourceError where nothing is."""
         url = f"http://{self._host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
         headers = {} if kind is None else {"Content-Type": kind}
-        asked = urllib.request.Request(url, None if body is None else body.encode("ascii"), headers, method=method)
         try:
-            with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
-                data: bytes = answer.read(_MOST + 1)
-        except urllib.error.HTTPError as refusal:
-            said = refusal.read(2000).decode(errors="replace")
-            raise self._failed(f"refused {path} ({refusal.code}): {' '.join(said.split())[:200]}") from None
-        except (OSError, ValueError) as fault:
-            raise self._failed(f"does not answer {path}: {fault}") from None
+            code, data = _exchanged(urllib.request.Request(url, body, headers, method=method))
+        except (OSError, ValueError, http.client.HTTPException) as fault:
+            raise self._failed(f"does not answer {path}: {' '.join(str(fault).split())[:200]}") from None
         if len(data) > _MOST:
             raise self._failed(f"answers {path} with more than {_MOST} bytes")
-        return data
+        return code, data
 
     def _document(self, path: str, query: dict[str, str] | None = None) -> dict[str, Any]:
         try:
@@ -129,7 +152,7 @@ class Printer(ABC):
         return found
 
     def _failed(self, what: str) -> SourceError:
-        return SourceError(f"the printer {self._host} {what}", "Mend it, then go on with --resume")
+        return SourceError(f"the printer {self._host} {what}", self._again)
 
     def _not_ready(self, what: str, remedy: str) -> SourceError:
         return SourceError(f"the printer {self._host} {what}", remedy)
@@ -166,7 +189,7 @@ class Moonraker(Printer):
         return self._height(found_at(self._status("probe"), "probe", "last_z_result"))
 
     def _script(self, script: str) -> None:
-        self._ask("/printer/gcode/script", {"script": script}, body="")
+        self._ask("/printer/gcode/script", {"script": script}, body=b"")
 
     def _status(self, *objects: str) -> dict[str, Any]:
         found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
@@ -224,19 +247,30 @@ class Duet(Printer):
 
     def _run(self, code: str, wait: bool = False) -> str:
         """Execute a line and return its reply; raises SourceError where that is an error."""
-        said = self._reply(code, wait)
+        return self._sound(code, self._reply(code, wait))
+
+    def _sound(self, code: str, said: str) -> str:
         if (amiss := _AMISS.search(said)) is not None:
             raise self._failed(f"answers {amiss[1].strip()[:200]!r} to {code}")
         return said
 
     def _reply(self, code: str, wait: bool) -> str:
         if not self._alone:
-            return self._ask("/machine/code", body=code).decode(errors="replace")
+            return self._ask("/machine/code", body=code.encode()).decode(errors="replace")
         self._ask("/rr_gcode", {"gcode": code})
         end = time.monotonic() + (TIMEOUT if wait else 0.0)
         while not (said := self._ask("/rr_reply").decode(errors="replace")).strip() and time.monotonic() < end:
             time.sleep(_POLL)
         return said
+
+
+def _exchanged(asked: urllib.request.Request) -> tuple[int, bytes]:
+    """Return the status of HTTP and what was said."""
+    try:
+        with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
+            return answer.status, answer.read(_MOST + 1)
+    except urllib.error.HTTPError as refusal:
+        return refusal.code, refusal.read(_MOST + 1)
 
 
 def _compensation(model: dict[str, Any]) -> str:
