@@ -55,6 +55,11 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return " ".join(capsys.readouterr().out.split())
 
 
+def test_who_begins_is_told_nothing_where_nothing_is_open(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert record.exists()
+    assert "Mind" not in capsys.readouterr().err
+
+
 def test_leaving_a_set_up_says_what_is_dropped_and_what_it_costs(
     record: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

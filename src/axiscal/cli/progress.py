@@ -52,7 +52,7 @@ def tell_unasked(description: CampaignDescription) -> None:
     for question in questions(description.machine):
         tell(f"Mind: {question}")
     for said in (unasked(description), unused_artefacts(description), hardly_reached(description)):
-        if said is not None:
+        if said:
             tell(f"Mind: {said}")
 
 
