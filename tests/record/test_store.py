@@ -19,8 +19,10 @@ from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record import store
 from axiscal.record.copies import write_copy
+from axiscal.record.durable import written
 from axiscal.record.events import Created, Event, Finished, Recorded, Skipped, Undone
 from axiscal.record.line_form import FORM, MARKS, EventText, Mark, mark_bytes, read_mark, transaction
+from axiscal.record.log import rows_of
 from axiscal.record.store import Record
 
 CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
@@ -327,6 +329,21 @@ def test_a_copy_takes_the_place_of_an_earlier_copy(record: Record, tmp_path: Pat
     with Record.open(tmp_path / "copy.axiscal", write=False) as copy:
         assert copy.events() == record.events()
     assert not list(tmp_path.glob(".*.new"))
+
+
+def test_a_record_that_appears_while_another_is_made_is_not_overwritten(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mill.axiscal"
+
+    def meanwhile(draft: Path, content: bytes) -> None:
+        written(draft, content)
+        path.write_text("another one")
+
+    monkeypatch.setattr(store, "written", meanwhile)
+    with pytest.raises(RecordError, match="exists already"):
+        Record.made(path, rows_of([CREATED]))
+    assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [("mill.axiscal", "another one")]
 
 
 def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) -> None:

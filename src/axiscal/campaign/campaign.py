@@ -15,7 +15,6 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
@@ -41,6 +40,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
+from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
@@ -68,7 +68,7 @@ _JUDGED_AT_ONCE = 200
 """Readings up to which all are judged anew with each: a second of waiting at the most."""
 
 
-class Campaign:
+class Campaign(Closing):
     """An open campaign record with its description and what is known; a context manager.
 
     planner : says where to read next
@@ -364,12 +364,6 @@ class Campaign:
     def close(self) -> None:
         """Close the record."""
         self._record.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
 
     def _append(self, *events: Event) -> None:
         if events:

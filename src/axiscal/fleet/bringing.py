@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Literal
 
 from axiscal.exceptions import RecordError
-from axiscal.record.copies import write_copy
 from axiscal.record.folder_index import FolderIndex, IndexedRecord
 from axiscal.record.log import ChainedText, EventLog, campaign_of
 from axiscal.record.store import Record
@@ -40,7 +39,7 @@ def brought(folder: Path, source: Path) -> Brought:
         if there:
             raise _parted(record, texts, there[0], index)
         file = _free(folder / source.name, campaign)
-        write_copy(record, file)
+        Record.made(file, [text.row for text in texts]).close()
         return Brought(file, "new", len(texts))
 
 

@@ -11,10 +11,10 @@ import sqlite3
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 from axiscal.exceptions import RecordError
+from axiscal.record.closing import Closing
 from axiscal.record.line_form import EventText
 from axiscal.record.log import ChainedText, campaign_of
 from axiscal.record.store import Record
@@ -57,7 +57,7 @@ class Kinds(NamedTuple):
     last: str
 
 
-class FolderIndex:
+class FolderIndex(Closing):
     """The index of one folder, open; a context manager.
 
     why_apart : why it is not kept beside the records, "" where it is
@@ -185,12 +185,6 @@ class FolderIndex:
     def close(self) -> None:
         """Close it."""
         self._database.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
 
 
 def _name(file: Path) -> bytes:

@@ -13,11 +13,11 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from axiscal.exceptions import RecordError
 from axiscal.record.alone import HeldError, alone
+from axiscal.record.closing import Closing
 from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
 from axiscal.record.events import Created, Event, State, Stored
 from axiscal.record.line_form import (
@@ -46,7 +46,7 @@ PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
 
 
-class Record:
+class Record(Closing):
     """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
     handle : of the file, None for a record of the first form that is only read
@@ -60,13 +60,18 @@ class Record:
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
         """Return a new record that holds the event `created`; the file appears whole and checked, or not at all."""
+        return cls.made(path, rows_of([created]))
+
+    @classmethod
+    def made(cls, path: str | Path, rows: Sequence[EventText]) -> Self:
+        """Return a new record of events as they were written elsewhere; raises RecordError where there is a file."""
         path = Path(path)
         clear_drafts(path.parent, path.name)
         refuse_existing(path)
         draft = draft_of(path)
         with record_errors(path):
             try:
-                written(draft, content_of(rows_of([created]))[0])
+                written(draft, content_of(in_one(rows))[0])
                 cls.open(draft, write=False).close()
                 _publish(draft, path)
             finally:
@@ -171,12 +176,6 @@ class Record:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
 
     def _catch_up(self) -> None:
         """Take over what has been written since the last look."""

@@ -8,11 +8,10 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from axiscal.exceptions import StudyError
 from axiscal.record.alone import HeldError, alone
+from axiscal.record.closing import Closing
 from axiscal.study.study_case import canonical
 from axiscal.study.work import Done
 
@@ -24,7 +23,7 @@ CREATE TABLE cases (key TEXT PRIMARY KEY, result TEXT, error TEXT NOT NULL) WITH
 _DAMAGED = "Name another folder; what can be read of this one, sqlite3 shows"
 
 
-class Results:
+class Results(Closing):
     """An open database of results; a context manager.
 
     digest : of all that the cases are a function of; versions : of the programs
@@ -109,12 +108,6 @@ class Results:
     def close(self) -> None:
         """Close the database, and let others work in its folder."""
         self._held.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
 
 
 @contextmanager

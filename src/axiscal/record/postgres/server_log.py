@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import NamedTuple, Self
 
 from axiscal.exceptions import RecordError
+from axiscal.record.closing import Closing
 from axiscal.record.events import Created, Event, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.log import (
@@ -44,7 +44,7 @@ class Entry(NamedTuple):
     branch_at: int | None
 
 
-class ServerLog:
+class ServerLog(Closing):
     """The open log of one campaign on a server; a context manager. Every failure is a RecordError.
 
     path : "store:NAME", as people name it
@@ -132,12 +132,6 @@ class ServerLog:
     def close(self) -> None:
         """Close the connection."""
         self._database.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
 
     def _catch_up(self) -> None:
         """Take over what has been written since the last look; raises RecordError where it does not follow."""
