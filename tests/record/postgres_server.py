@@ -44,17 +44,16 @@ class RunningServer:
 
     def control(self, *words: str) -> None:
         """Start or stop it."""
-        _as_nobody_much([str(self._bin / "pg_ctl"), "-D", str(self.folder / "data"), "-w", "-s", *words], self.folder)
+        self.run(str(self._bin / "pg_ctl"), "-D", str(self.folder / "data"), "-w", "-s", *words)
 
-    def start(self) -> None:
-        """Start it."""
-        options = [
-            *([] if self._durable else _QUICK),
-            "-c",
-            "listen_addresses=",
-            "-c",
-            f"unix_socket_directories={self.folder}",
-        ]
+    def run(self, *command: str) -> None:
+        """Run a command as the user that it runs as."""
+        _as_nobody_much(list(command), self.folder)
+
+    def start(self, *settings: str) -> None:
+        """Start it.  settings : as in postgresql.conf, such as ssl=on"""
+        usual = "listen_addresses=", f"unix_socket_directories={self.folder}"
+        options = [*([] if self._durable else _QUICK), *(word for each in (*usual, *settings) for word in ("-c", each))]
         self.control("-l", str(self.folder / "log"), "-o", " ".join(options), "start")
 
     def stop(self, mode: str = "immediate") -> None:
