@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.report.sentences import coordinate, curve_note, duration, figure, iso_name, quantity, short
+from axiscal.campaign.ended_words import because_text, reached_as_seen
+from axiscal.report.sentences import coordinate, curve_note, duration, figure, iso_name, quantity, short, target_text
 from axiscal.report.summary import ConstantSummary, CurveSummary
 from axiscal.report.whiskers import scales
 
@@ -38,6 +39,17 @@ def test_a_figure_says_its_value_to_three_digits(value: float) -> None:
     digits = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
     text = re.sub(r" × 10(.*)", lambda m: f"e{m[1].translate(digits)}", figure(value))
     assert float(text.replace("−", "-").replace("\u202f", "")) == pytest.approx(value, rel=5.1e-3)
+
+
+def test_a_target_that_only_what_is_hidden_misses_is_said_as_the_campaign_ended() -> None:
+    ended = because_text("rms target reached in what readings can tell; with what they cannot tell it is 9.73 um")
+    assert reached_as_seen(ended) == "rms"
+    assert target_text(9.73, 5.0, 1.0, True).endswith(
+        "reached in what readings can tell, not with what they cannot tell"
+    )
+    assert target_text(4.9, 5.0, 1.0, True).endswith(": reached")
+    assert target_text(9.73, 5.0).endswith(": not reached")
+    assert not reached_as_seen(because_text("rms target reached"))
 
 
 def test_units_and_durations() -> None:

@@ -112,10 +112,11 @@ def unseen_size(summary: Summary) -> float:
     return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
 
 
-def target_text(value_um: float, target_um: float | None, unshown: float = 1.0) -> str:
+def target_text(value_um: float, target_um: float | None, unshown: float = 1.0, as_seen: bool = False) -> str:
     """Return "target 2 µm: reached", or nothing where no target was set.
 
     unshown : times the value that the readings can vouch for
+    as_seen : whether the campaign ended because it was reached in what readings can tell
     """
     if target_um is None:
         return ""
@@ -124,6 +125,8 @@ def target_text(value_um: float, target_um: float | None, unshown: float = 1.0) 
         return said("target {size}: promised, and not reached by what the readings can vouch for", size=size)
     if unshown * value_um <= target_um:
         return said("target {size}: reached", size=size)
+    if as_seen:
+        return said("target {size}: reached in what readings can tell, not with what they cannot tell", size=size)
     return said("target {size}: not reached", size=size)
 
 
