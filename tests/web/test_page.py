@@ -212,6 +212,7 @@ def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Br
         page.until("document.activeElement.id === 'stands'")
         assert page.value("document.documentElement.lang") == "de"
         assert page.value("document.getElementById('stands').textContent") == "Es steht"
+        assert "," in page.value("document.getElementById('accuracy').textContent").split(" µm")[0]
         looked_at(page)
         page.press("Enter")
         type_reading(page, "-1,7")

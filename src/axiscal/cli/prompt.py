@@ -20,7 +20,7 @@ from axiscal.guide.question import Question
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.guide.stopping import controls_of, table_left
 from axiscal.guide.taking_back import take_back
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, decimals, said
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -118,7 +118,7 @@ class Prompt:
         surprise = question.expected.surprise(typed.values)
         if surprise >= SURPRISING:
             far = "That is {size} standard deviations from what is expected, {expected}."
-            say("  " + said(far, size=f"{surprise:.1f}", expected=expected_text(question)))
+            say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
             choice = said("Type k to keep it, v to keep it and vouch for it, Enter to read again:")
             word = input(f"  {choice} ").strip().lower()
             if word not in ("k", "v"):

@@ -9,7 +9,7 @@ from axiscal.guide.expectation import BAND
 from axiscal.guide.mounting import mount_sentence, mount_steps
 from axiscal.guide.progress import Progress, goals_text
 from axiscal.guide.question import Question
-from axiscal.language.spoken import said
+from axiscal.language.spoken import decimals, said
 from axiscal.units import to_unit
 
 
@@ -84,4 +84,4 @@ def _plain(value: float, unit: str) -> str:
     """Return a number in its unit with one decimal, none from a hundred on, and no minus before nought."""
     shown = to_unit(float(value), unit)
     digits = 1 if abs(shown) < 100 else 0
-    return f"{round(shown, digits) + 0.0:.{digits}f}"
+    return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")

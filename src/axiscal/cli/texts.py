@@ -8,6 +8,7 @@ from axiscal.campaign.ending import Ended
 from axiscal.guide.question import coming_text, go_text, parked_text, touch_text
 from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import reads_text
+from axiscal.language.spoken import decimals
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.record.events import Asked
@@ -17,7 +18,7 @@ from axiscal.units import to_unit
 def micrometres(length: float) -> str:
     """Return a length in um with three significant digits."""
     value = to_unit(length, "um")
-    return f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um"
+    return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
 
 
 def question_text(campaign: Campaign, asked: Asked) -> str:

@@ -10,7 +10,7 @@ from axiscal.description.target import Target
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.place import Place
 from axiscal.planning.promise import promised, reachable_rms
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +52,9 @@ class Progress:
 def goals_text(target: Target) -> str:
     """Return what ends the campaign, the first of them that is reached: "U 10 um · RMS 2 um · 40 readings · 90 min"."""
     lengths = (("U", target.expanded), ("RMS", target.rms), (said("worst"), target.worst))
-    goals = [f"{name} {format_quantity(length, 'um', 3)}" for name, length in lengths if length is not None]
+    goals = [f"{name} {said_quantity(length, 'um', 3)}" for name, length in lengths if length is not None]
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
-    goals += [] if target.budget is None else [format_quantity(target.budget, "min", 3)]
+    goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.language.spoken import said
+from axiscal.language.spoken import decimals, said
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.units import format_quantity
 
@@ -33,7 +33,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
             "there again if anything may have been wrong."
         )
-        minds.append(said(strange, size=f"{size:.1f}"))
+        minds.append(said(strange, size=decimals(f"{size:.1f}")))
     return minds
 
 

@@ -21,7 +21,7 @@ from axiscal.guide.question import Question, asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.guide.stopping import results_beside, table_left
 from axiscal.guide.taking_back import take_back
-from axiscal.language.spoken import said, speaking
+from axiscal.language.spoken import decimals, said, speaking
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.documents import Shown, state_shape
@@ -42,7 +42,7 @@ class SurprisingError(ReadingError):
     def __init__(self, surprise: float) -> None:
         self.surprise = surprise
         super().__init__(
-            said("That is {size} standard deviations from what is expected", size=f"{surprise:.1f}"),
+            said("That is {size} standard deviations from what is expected", size=decimals(f"{surprise:.1f}")),
             said("Read again, or say that it is to be kept"),
         )
 

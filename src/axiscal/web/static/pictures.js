@@ -1,5 +1,5 @@
 // Pictures drawn from numbers, as SVG; no text becomes markup.
-import { said } from "/words.js";
+import { DECIMAL, said } from "/words.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -13,7 +13,7 @@ export function put(parent, name, attributes, text) {
 
 export function shown(value, digits = 1) {
   const text = value.toFixed(Math.abs(value) < 100 ? digits : 0);
-  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−").replace(".", DECIMAL);
 }
 
 export function unitText(unit) {

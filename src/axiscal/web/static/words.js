@@ -3,6 +3,9 @@ const { language, messages } = await (await fetch("/words.json")).json();
 
 export const LANGUAGE = language;
 
+// What stands before the decimals of a value; places keep the point, as controls have them.
+export const DECIMAL = new Intl.NumberFormat(language).format(0.5)[1];
+
 export function said(message, values = {}) {
   return (messages[message] ?? message).replace(/\{(\w+)\}/g, (whole, name) => values[name] ?? whole);
 }
