@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -41,7 +42,8 @@ def _scheduler() -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
 
 @contextmanager
 def _started(kind: str, *words: str) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", "dask", kind, *words]
+    with_us = ["setpriv", "--pdeathsig", "TERM"] if shutil.which("setpriv") else []  # a killed run leaves none behind
+    command = [*with_us, sys.executable, "-m", "dask", kind, *words]
     paths = os.pathsep.join([str(ROOT), *sys.path])
     process = subprocess.Popen(
         command, cwd=ROOT, env=os.environ | {"PYTHONPATH": paths}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
