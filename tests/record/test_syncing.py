@@ -116,6 +116,19 @@ def test_a_third_laptop_forks_from_a_branch_and_takes_what_a_branch_has(shop: Sh
         assert log.append(Noted("live, on the branch of a branch")) == 6
 
 
+def test_a_branch_leaves_its_campaign_the_name_and_is_asked_for_by_its_id(shop: Shop) -> None:
+    shop.synced("one")
+    shop.copied("two")
+    for laptop in ("one", "two"):
+        shop.went_on(laptop, f"of {laptop}")
+    main, branch = (shop.synced(laptop).campaign for laptop in ("one", "two"))
+    for entry in (main, branch):
+        with ServerLog.open(shop.database, entry.called) as log:
+            assert log.entry == entry
+            assert str(log.path) == f"store:{entry.called}"
+    assert (main.called, branch.called) == (shop.name, branch.id[:13])
+
+
 def test_a_campaign_that_is_called_by_the_id_of_another_is_not_taken_for_it(shop: Shop) -> None:
     new = shop.synced("one")
     called = Shop(shop.database, shop.folder / "other")

@@ -71,7 +71,7 @@ def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
 
 def _words(path: Path, found: Synced) -> str:
     sent, taken = count_text(found.sent, "event"), count_text(found.taken, "event")
-    branch = f"branch {found.campaign.id[:13]} of store:{found.campaign.name}, from event {found.shared + 1}"
+    branch = f"branch store:{found.campaign.called} of store:{found.campaign.name}, from event {found.shared + 1}"
     match found.case:
         case "new":
             return f"{path}: new in the store as store:{found.campaign.name}, {sent}."

@@ -32,6 +32,8 @@ PREFIX = "store:"
 """How the name of a campaign on the server begins, where a record is asked for."""
 _FEWEST = 8
 """Digits of an id by which a campaign may be named, too."""
+_SHOWN = 13
+"""Digits of an id that are shown: enough to tell any two campaigns."""
 _ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
 
 
@@ -43,15 +45,20 @@ class Entry(NamedTuple):
     branch_of: str | None
     branch_at: int | None
 
+    @property
+    def called(self) -> str:
+        """By what it is asked for: its name, which a branch has from another campaign, so that it needs its id."""
+        return self.name if self.branch_of is None else self.id[:_SHOWN]
+
 
 class ServerLog(Closing):
     """The open log of one campaign on a server; a context manager. Every failure is a RecordError.
 
-    path : "store:NAME", as people name it
+    path : "store:NAME", as people name it, and "store:ID" for a branch
     """
 
     def __init__(self, database: Database, entry: Entry, *, write: bool = True) -> None:
-        self.entry, self.path = entry, Path(f"{PREFIX}{entry.name}")
+        self.entry, self.path = entry, Path(f"{PREFIX}{entry.called}")
         self._database, self._write = database, write
         self._texts, self._story = list[ChainedText](), Story()
         self._sources = [entry, *_ancestors(database, entry)]
@@ -235,10 +242,10 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
 
 
 def _only(name: str, found: Sequence[Entry]) -> Entry:
-    path = Path(f"{PREFIX}{name}")
+    path, found = Path(f"{PREFIX}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
         raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
     if len(found) > 1:
-        ids = ", ".join(entry.id[: _FEWEST + 5] for entry in found)
+        ids = ", ".join(entry.id[:_SHOWN] for entry in found)
         raise RecordError(f"The store has {len(found)} campaigns of this name", f"Name one by its id: {ids}", path)
     return found[0]
