@@ -104,7 +104,8 @@ def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> 
 def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:
     """Python itself ends a process by the signal where it met the code of a text, whoever caught it."""
     program = (
-        "import axiscal.cli, axiscal.cli.app\n"
+        "import signal, axiscal.cli, axiscal.cli.app\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored where the tests run in the background
         "def run(words):\n"
         "    try:\n"
         "        exec('import os, signal, time; os.kill(os.getpid(), signal.SIGINT); time.sleep(9)')\n"

@@ -90,7 +90,11 @@ def test_ctrl_c_ends_at_once_and_keeps_what_is_done(tmp_path: Path) -> None:
     file, out = written(tmp_path, STUDY.replace("machines = 2", "machines = 400")), tmp_path / "out"
     command = [sys.executable, "-m", "axiscal.cli", "study", str(file), "--out", str(out), "--workers", "2"]
     head = subprocess.Popen(
-        command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}, stderr=subprocess.PIPE, text=True
+        command,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored where tests run in the background
     )
     while not (out / FILE).exists() or _count(out) < 3:
         assert head.poll() is None

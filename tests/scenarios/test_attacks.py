@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import date
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,7 @@ def test_cells_beyond_the_goal_are_named() -> None:
 
 def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
+    known = partial(attacked, which=(0,))
     monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "kept")
     tried = []
 
@@ -102,16 +104,16 @@ def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
 
     monkeypatch.setattr(attack_table, "outcome", counted)
     with pytest.raises(KeyboardInterrupt):
-        attacked(2, 1, np.inf)
-    outcomes, machines = attacked(2, 1, np.inf)
+        known(2, 1, np.inf)
+    outcomes, machines = known(2, 1, np.inf)
     assert machines == 2
     assert {each.word for each in outcomes.values()} == {"holds"}
     assert {trial.places for trial, each in outcomes.items() if np.isnan(each.ratio)} == {"random"}
-    assert attacked(3, 1, np.inf)[1] == 3
-    assert attacked(2, 1, np.inf)[1] == 2
+    assert known(3, 1, np.inf)[1] == 3
+    assert known(2, 1, np.inf)[1] == 2
     assert len(tried) == 3 * len(CELLS) + 1
     monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "other")
-    assert attacked(2, 1, 0.0) == ({}, 0)
+    assert known(2, 1, 0.0) == ({}, 0)
 
 
 def test_a_section_says_which_sources_it_was_measured_with() -> None:

@@ -10,6 +10,7 @@ axes do together acts like a motion of the later one: δ_k(t_k) becomes δ_k(t_k
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -240,7 +241,7 @@ class ErrorModel:
         for group in self._alike:
             values = group.basis.rows(poses[:, group.axis])
             rows = signed[group.functions].T[:, :, None] * values[:, None, :]
-            result[:, group.columns] = rows.reshape(len(poses), -1)
+            result[:, group.columns] = rows.reshape(len(poses), math.prod(rows.shape[1:]))
         for plane, lever in zip(self.planes, signed[len(self.functions) :], strict=True):
             result[:, plane.columns] = lever[:, None] * plane.rows(plane.coordinates(poses))
         return result
