@@ -122,6 +122,33 @@ def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
     assert "other" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("file", "tolerance", "why", "status"),
+    [
+        ("nowhere/found.csv", "20 um", "nothing can be written there", 1),
+        ("found.csv", "20 kg", "unknown unit", 1),
+        ("left.csv", "20 um", "are one file", 2),
+    ],
+)
+def test_what_would_end_a_check_later_is_said_before_anything_moves(
+    record: Path,
+    check: Check,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    file: str,
+    tolerance: str,
+    why: str,
+    status: int,
+) -> None:
+    machine = Machine(check, monkeypatch)
+    words = ["verify", str(record), "--to", CONTROL, "--source", "linuxcnc-live:mill.local", "--tolerance", tolerance]
+    words += ["--found", str(tmp_path / file), "--left", str(tmp_path / "left.csv"), "--points", "2"]
+    assert run(words) == status
+    assert why in " ".join(capsys.readouterr().err.split())
+    assert machine.asked == []
+
+
 def test_balls_that_are_placed_by_hand_are_judged_against_themselves(check: Check, record: Path) -> None:
     """The places of the balls, 50 um each, would hide 20 um otherwise; a missing file is seen all the same."""
     places = check.planned(12)

@@ -6,6 +6,7 @@ files hold already is not read again.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,8 +59,10 @@ class Sheet:
         return len(self.held()) == len(self.wanted)
 
     def fill(self, opened: Callable[[], Source], watch: Watch) -> None:
-        """Read what is missing; raises SourceError with how many readings are kept."""
+        """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
+        if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
+            raise ReadingError("nothing can be written there", "Name a file in a folder of yours", self.file)
         source = opened()
         try:
             for request in self.wanted[len(readings) :]:

@@ -132,8 +132,12 @@ class Check:
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : from the target without one"""
-        allowed = tolerance_of(self.description.target, tolerance)
+        allowed = self.allowed(tolerance)
         return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed, self.parts)
+
+    def allowed(self, tolerance: str | None) -> float:
+        """Return the largest deviation allowed, m; raises TargetError, UnitError."""
+        return tolerance_of(self.description.target, tolerance)
 
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""

@@ -66,6 +66,8 @@ def verify(
 
     if (found is None) != (left is None):
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
+    if found is not None and left is not None and found.absolute() == left.absolute():
+        raise typer.BadParameter("--found and --left are one file, and without and with the tables are two")
     kind, _, host = (source or "").partition(":")
     live = kind == "linuxcnc-live"
     if live and (found is None or plan is not None):
@@ -76,6 +78,8 @@ def verify(
         raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
     with Campaign.open(record, write=False) as campaign:
         check = Check.of(campaign, to)
+    if found is not None or source is not None:
+        check.allowed(tolerance)  # before anything is touched
     if live and found is not None and left is not None:
         to_do = _read_live(check, host, points, (found, left), loaded)
         if to_do:
