@@ -16,6 +16,8 @@ from axiscal.record.payload import PayloadError, decode, encode
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
+STORED = "store:"
+"""How the name of a campaign on a server begins, where a record is asked for."""
 _CAMPAIGNS = UUID("6b1f3c52-0d7e-5c7a-9c4b-2f6d8e1a7b90")
 """Name space of campaigns; drawn once."""
 

@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING
 
 from axiscal.exceptions import RecordError
 from axiscal.record.events import Created
-from axiscal.record.log import EventLog
+from axiscal.record.log import STORED, EventLog
 from axiscal.record.store import Record
 
 if TYPE_CHECKING:
     from axiscal.record.postgres.database import Database
 
-_STORED = "store:"
-
 
 def is_stored(path: str | Path) -> bool:
     """Whether a name is that of a campaign on a server."""
-    return str(path).startswith(_STORED)
+    return str(path).startswith(STORED)
 
 
 def file_name(path: Path) -> Path:
@@ -54,7 +52,7 @@ def _database() -> Database:
 
 
 def _name(path: str | Path) -> str:
-    name = str(path).removeprefix(_STORED)
+    name = str(path).removeprefix(STORED)
     if not name.strip():
         raise RecordError("No campaign of the store is named", "Name one: store:NAME", path)
     return name

@@ -18,6 +18,7 @@ from axiscal.record.events import Created, Event, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.log import (
     EMPTY,
+    STORED,
     ChainedText,
     Story,
     campaign_of,
@@ -28,8 +29,6 @@ from axiscal.record.log import (
 from axiscal.record.postgres.database import Database
 from axiscal.record.postgres.schema import refuse_newer
 
-PREFIX = "store:"
-"""How the name of a campaign on the server begins, where a record is asked for."""
 _FEWEST = 8
 """Digits of an id by which a campaign may be named, too."""
 _SHOWN = 13
@@ -58,7 +57,7 @@ class ServerLog(Closing):
     """
 
     def __init__(self, database: Database, entry: Entry, *, write: bool = True) -> None:
-        self.entry, self.path = entry, Path(f"{PREFIX}{entry.called}")
+        self.entry, self.path = entry, Path(f"{STORED}{entry.called}")
         self._database, self._write = database, write
         self._texts, self._story = list[ChainedText](), Story()
         self._sources = [entry, *_ancestors(database, entry)]
@@ -73,7 +72,7 @@ class ServerLog(Closing):
             with database.transaction(f"name {name}"):
                 if entries(database, name):
                     remedy = "Go on with it by `axiscal next`, or give the campaign another name"
-                    raise RecordError("The store has a campaign of this name already", remedy, f"{PREFIX}{name}")
+                    raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
                 enter(database, entry)
                 insert(database, entry.id, 0, [first])
             log = cls(database, entry)
@@ -242,7 +241,7 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
 
 
 def _only(name: str, found: Sequence[Entry]) -> Entry:
-    path, found = Path(f"{PREFIX}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
+    path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
         raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
     if len(found) > 1:
