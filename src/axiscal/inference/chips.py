@@ -6,8 +6,12 @@ it believes one, because the other one's site was there first. So of the reading
 
     p(h | y) ∝ π^|h| (1 − π)^(k−|h|) N(y; m + b h, P + D_h),   D_h = σ² + b² h,
 
-m, P what the sites of all others leave open there; and the sites of these are changed until the estimate has mean and
-variance of that mixture at each of them.
+m, P what the sites of all others leave open there; and these get sites that leave mean and variance of that mixture at
+each of them. Precisions Λ of sites that leave variances v are where the concave
+
+    log|1 + Fᵀ Λ F| − Σ λ v,    P = F Fᵀ,
+
+is the largest; with them, values μ + α/λ leave the mean μ = m + P α, whatever Λ is.
 """
 
 from __future__ import annotations
@@ -21,12 +25,12 @@ from axiscal.inference.normal_sites import SHARE, WIDEST, Sites
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.gaussian import lower_root, positive_root
 
 _MOST = 8
 """Readings of which every way is weighed: 256 ways take a hundredth of a second."""
-_SWEEPS, _DAMPING = 60, 0.5
-"""Of the sites towards moments that stay: half steps halve what is left where two see the same."""
+_SWEEPS, _SETTLED = 400, 1e-6
+"""Of the precisions; they end where none changes by more than that share. Few need a hundred."""
 
 
 def every_way(fitted: Fitted, found: Sites, scatter: Array, chips: Array) -> Sites:
@@ -37,18 +41,30 @@ def every_way(fitted: Fitted, found: Sites, scatter: Array, chips: Array) -> Sit
     mine = _standing_out(fitted, found, scatter, chips)
     if len(mine) < 2:
         return found
-    mean, variance = _moments(fitted, found, scatter, chips, mine)
-    values, precisions = found.values.copy(), 1.0 / found.variances
+    centre, prior = _of_the_others(fitted, found, mine)
+    pull, variance = _moments(fitted.values[mine] - centre, prior, scatter[mine], chips[mine])
+    least = 1.0 / (WIDEST * fitted.noise[mine])
+    own = _precisions(prior, variance, 1.0 / found.variances[mine], least)
+    values, variances = found.values.copy(), found.variances.copy()
+    values[mine], variances[mine] = centre + prior @ pull + pull / own, 1.0 / own
+    return Sites(values, variances)
+
+
+def _precisions(prior: Array, variances: Array, start: Array, least: Array) -> Array:
+    """Return the precisions (k,) of sites that leave these variances of a prior (k, k), none below the least.
+
+    Each alone has its best in closed form. All at once they overshoot where they see the same; but of a concave
+    function the mean of k single steps is never worse than where they began.
+    """
+    root, own = positive_root(prior, np.diag(prior)), np.maximum(start, least)
     for _ in range(_SWEEPS):
-        now, spread = (each[mine] for each in fitted.estimate(values, precisions))
-        own = precisions[mine]
-        cavity = np.maximum(1.0 / spread - own, 1.0 / (WIDEST * fitted.noise[mine]))
-        pull = mean / variance - (now / spread - own * values[mine])
-        fresh = np.maximum(1.0 / variance - cavity, 1.0 / (WIDEST * fitted.noise[mine]))
-        mixed = (1 - _DAMPING) * own + _DAMPING * fresh
-        values[mine] = ((1 - _DAMPING) * own * values[mine] + _DAMPING * pull) / mixed
-        precisions[mine] = mixed
-    return Sites(values, 1.0 / precisions)
+        inner = np.eye(root.shape[1]) + (root.T * own) @ root
+        left = np.einsum("kr,kr->k", root @ np.linalg.inv(inner), root)
+        change = (np.maximum(own + 1.0 / variances - 1.0 / left, least) - own) / len(own)
+        own = own + change
+        if float(np.max(np.abs(change) / own)) < _SETTLED:
+            break
+    return own
 
 
 def _standing_out(fitted: Fitted, found: Sites, scatter: Array, chips: Array) -> NDArray[np.intp]:
@@ -66,24 +82,26 @@ def _standing_out(fitted: Fitted, found: Sites, scatter: Array, chips: Array) ->
     return np.sort(order[:_MOST])
 
 
-def _moments(fitted: Fitted, found: Sites, scatter: Array, chips: Array, mine: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Return mean and variance (k,) of what was read, over every way in which chips fell on these."""
-    centre, prior = _of_the_others(fitted, found, mine)
-    logs, means, variances = [], [], []
-    for hit in product((0.0, 1.0), repeat=len(mine)):
+def _moments(shown: Array, prior: Array, scatter: Array, chips: Array) -> tuple[Array, Array]:
+    """Return α and the variances (k,) of what was read, over every way in which chips fell; the mean is P α.
+
+    shown : (k,) values less what the others predict; prior : (k, k) what these leave open; scatter, chips : (k,)
+    """
+    logs, pulls, variances = [], [], []
+    for hit in product((0.0, 1.0), repeat=len(shown)):
         fallen = np.array(hit)
-        lower = lower_root(prior + np.diag(scatter[mine] + fallen * chips[mine] ** 2))
-        white = solution(lower, fitted.values[mine] - fallen * chips[mine] - centre)
-        half = solution(lower, prior)
+        lower = lower_root(prior + np.diag(scatter + fallen * chips**2))
+        white, half = solution(lower, shown - fallen * chips), solution(lower, prior)
         odds = fallen.sum() * np.log(SHARE) + (1 - fallen).sum() * np.log1p(-SHARE)
         logs.append(odds - 0.5 * float(white @ white) - float(np.log(np.diag(lower)).sum()))
-        means.append(centre + half.T @ white)
+        pulls.append(np.linalg.solve(lower.T, white))
         variances.append(np.diag(prior) - np.sum(half**2, axis=0))
     share = np.exp(np.array(logs) - max(logs))
     share /= share.sum()
-    mean: Array = share @ np.array(means)
-    variance: Array = share @ (np.array(variances) + (np.array(means) - mean) ** 2)
-    return mean, variance
+    each = np.array(pulls)
+    pull: Array = share @ each
+    variance: Array = share @ (np.array(variances) + ((each - pull) @ prior) ** 2)
+    return pull, variance
 
 
 def _of_the_others(fitted: Fitted, found: Sites, mine: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -95,10 +95,11 @@ def sites(fitted: Fitted, steps: Array, scatter: Array, chips: Array | None = No
 
     fitted : the numbers, with their priors; steps : (m,) widths of intervals, 0 where there is none
     scatter : (m,) σ²; chips : (m,) b with its sign, 0 where none shifts a reading
+    Readings that chips may have shifted begin with little weight, that a few of them do not put all others in doubt.
     """
     beside = np.zeros(len(steps)) if chips is None else chips
     which = (steps > 0) | (beside != 0)
-    values, precisions = fitted.values.copy(), 1.0 / fitted.noise
+    values, precisions = fitted.values.copy(), 1.0 / (fitted.noise + beside**2)
     for _ in range(_SWEEPS):
         mean, spread = fitted.estimate(values, precisions)
         cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * fitted.noise))
