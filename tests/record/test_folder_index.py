@@ -53,6 +53,19 @@ def test_a_name_need_not_be_text(tmp_path: Path) -> None:
     assert refreshed(tmp_path)[0] == []
 
 
+def test_an_index_that_another_program_holds_is_not_thrown_away(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun(tmp_path / "a.axiscal", "m", 2)
+    refreshed(tmp_path)
+    monkeypatch.setattr("axiscal.record.folder_index._PATIENCE", 0.01)
+    with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        with FolderIndex.open(tmp_path) as index:
+            assert "database is locked" in index.why_apart
+    assert refreshed(tmp_path)[0] == []
+
+
 def test_a_full_disk_is_a_sentence(tmp_path: Path) -> None:
     with FolderIndex.open(tmp_path) as index:
         index._database.execute("PRAGMA max_page_count = 1")  # as full as it is

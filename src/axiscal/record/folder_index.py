@@ -207,9 +207,12 @@ def _stamp(file: Path) -> tuple[int, int]:
 def _opened(path: Path) -> sqlite3.Connection:
     """Return the database of an index, made anew where it is none that can be used; raises sqlite3.Error, OSError."""
     if path.exists():
-        with contextlib.suppress(sqlite3.DatabaseError):
+        try:
             return _hurried(_existing(path))
-        path.unlink()
+        except sqlite3.OperationalError:  # another program holds it, or it may not be read: nothing is wrong with it
+            raise
+        except sqlite3.DatabaseError:
+            path.unlink()
     return _hurried(_made(str(path)))
 
 
