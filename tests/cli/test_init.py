@@ -74,6 +74,13 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments
         assert fits(tomllib.loads(text), schema, schema)
 
 
+def test_the_commands_it_names_can_be_given_as_they_stand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert written(tmp_path / "mill", "one-axis", "interferometer") == 0
+    check = re.search(r"axiscal (machine check \S+)", capsys.readouterr().out)
+    assert check is not None
+    assert app.run(check[1].split()) == 0
+
+
 def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert written(tmp_path, "dmu60", *OFFERED) == 0
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == set(OFFERED)

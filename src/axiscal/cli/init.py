@@ -77,10 +77,11 @@ def init(
     write_files(folder, files.texts)
     look = f"\nLook at, in machine.toml: {'; '.join(begun.look)}." if begun.look else ""
     setups = count_text(files.setups, "set-up")
+    machine_file, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(
-        f"{folder / 'machine.toml'}: change it to what your machine is, then: axiscal machine check machine.toml\n"
-        f"{folder / 'campaign.toml'}: {setups} offered; a plan takes what is worth mounting\n"
-        f"Then: axiscal plan campaign.toml, axiscal start campaign.toml, axiscal measure or axiscal serve{look}"
+        f"{machine_file}: change it to what your machine is, then: axiscal machine check {machine_file}\n"
+        f"{campaign}: {setups} offered; a plan takes what is worth mounting\n"
+        f"Then: axiscal plan {campaign}, axiscal start {campaign}, axiscal measure or axiscal serve{look}"
     )
 
 
