@@ -10,6 +10,8 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import TargetError
 from axiscal.fleet.aging import YEAR
 from axiscal.fleet.due_dates import due_dates, rms_left
 from axiscal.fleet.machine_history import MachineHistory, histories, year_of
@@ -39,6 +41,22 @@ def drawn(folder: Path) -> tuple[MachineHistory, str]:
     shop = due_dates(folder.glob("*.axiscal"), TODAY.date(), target=15e-6)
     found = histories(shop, TODAY)
     return found[0], render(shop, found)
+
+
+def test_a_machine_without_a_target_is_left_out_by_name(folder: Path) -> None:
+    """Others are drawn; only where no campaign has one the command ends."""
+    told = slide(serial="B")
+    text = told.text.replace('rms = "2 um"\nunchecked = "allow"', "readings = 5")
+    without = campaign_from_texts(text, "campaign.toml", told.machine.text, "machine.toml")
+    write_record(folder / "b.axiscal", without, read_on(3))
+    shop = due_dates(folder.glob("*.axiscal"), TODAY.date())
+    (machine,) = histories(shop, TODAY)
+    page = render(shop, (machine,))
+    assert machine.records[0].file.name == "a-0.axiscal"
+    assert "b.axiscal" in page
+    assert "--target" in page
+    with pytest.raises(TargetError, match="no RMS"):
+        due_dates([folder / "b.axiscal"], TODAY.date())
 
 
 def test_between_campaigns_it_is_what_the_tables_of_the_last_one_leave(folder: Path) -> None:

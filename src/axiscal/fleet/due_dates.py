@@ -73,7 +73,7 @@ def due_dates(
     """Return when the machines of records are due.
 
     target : RMS, m, instead of that of each campaign; told : called with what is being done
-    Raises RecordError where no record can be read, TargetError where a campaign has no target of RMS.
+    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS.
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
@@ -91,7 +91,15 @@ def due_dates(
         raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
     histories = _histories([record for record in records if record.digest in known])
     learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
-    machines = [_due(history[-1], known[history[-1].digest], learnt, today, target) for history in histories]
+    machines, faults = list[DueMachine](), list[TargetError]()
+    for last in (history[-1] for history in histories):
+        try:
+            machines.append(_due(last, known[last.digest], learnt, today, target))
+        except TargetError as fault:
+            faults.append(fault)
+            left.append(replace(_left(last, fault), left_out=f"{fault.what}; {fault.remedy}"))
+    if not machines:
+        raise faults[0]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
     by_last = {history[-1].digest: history for history in histories}
     return Shop(tuple(order), learnt, tuple(left), by_last, known)
@@ -154,7 +162,7 @@ def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, t
     wanted = target if target is not None else record.description.target.rms
     if wanted is None:
         raise TargetError(
-            f"the campaign of {record.file.name} has no rms to be kept", 'Say it for all: --target "4 um"', record.file
+            "the campaign asks for no RMS that could be kept", 'Say one for all machines: --target "4 um"', record.file
         )
     last = moment(record.begun).date()
     left = rms_left(known, learnt, record.renewed)
