@@ -7,6 +7,7 @@ import sys
 import types
 from collections.abc import Callable
 from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,10 +16,25 @@ from axiscal.campaign.sources.linuxcnc_live import LiveSource, connection
 from axiscal.campaign.sources.linuxcnc_live.attached import _WayToBall
 from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import SourceError
 from axiscal.gcode.steps import Move, Touched
 from tests.generators import touched_table as table
 
 MODE_MANUAL, MODE_MDI, DONE, EXEC, IDLE = 1, 3, 1, 2, 1
+
+
+@pytest.mark.parametrize(("there", "why"), [(False, "not installed"), (True, "does not run here: nobody")])
+def test_where_no_linuxcnc_is_a_sentence_says_so(
+    there: bool, why: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    if there:
+        fails = "def poll(self): raise error('nobody')"
+        text = f"class error(Exception): pass\nclass stat:\n    {fails}\ncommand = ini = error_channel = stat\n"
+        (tmp_path / "linuxcnc.py").write_text(text)
+    words = ("env", f"PYTHONPATH={tmp_path}", sys.executable, "-u", "-c", connection._FIRST)
+    with pytest.raises(SourceError, match=why):
+        connection.Connection(words)
+    assert capfd.readouterr().err == ""
 
 
 class Control:

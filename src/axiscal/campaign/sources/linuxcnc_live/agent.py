@@ -288,8 +288,11 @@ class Agent:
 
     def _restore(self) -> str:
         """Set the modes that were in force; returns what is still to be typed, or nothing."""
-        self.stat.poll()
         lines, stat = self.before, self.stat
+        try:
+            stat.poll()
+        except linuxcnc.error:  # it has ended
+            return ", ".join(lines)
         free = stat.enabled and not stat.estop and stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos
         if lines and not (free and stat.task_mode == linuxcnc.MODE_MDI):
             return ", ".join(lines)
@@ -319,6 +322,7 @@ def main() -> None:
         signal.signal(number, signal.SIG_IGN)  # the other side says stop, or goes away
     try:
         agent = Agent()
+        agent.stat.poll()
         _tell({"ready": True})
     except Exception as error:  # noqa: BLE001
         _tell({"failure": f"LinuxCNC does not run here: {error}"})

@@ -21,9 +21,12 @@ _PARTS = tuple(Path(__file__).with_name(f"{name}.py") for name in ("stance", "ag
 """Its program, each part after those that it imports; the last one is begun."""
 _FIRST = """
 import json, sys, types
-for name, text in json.loads(sys.stdin.readline()):
-    sys.modules[name] = part = types.ModuleType(name)
-    exec(compile(text, name, 'exec'), part.__dict__)
+try:
+    for name, text in json.loads(sys.stdin.readline()):
+        sys.modules[name] = part = types.ModuleType(name)
+        exec(compile(text, name, 'exec'), part.__dict__)
+except ImportError as error:
+    sys.exit(print(json.dumps({'failure': f'it is not installed where it is looked for: {error}'})))
 part.main()
 """
 _PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
