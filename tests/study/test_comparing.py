@@ -113,7 +113,7 @@ def test_the_page_has_the_answer_the_pictures_and_what_failed(tmp_path: Path) ->
 def test_a_study_that_keeps_nothing_to_compare_still_has_a_page(tmp_path: Path) -> None:
     study = replace(_study(tmp_path), keep=("coverage_tcp",))
     found = {key: _covered(done) for key, done in _found(study).items()}
-    assert "95.0%" in render(study, found)
+    assert "95.0 %" in render(study, found)
 
 
 def _covered(done: Done) -> Done:

@@ -154,12 +154,12 @@ def _cell(way: MeasuringWay, name: str) -> str:
     if mean is None:
         return "–"
     if name in _SHARES:
-        return f"{mean.value:.1%}{_error(mean, 100, ' %')}"
+        return f"{100 * mean.value:.1f}{_error(mean, 100)} %"
     return f"{figure(mean.value)}{_error(mean)}"
 
 
-def _error(mean: Mean, times: float = 1.0, unit: str = "") -> str:
-    return f" ± {figure(times * mean.error)}{unit}" if 0 < mean.error < math.inf else ""
+def _error(mean: Mean, times: float = 1.0) -> str:
+    return f" ± {figure(times * mean.error)}" if 0 < mean.error < math.inf else ""
 
 
 def _spread_text(spread: Quartiles | None) -> str:
