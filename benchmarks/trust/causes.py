@@ -44,7 +44,7 @@ ATTACKS = {
     "pitch 10": Attack("pitch of 10 mm, 5 µm", frozenset({"pitch"})),
     "pitch 33": Attack("pitch of 33 mm, in no list, 5 µm", frozenset({"pitch"})),
     "pitch 50": Attack("pitch of 50 mm, 5 µm", frozenset({"pitch"})),
-    "bump": Attack("bump of 30 mm, 12 µm", frozenset({"bump", "step"})),
+    "bump": Attack("bump of 30 mm, 12 µm", frozenset({"bump", "detail", "step"})),
     "bad": Attack("one bad reading, 8 µm", frozenset({"bad"})),
 }
 
