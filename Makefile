@@ -143,21 +143,13 @@ distclean: clean
 	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
 	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
 
-# atheris has wheels for Linux and few versions of Python, so it has an environment of its own beside .venv.
-.venv-fuzz/stamp: requirements/fuzz.txt requirements/dev.txt | .venv/bin/pip
-	@echo "axiscal: installing atheris and the test tools into .venv-fuzz"
-	@$(BIN)/python -m venv .venv-fuzz
-	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
-	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/fuzz.txt
-	@.venv-fuzz/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
-	@touch $@
-
-.venv-mutants/stamp: requirements/mutants.txt requirements/dev.txt | .venv/bin/pip
-	@echo "axiscal: installing coverage, cosmic-ray and the test tools into .venv-mutants"
-	@$(BIN)/python -m venv .venv-mutants
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/mutants.txt
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
+# Tools that try the tests themselves have environments of their own: atheris has wheels for Linux and few versions of Python.
+.venv-fuzz/stamp .venv-mutants/stamp: .venv-%/stamp: requirements/%.txt requirements/dev.txt | .venv/bin/pip
+	@echo "axiscal: installing the tools of requirements/$*.txt and the test tools into .venv-$*"
+	@$(BIN)/python -m venv .venv-$*
+	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
+	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/$*.txt
+	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
 	@touch $@
 
 .venv-docs/stamp: requirements/docs.txt | .venv/bin/pip

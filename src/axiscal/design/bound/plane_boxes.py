@@ -11,13 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.measurement.breaks import breaks_along, smoothness_along
+from axiscal.measurement.free_plane import EXACT, on_free_plane, plane_pieces, plane_poses
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein_plane import PlaneForms, largest_ratio, misfit
 
-_EXACT = 1e-8
-"""Rounding of a polynomial of degree 8 in both coordinates, with room; a wrong degree is off by thousandths."""
 _PARTS = 3
 """Places looked at in each knot interval along each axis: a curve between knots has no more hills than that."""
 _FINER, _ROUNDS = 3.0, 8
@@ -35,13 +33,11 @@ class Tops(NamedTuple):
 def planar(observation: Observation, setup: int) -> bool:
     """Whether a set-up reads one number anywhere over two linear axes, its rows polynomials of both between knots."""
     mounted = observation.setups[setup]
-    axes = [observation.machine.axes[axis] for axis in mounted.moves]
-    plain = mounted.chart is None and mounted.station is None and mounted.base is None
-    if len(axes) != 2 or not plain or len(directions_of(mounted)) != 1 or any(axis.rotary for axis in axes):
+    if not on_free_plane(observation, setup):
         return False
     side = np.array([1.0 if axis in mounted.moves else 0.0 for axis in range(len(observation.machine.axes))])
     forms = _forms(observation, setup, side, np.eye(observation.size))
-    return misfit(forms, *_pieces(observation, setup)) < _EXACT
+    return misfit(forms, *plane_pieces(observation, setup)) < EXACT
 
 
 def largest_on_plane(observation: Observation, setup: int, side: Array, reach: Array, level: float, boxes: int) -> Tops:
@@ -49,7 +45,7 @@ def largest_on_plane(observation: Observation, setup: int, side: Array, reach: A
 
     reach : (n, w) per unit of noise; boxes : how many to look at; what is then still open counts with its upper bound
     """
-    forms, (breaks, degree) = _forms(observation, setup, side, reach), _pieces(observation, setup)
+    forms, (breaks, degree) = _forms(observation, setup, side, reach), plane_pieces(observation, setup)
     places, lengths = _hills(forms, breaks)
     known = max(level, float(lengths.max(initial=0.0)))
     found = largest_ratio(forms, breaks, degree, known, boxes)
@@ -58,21 +54,13 @@ def largest_on_plane(observation: Observation, setup: int, side: Array, reach: A
     return Tops(found.upper, places, lengths)
 
 
-def _pieces(observation: Observation, setup: int) -> tuple[tuple[Array, Array], tuple[int, int]]:
-    first, second = observation.setups[setup].moves
-    breaks = breaks_along(observation, first, setup), breaks_along(observation, second, setup)
-    degree = smoothness_along(observation, first, setup)[0], smoothness_along(observation, second, setup)[0]
-    return breaks, degree
-
-
 def _forms(observation: Observation, setup: int, side: Array, reach: Array) -> PlaneForms:
     """Return |g reach|², over one, as a function of places (m, 2)."""
     mounted = observation.setups[setup]
     (way,) = directions_of(mounted)
 
     def forms(places: Array) -> tuple[Array, Array]:
-        poses = np.tile(np.array(mounted.park), (len(places), 1))
-        poses[:, list(mounted.moves)] = places
+        poses = plane_poses(mounted, places)
         rows = observation.rows(setup, poses, np.tile(side, (len(poses), 1)), way).rows
         return np.sum((rows @ reach) ** 2, axis=1), np.ones(len(places))
 

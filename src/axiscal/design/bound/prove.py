@@ -27,6 +27,7 @@ from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.step.starts_with_levers import sides
 from axiscal.exceptions import PlanError
+from axiscal.measurement.free_plane import plane_poses
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -154,8 +155,7 @@ def _on_plane(dual: Dual, setup: int, side: Array, level: float, gap: float) -> 
     spans = np.array([np.ptp(mounted.span(observation.machine.axes[axis], axis)) for axis in mounted.moves])
     steep = int(np.sum(found.lengths > level * (1 + gap / 8)))
     chosen = _apart(found.places / spans, np.arange(steep))
-    poses = np.tile(np.array(mounted.park), (len(chosen), 1))
-    poses[:, list(mounted.moves)] = found.places[chosen]
+    poses = plane_poses(mounted, found.places[chosen])
     return _Steep(found.upper, Places.of_setup(setup, poses, np.tile(side, (len(poses), 1))))
 
 

@@ -13,14 +13,10 @@ import numpy as np
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.starts_with_levers import sides
 from axiscal.exceptions import PlanError
-from axiscal.measurement.breaks import breaks_along, smoothness_along
-from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.free_plane import EXACT, on_free_plane, plane_pieces, plane_poses
+from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein_plane import largest_ratio, misfit
-
-_EXACT = 1e-8
-"""Rounding of a polynomial of degree 8 in both coordinates, with room; a wrong degree is off by thousandths."""
-
 
 _NONE = (
     "this set-up's readings are no polynomials of two coordinates",
@@ -41,10 +37,7 @@ class CertifiedGain(NamedTuple):
 def certifiable(observation: Observation, setup: int) -> bool:
     """Return whether a set-up reads one number while two linear axes move, anywhere, its rows polynomials of both."""
     mounted = observation.setups[setup]
-    axes = [observation.machine.axes[axis] for axis in mounted.moves]
-    plain = mounted.chart is None and mounted.station is None and mounted.base is None
-    alone = len(directions_of(mounted)) == 1 and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
-    return len(axes) == 2 and plain and alone and not any(axis.rotary for axis in axes)
+    return on_free_plane(observation, setup) and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
 
 
 def certified_gain(scorer: Scorer, setup: int, known: float = 0.0) -> CertifiedGain:
@@ -61,20 +54,14 @@ def certified_gain(scorer: Scorer, setup: int, known: float = 0.0) -> CertifiedG
 
 
 def _from_side(scorer: Scorer, setup: int, side: Array, known: float) -> CertifiedGain:
-    observation = scorer.observation
-    mounted = observation.setups[setup]
-    first, second = mounted.moves
+    mounted = scorer.observation.setups[setup]
 
     def forms(places: Array) -> tuple[Array, Array]:
-        poses = np.tile(np.array(mounted.park), (len(places), 1))
-        poses[:, [first, second]] = places
+        poses = plane_poses(mounted, places)
         return scorer.forms(setup, poses, np.tile(side, (len(poses), 1)))
 
-    breaks = breaks_along(observation, first, setup), breaks_along(observation, second, setup)
-    degree = smoothness_along(observation, first, setup)[0], smoothness_along(observation, second, setup)[0]
-    if misfit(forms, breaks, degree) > _EXACT:
+    breaks, degree = plane_pieces(scorer.observation, setup)
+    if misfit(forms, breaks, degree) > EXACT:
         raise PlanError(*_NONE)
     found = largest_ratio(forms, breaks, degree, known)
-    pose = np.array(mounted.park)
-    pose[[first, second]] = found.place
-    return CertifiedGain(found.lower, found.upper, pose, side, found.boxes)
+    return CertifiedGain(found.lower, found.upper, plane_poses(mounted, found.place[None])[0], side, found.boxes)
