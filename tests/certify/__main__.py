@@ -11,7 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from tests.certify import belief, coverage, gcode, least_squares, machines, models, one_joint_cases, printed_plans
+from tests.certify import (
+    belief,
+    coverage,
+    gcode,
+    least_squares,
+    machines,
+    models,
+    one_joint_cases,
+    printed_plans,
+    simulator,
+)
 from tests.certify.kept import Kept
 
 LIMIT = 1e-9
@@ -95,6 +105,11 @@ def plans_as_printed(most: int, first: int) -> Iterator[Finding]:
     yield from (Finding(text, good) for text, good in printed_plans.verdicts(most, first, Kept("plans")))
 
 
+def programs_on_the_simulator(programs: int, first: int) -> Iterator[Finding]:
+    """Yield what a running LinuxCNC makes of that many random programs."""
+    yield from (Finding(text, good) for text, good in simulator.verdicts(programs, first, Kept("simulator")))
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
@@ -103,6 +118,7 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
     "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
     "gcode": (measuring_programs, 2_000, "random plans as measuring programs"),
+    "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
     "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 

@@ -62,9 +62,19 @@ class Plan:
 
 def random_plan(rng: np.random.Generator, letters: str = "XYZABC") -> Plan:
     """Return readings all over a random machine, some at the ends of its travel, with room for every approach."""
+    return plan_on(random_machine(rng, letters), rng)
+
+
+def random_machine(rng: np.random.Generator, letters: str = "XYZABC") -> Machine:
+    """Return a machine of up to six of these axes."""
     count = int(rng.integers(1, min(len(letters), 6) + 1))
     axes = tuple(_axis(rng, str(name)) for name in rng.permutation(list(letters))[:count])
-    machine = Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
+    return Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
+
+
+def plan_on(machine: Machine, rng: np.random.Generator) -> Plan:
+    """Return readings all over a machine."""
+    axes = machine.axes
     driving = _driving(rng, axes)
     setups = [replace(_setup(rng, axes, number), driving=driving) for number in range(int(rng.integers(1, 3)))]
     places = [_place(rng, axes, setups[int(rng.integers(len(setups)))]) for _ in range(rng.integers(1, 13))]

@@ -119,7 +119,7 @@ class _Writer:
     def __init__(self, machine: Machine, dialect: Dialect, setup: Setup, log: bool) -> None:
         dialect.check(machine.axes)
         self._machine, self._dialect, self._setup = machine, dialect, setup
-        self._scales = tuple(AxisScale.of(axis, dialect.decimals) for axis in machine.axes)
+        self._scales = tuple(AxisScale.of(axis, _decimals(axis, setup, dialect)) for axis in machine.axes)
         self._groups = groups(machine, setup.driving)
         self._clearance = clearance_of(machine, self._scales, setup)
         self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
@@ -323,6 +323,12 @@ _JOG = (
     "again."
 )
 _JOG_HELD = "at the first stop: from the mounting on the control holds the tool point."
+
+
+def _decimals(axis: Axis, setup: Setup, dialect: Dialect) -> int:
+    """Return with how many decimals an axis is written: slides that hold what touches, as places of a tool point."""
+    fine = setup.contact == "held" and not axis.rotary
+    return max(dialect.decimals, dialect.tip_decimals) if fine else dialect.decimals
 
 
 def _turns(setup: Setup, machine: Machine) -> bool:

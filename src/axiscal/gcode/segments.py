@@ -22,6 +22,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.travel import path_seconds
 from axiscal.numerics import Array
+from axiscal.units import from_unit
 
 SAG = 0.1
 """Share of its stroke by which what touches may be off in the middle of a piece."""
@@ -43,8 +44,13 @@ class SegmentDriver:
         self.holding = False
 
     def written(self, pose: Array) -> Decimals:
-        """Return the axes of a pose in the numbers of the program."""
-        return self._slides.written(pose)
+        """Return the axes of a pose in the numbers of the program: slides follow the angles as these are written."""
+        rotary = [k for k, axis in enumerate(self._machine.axes) if axis.rotary]
+        numbers, turned = self._slides.written(pose), pose.copy()
+        turned[rotary] = [from_unit(float(numbers[k]), "deg") for k in rotary]
+        stands = tip_at(self._machine, turned[None], frames(self._machine, pose[None]).tcp)[0]
+        low, high = np.array([axis.travel for axis in self._machine.axes]).T
+        return self._slides.written(np.where(np.isfinite(stands), np.clip(stands, low, high), pose))
 
     def begin(self, pose: Array) -> Iterator[Step]:
         """Yield the way to where pieces begin."""
