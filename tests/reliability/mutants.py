@@ -1,14 +1,16 @@
 """`make mutants`: the source changed by a word, one place at a time, and whether a test fails that did not fail before.
 
 Places are drawn at random from all of a room (cosmic-ray finds and changes them; `.venv-mutants` has it), and one
-change at each. A test of the changed room, or one that names the module, has to fail. Types and decorators are left
-alone: no run can tell them apart.
+change at each. The tests of a room are run once under coverage; then for each change those that run its line, fastest
+first, until one fails. Types and decorators are left alone: no run can tell them apart.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import hashlib
+import json
 import os
 import random
 import resource
@@ -20,12 +22,18 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import accumulate
 from pathlib import Path
 
-from tests.certify.kept import HOUSE, Kept
+import pytest
+from scipy.stats import binomtest
+
+from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
+from tests.reliability.covering import Covered, failed_of
 
 ROOMS = ("numerics", "estimation", "compensation")
 PACKAGE = HOUSE / "src" / "axiscal"
+_APART = ("linuxcnc", "docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reliability", "certify")
 _ARITHMETIC = ("Add", "Sub", "Mul", "Div", "Pow", "FloorDiv", "Mod")
 _ORDER = ("Eq", "NotEq", "Lt", "LtE", "Gt", "GtE")
 
@@ -67,59 +75,103 @@ def drawn(room: str, number: int) -> list[Mutant]:
     return [dice.choice(changes) for changes in dice.sample(places, min(number, len(places)))]
 
 
-def outcome(mutant: Mutant) -> str:
-    """Return `killed` by which step of tests, or `survives`."""
+def outcome(mutant: Mutant, covered: Covered, seconds: float) -> str:
+    """Return by which test a change is `killed`, or that it `survives` the tests that run its line.
+
+    seconds : of a processor, as many as the tests may take on the sources as they are, fastest first
+    """
     from cosmic_ray.mutating import mutate_code
     from cosmic_ray.plugins import get_operator
 
-    changed = mutate_code(mutant.path.read_text(), get_operator(mutant.operator)(), mutant.occurrence)
+    text = mutant.path.read_text()
+    tests = covered.tests_of(str(mutant.path), statement(ast.parse(text), mutant.line))
+    chosen = [
+        test
+        for test, spent in zip(tests, accumulate(map(covered.seconds.__getitem__, tests)), strict=True)
+        if spent <= seconds
+    ]
+    if not chosen:
+        return "survives: no test runs it"
+    changed = mutate_code(text, get_operator(mutant.operator)(), mutant.occurrence)
     with tempfile.TemporaryDirectory() as name:
         sources = Path(name) / "src"
         shutil.copytree(HOUSE / "src", sources)
         (sources / mutant.path.relative_to(HOUSE / "src")).write_text(changed)
-        for step, files in enumerate(steps_of(mutant.path)):
-            if files and _fails(files, sources):
-                return f"killed by step {step + 1}"
-    return "survives"
+        failed = first_failed(chosen, sources, 30 + 3 * sum(covered.seconds[test] for test in chosen))
+    return f"survives {len(chosen)} of {len(tests)} tests" if failed is None else f"killed by {failed}"
 
 
-def _fails(files: Sequence[str], sources: Path) -> bool:
-    """Return whether a test fails, or takes ten times the processor time that is usual, on these sources."""
-    limit = 20 + 3 * _usual_seconds(tuple(files))
-    return _run(files, sources, int(limit)).returncode != 0
+def first_failed(tests: Sequence[str], sources: Path, seconds: float) -> str | None:
+    """Return the test that fails on these sources, or what else ends their run; None where all pass."""
+    with tempfile.TemporaryDirectory() as name:
+        file = Path(name) / "tests.json"
+        file.write_text(json.dumps(list(tests)))
+        run = _run(["--run", "--file", str(file)], sources, seconds)
+        if run.returncode < 0:
+            return f"signal {-run.returncode}: it went on for more than {seconds:.0f} s of a processor"
+        failed = failed_of(file)
+        if failed.exists():
+            return failed.read_text()
+    return (
+        None if run.returncode in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED} else "the loading of tests"
+    )
 
 
-@cache
-def _usual_seconds(files: tuple[str, ...]) -> float:
-    """Return the processor seconds of tests on the sources as they are; a failure there ends the run."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    run = _run(files, HOUSE / "src", 3600)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if run.returncode != 0:
-        sys.exit(f"the tests fail without any change: {' '.join(files)}\n{run.stdout[-2000:]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+def learnt(room: str, tried: Sequence[Mutant]) -> Covered:
+    """Return what the tests of a room run, and those elsewhere that name a module which is changed."""
+    files = sorted({file for path in {mutant.path for mutant in tried} for file in files_of_tests(path)})
+    said = hashlib.sha256(f"{state_of_sources(('src', 'tests'))} {files}".encode()).hexdigest()
+    file = FOLDER / f"covered-{room}-{said[:12]}.json"
+    if not file.exists():
+        _say(f"{room}: {len(files)} files of tests are run once")
+        run = _run(["--learn", str(PACKAGE / room), "--file", str(file), *files], HOUSE / "src", 7200)
+        if run.returncode != 0:
+            sys.exit(f"no test passes without any change:\n{run.stdout[-2000:]}{run.stderr[-2000:]}")
+    return Covered.read(file)
 
 
-def _run(files: Sequence[str], sources: Path, seconds: int) -> subprocess.CompletedProcess[str]:
+def _run(words: Sequence[str], sources: Path, seconds: float) -> subprocess.CompletedProcess[str]:
     """Run tests on sources in a process that may use so many seconds of a processor."""
-    call = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *files]
+    call = [sys.executable, "-m", "tests.reliability.covering", *words]
     surroundings = {**os.environ, "PYTHONPATH": str(sources), "PYTHONDONTWRITEBYTECODE": "1"}
-    bound = partial(resource.setrlimit, resource.RLIMIT_CPU, (seconds, seconds))
+    bound = partial(resource.setrlimit, resource.RLIMIT_CPU, (int(seconds), int(seconds)))
     return subprocess.run(
         call, cwd=HOUSE, env=surroundings, preexec_fn=bound, capture_output=True, text=True, check=False
     )
 
 
 @cache
-def steps_of(path: Path) -> tuple[tuple[str, ...], ...]:
-    """Return what is run for a changed module, step by step: tests that name it, then the rest of its room."""
+def files_of_tests(path: Path) -> tuple[str, ...]:
+    """Return the files of tests for a changed module: those of its room, and those that name it.
+
+    What starts other programs or makes pages is left out: tests of LinuxCNC, of whole commands and of docs.
+    """
     module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     room, _, word = module.rpartition(".")
     naming = (f"import {module}", f"from {module} import", f"from {room} import {word}")
-    tests = sorted((HOUSE / "tests").rglob("test_*.py"))
-    named = [test for test in tests if test.name == f"test_{path.stem}.py" or _says(test, naming)]
-    rest = [test for test in sorted((HOUSE / "tests" / module.split(".")[1]).rglob("test_*.py")) if test not in named]
-    return tuple(tuple(str(test.relative_to(HOUSE)) for test in step) for step in (named, rest))
+    own = HOUSE / "tests" / module.split(".")[1]
+    return tuple(
+        str(test.relative_to(HOUSE))
+        for test in sorted((HOUSE / "tests").rglob("test_*.py"))
+        if own in test.parents
+        or (
+            test.relative_to(HOUSE).parts[1] not in _APART
+            and (test.name == f"test_{path.stem}.py" or _says(test, naming))
+        )
+    )
+
+
+def statement(tree: ast.Module, line: int) -> range:
+    """Return the lines of the statement around a line, of one that holds others those before them."""
+    spans = [_own_lines(node) for node in ast.walk(tree) if isinstance(node, ast.stmt)]
+    return min((span for span in spans if line in span), key=len, default=range(line, line + 1))
+
+
+def _own_lines(node: ast.stmt) -> range:
+    """Return the lines of a statement without those of the statements in it."""
+    inner = [part.lineno for part in ast.walk(node) if part is not node and isinstance(part, ast.stmt)]
+    end = (node.end_lineno or node.lineno) + 1
+    return range(node.lineno, max(node.lineno + 1, min([end, *inner])))
 
 
 def _says(test: Path, words: Sequence[str]) -> bool:
@@ -161,11 +213,9 @@ def _unread(node: ast.AST) -> Iterator[ast.expr]:
 
 
 def score(killed: int, tried: int) -> tuple[float, float, float]:
-    """Return the share that was killed and its 95 % interval (Wilson 1927, 10.1080/01621459.1927.10502953)."""
-    z, share = 1.959964, killed / tried
-    middle = (share + z * z / (2 * tried)) / (1 + z * z / tried)
-    half = z / (1 + z * z / tried) * (share * (1 - share) / tried + z * z / (4 * tried * tried)) ** 0.5
-    return share, middle - half, middle + half
+    """Return the share that was killed and its 95 % interval (Clopper, Pearson 1934, 10.1093/biomet/26.4.404)."""
+    found = binomtest(killed, tried).proportion_ci(0.95, method="exact")
+    return killed / tried, float(found.low), float(found.high)
 
 
 def main(words: Sequence[str]) -> int:
@@ -173,19 +223,34 @@ def main(words: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--places", type=int, default=100, help="how many places of each room")
     parser.add_argument("--room", choices=ROOMS, help="only this room")
+    parser.add_argument("--seconds", type=float, default=60, help="of a processor that the tests of a change may take")
+    parser.add_argument("--again", action="store_true", help="try anew what survived; tests may have been added since")
     args = parser.parse_args(words)
-    kept, low = Kept("mutants"), False
+    low = False
     for room in ROOMS if args.room is None else (args.room,):
         tried = drawn(room, args.places)
-        killed = 0
-        for number, mutant in enumerate(tried, 1):
-            found = kept.get(mutant.name, partial(outcome, mutant))
-            killed += found != "survives"
-            _say(f"{room} {number}/{len(tried)}: {mutant.name}: {found}")
+        covered = learnt(room, tried)
+        found = [_tried(mutant, covered, args.seconds, args.again) for mutant in tried]
+        killers = sorted({said.removeprefix("killed by ") for said in found if said.startswith("killed by tests/")})
+        wrong = first_failed(killers, HOUSE / "src", 3600) if killers else None
+        if wrong is not None:
+            sys.exit(f"fails without any change when it is run among few: {wrong}")
+        killed = sum(said.startswith("killed") for said in found)
         share, least, most = score(killed, len(tried))
         _say(f"| {room} | {len(tried)} | {killed} | {share:.1%} ({least:.0%} to {most:.0%}) |")
         low = low or share < 0.85
     return int(low)
+
+
+def _tried(mutant: Mutant, covered: Covered, seconds: float, again: bool) -> str:
+    """Return what came of a change, and print it; what was found before on these sources is kept."""
+    kept = Kept("mutants")
+    find = partial(outcome, mutant, covered, seconds)
+    found = str(kept.get(mutant.name, find))
+    if again and found.startswith("survives"):
+        found = str(kept.get(f"{mutant.name} again {state_of_sources(('tests',))[:12]}", find))
+    _say(f"{mutant.name}: {found}")
+    return found
 
 
 def _say(line: str) -> None:
