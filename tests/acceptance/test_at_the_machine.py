@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axiscal.acceptance.check import Check
+from axiscal.acceptance.at_the_machine import Sheet
+from axiscal.acceptance.check import Check, requests
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import linuxcnc_live
 from axiscal.campaign.sources.linuxcnc_live import InForce
@@ -120,6 +121,28 @@ def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
     assert len(machine.asked) == 17
     assert run([*words[:-1], "6"]) == 1
     assert "other" in capsys.readouterr().err
+
+
+def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, tmp_path: Path) -> None:
+    """The first readings are of a machine that says none, as in files of before; the file goes on with the others."""
+    wanted = requests(check.description, check.planned(4))
+    stds = [None, None, 0.7e-6, 1.25e-7]
+
+    class Source:
+        def read(self, request: Request) -> Answer:
+            number = wanted.index(request)
+            return Answer(1e-6 * number, stds[number], (2e-6, -3e-6))
+
+        def close(self) -> None:
+            pass
+
+    file = tmp_path / "found.csv"
+    for some in (2, 4):
+        Sheet(file, check.description, wanted[:some]).fill(Source, lambda *_: None)
+        assert file.read_text().splitlines()[0].endswith("std_um") == (some == 4)
+    held = Sheet(file, check.description, wanted).held()
+    assert [each.std for each in held] == [None, None, *map(pytest.approx, stds[2:])]
+    assert held[3].values == pytest.approx((3e-6, 2e-6, -3e-6))
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from axiscal.campaign.printer_loader import load
+from axiscal.campaign.printer_loader import loader_at
 from axiscal.cli.app import run
 from axiscal.exceptions import SourceError, TableError
 from tests.campaign.test_printer_source import Handler, Server, serving
@@ -174,7 +174,7 @@ MESH = "#*# [bed_mesh axiscal]\n#*# points =\n#*# \t  0.100000, 0.200000\n"
 def test_klipper_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
     spoil(printer)
     with pytest.raises(SourceError, match=why):
-        load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+        loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
 
 
 @pytest.mark.parametrize(
@@ -187,7 +187,7 @@ def test_klipper_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: An
 def test_a_duet_that_does_not_take_it_is_a_sentence(printer: Keeping, spoil: Any, why: str) -> None:
     spoil(printer)
     with pytest.raises(SourceError, match=why):
-        load(at("duet", printer), {"heightmap.csv": "a map 1"}, "axiscal")
+        loader_at(at("duet", printer), "reprapfirmware").load("a map 1", "axiscal")
 
 
 @pytest.mark.parametrize("alone", [False, True])
@@ -196,7 +196,7 @@ def test_nothing_on_a_duet_is_overwritten_that_is_not_kept(printer: Keeping, alo
     printer.duet["move"]["compensation"]["type"] = "mesh"
     meshes = [HEIGHTS.replace("0.1", each) for each in ("0.1", "0.2", "0.2")]
     for mesh in meshes:
-        said = load(at("duet", printer), {"heightmap.csv": mesh}, "axiscal")
+        said = loader_at(at("duet", printer), "reprapfirmware").load(mesh, "axiscal")
     assert {"of the owner, größer", *meshes} <= set(printer.files.values())
     assert "the one that was there" not in said
 
@@ -205,13 +205,13 @@ def test_nothing_on_a_duet_is_overwritten_that_is_not_kept(printer: Keeping, alo
 def test_a_map_that_cannot_be_read_is_not_overwritten(printer: Keeping, alone: bool) -> None:
     printer.alone, printer.files[MAP], printer.locked = alone, "of the owner", MAP
     with pytest.raises(SourceError, match=r"refused .*500.* give the command again"):
-        load(at("duet", printer), {"heightmap.csv": "a map 1"}, "axiscal")
+        loader_at(at("duet", printer), "reprapfirmware").load("a map 1", "axiscal")
     assert printer.files[MAP] == "of the owner"
 
 
 def test_klipper_keeps_the_mesh_that_was_there_beside_what_it_includes(printer: Keeping) -> None:
     printer.files["axiscal_mesh.cfg"] = "[bed_mesh mine]\npoints =\n  0.5, 0.6\n"
-    said = load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+    said = loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
     (kept,) = [name for name, text in printer.files.items() if "mine" in text]
     assert kept in said
     assert not kept.endswith(".cfg")
@@ -219,21 +219,21 @@ def test_klipper_keeps_the_mesh_that_was_there_beside_what_it_includes(printer: 
 
 def test_klipper_is_waited_for_while_moonraker_says_that_it_is_not_there(printer: Keeping) -> None:
     printer.away = 3
-    assert "in force" in load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+    assert "in force" in loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
 
 
 def test_an_include_that_is_a_comment_reads_nothing(printer: Keeping) -> None:
     printer.files["printer.cfg"] = "#" + INCLUDE
     with pytest.raises(SourceError, match="does not read it"):
-        load(at("moonraker", printer), {"bed_mesh.cfg": MESH}, "axiscal")
+        loader_at(at("moonraker", printer), "klipper").load(MESH, "axiscal")
 
 
-@pytest.mark.parametrize("kind", ["moonraker", "duet"])
-def test_what_speaks_no_http_is_a_sentence(kind: str) -> None:
+@pytest.mark.parametrize(("kind", "to"), [("moonraker", "klipper"), ("duet", "reprapfirmware")])
+def test_what_speaks_no_http_is_a_sentence(kind: str, to: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         threading.Thread(target=_greets, args=(server,), daemon=True).start()
         with pytest.raises(SourceError, match="does not answer"):
-            load(f"{kind}:127.0.0.1:{server.getsockname()[1]}", {"bed_mesh.cfg": MESH, "heightmap.csv": ""}, "axiscal")
+            loader_at(f"{kind}:127.0.0.1:{server.getsockname()[1]}", to).load(MESH, "axiscal")
 
 
 def _greets(server: socket.socket) -> None:
@@ -244,8 +244,23 @@ def _greets(server: socket.socket) -> None:
                 line.sendall(b"SSH-2.0-OpenSSH_9.2\r\n")
 
 
-def test_what_goes_to_no_printer_is_refused() -> None:
-    with pytest.raises(TableError, match="is no printer"):
-        load("octoprint:here", {}, "axiscal")
-    with pytest.raises(TableError, match="which this export does not hold"):
-        load("duet:here", {"bed_mesh.cfg": MESH}, "axiscal")
+@pytest.mark.parametrize(
+    ("to", "where", "why"),
+    [
+        ("klipper", "octoprint:voron.local", "is no printer"),
+        ("klipper", "", "is no printer"),
+        ("reprapfirmware", "moonraker:voron.local", "moonraker takes no files of"),
+        ("klipper", "duet:192.168.1.7", "Export with --to reprapfirmware"),
+    ],
+)
+def test_what_goes_to_no_printer_is_refused_before_a_file_is_written(
+    to: str, where: str, why: str, record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["export", str(record), "--to", to, "--out", str(tmp_path / "out"), "--load", where]) == 1
+    assert why in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_export_without_the_file_that_a_printer_takes_is_refused() -> None:
+    with pytest.raises(TableError, match=r"takes bed_mesh\.cfg, which this export does not hold"):
+        loader_at("moonraker:here", "klipper").taken({"skew.gcode": ""})

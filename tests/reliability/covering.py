@@ -1,14 +1,12 @@
-"""Which tests run which lines of a room, and tests chosen from them: a process of its own for `make mutants`.
+"""Which tests run which lines of a room, and runs of tests chosen from them: for `make mutants`.
 
-`--learn` runs files of tests once under coverage, each test a context of its own with what sets it up, and writes what
-each came to; `--run` runs chosen tests, in the order in which they are named, until one fails.
+Tests are run once under coverage, each a context of its own with what sets it up; chosen tests are run in the order in
+which they are named, until one fails. Both are done once in the life of a process.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -36,7 +34,7 @@ class Covered:
 
     @staticmethod
     def read(path: Path) -> Covered:
-        """Return what `--learn` wrote."""
+        """Return what `learn` wrote."""
         said = json.loads(path.read_text())
         names = list(said["seconds"])
         files = {
@@ -124,20 +122,3 @@ def run(file: Path) -> int:
 def failed_of(file: Path) -> Path:
     """Return where the name of the test stands that failed."""
     return file.with_suffix(".failed")
-
-
-def main(words: Sequence[str]) -> int:
-    """Learn or run."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--learn", type=Path, metavar="FOLDER", help="of which sources")
-    parser.add_argument("--run", action="store_true")
-    parser.add_argument("--file", type=Path, required=True, help="written by --learn; a list of tests for --run")
-    parser.add_argument("tests", nargs="*", help="files, for --learn")
-    args = parser.parse_args(words)
-    if args.run:
-        return run(args.file)
-    return learn(args.tests, args.learn, args.file)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import argparse
 import ast
+import compileall
 import hashlib
 import json
 import os
 import random
 import resource
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib import import_module
 from itertools import accumulate
 from pathlib import Path
 
@@ -29,11 +30,14 @@ import pytest
 from scipy.stats import binomtest
 
 from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
-from tests.reliability.covering import Covered, failed_of
+from tests.reliability import covering
+from tests.reliability.covering import Covered
 
 ROOMS = ("numerics", "estimation", "compensation")
 PACKAGE = HOUSE / "src" / "axiscal"
 _APART = ("linuxcnc", "docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reliability", "certify")
+_LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
+"""What tests and package need of others, loaded once for all forks; nothing of the package itself."""
 _ARITHMETIC = ("Add", "Sub", "Mul", "Div", "Pow", "FloorDiv", "Mod")
 _ORDER = ("Eq", "NotEq", "Lt", "LtE", "Gt", "GtE")
 
@@ -93,10 +97,12 @@ def outcome(mutant: Mutant, covered: Covered, seconds: float) -> str:
     if not chosen:
         return "survives: no test runs it"
     changed = mutate_code(text, get_operator(mutant.operator)(), mutant.occurrence)
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory(dir=FOLDER) as name:
         sources = Path(name) / "src"
-        shutil.copytree(HOUSE / "src", sources)
-        (sources / mutant.path.relative_to(HOUSE / "src")).write_text(changed)
+        shutil.copytree(HOUSE / "src", sources, copy_function=os.link)
+        here = sources / mutant.path.relative_to(HOUSE / "src")
+        here.unlink()
+        here.write_text(changed)
         failed = first_failed(chosen, sources, 30 + 3 * sum(covered.seconds[test] for test in chosen))
     return f"survives {len(chosen)} of {len(tests)} tests" if failed is None else f"killed by {failed}"
 
@@ -106,15 +112,13 @@ def first_failed(tests: Sequence[str], sources: Path, seconds: float) -> str | N
     with tempfile.TemporaryDirectory() as name:
         file = Path(name) / "tests.json"
         file.write_text(json.dumps(list(tests)))
-        run = _run(["--run", "--file", str(file)], sources, seconds)
-        if run.returncode < 0:
-            return f"signal {-run.returncode}: it went on for more than {seconds:.0f} s of a processor"
-        failed = failed_of(file)
+        status = _status(partial(covering.run, file), sources, seconds)
+        if status < 0:
+            return f"signal {-status}: it went on for more than {seconds:.0f} s of a processor"
+        failed = covering.failed_of(file)
         if failed.exists():
             return failed.read_text()
-    return (
-        None if run.returncode in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED} else "the loading of tests"
-    )
+    return None if status in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED} else "the loading of tests"
 
 
 def learnt(room: str, tried: Sequence[Mutant]) -> Covered:
@@ -124,20 +128,29 @@ def learnt(room: str, tried: Sequence[Mutant]) -> Covered:
     file = FOLDER / f"covered-{room}-{said[:12]}.json"
     if not file.exists():
         _say(f"{room}: {len(files)} files of tests are run once")
-        run = _run(["--learn", str(PACKAGE / room), "--file", str(file), *files], HOUSE / "src", 7200)
-        if run.returncode != 0:
-            sys.exit(f"no test passes without any change:\n{run.stdout[-2000:]}{run.stderr[-2000:]}")
+        compileall.compile_dir(PACKAGE, quiet=2)
+        if _status(partial(covering.learn, files, PACKAGE / room, file), HOUSE / "src", 7200) != 0:
+            sys.exit(f"no test of {room} passes without any change")
     return Covered.read(file)
 
 
-def _run(words: Sequence[str], sources: Path, seconds: float) -> subprocess.CompletedProcess[str]:
-    """Run tests on sources in a process that may use so many seconds of a processor."""
-    call = [sys.executable, "-m", "tests.reliability.covering", *words]
-    surroundings = {**os.environ, "PYTHONPATH": str(sources), "PYTHONDONTWRITEBYTECODE": "1"}
-    bound = partial(resource.setrlimit, resource.RLIMIT_CPU, (int(seconds), int(seconds)))
-    return subprocess.run(
-        call, cwd=HOUSE, env=surroundings, preexec_fn=bound, capture_output=True, text=True, check=False
-    )
+def _status(work: Callable[[], int], sources: Path, seconds: float) -> int:
+    """Return how work with pytest ends on sources, in a fork of this process that may use so many processor seconds."""
+    child = os.fork()
+    if child:
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    status = 3
+    try:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for stream in range(3):
+            os.dup2(nowhere, stream)
+        os.chdir(HOUSE)
+        os.environ["PYTHONPATH"] = str(sources)
+        sys.path.insert(0, str(sources))
+        status = work()
+    finally:
+        os._exit(status)
 
 
 @cache
@@ -226,6 +239,8 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--seconds", type=float, default=60, help="of a processor that the tests of a change may take")
     parser.add_argument("--again", action="store_true", help="try anew what survived; tests may have been added since")
     args = parser.parse_args(words)
+    for name in _LOADED:
+        import_module(name)
     low = False
     for room in ROOMS if args.room is None else (args.room,):
         tried = drawn(room, args.places)

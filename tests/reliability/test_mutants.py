@@ -59,21 +59,21 @@ def test_a_test_is_known_by_the_lines_that_it_runs_and_fails_on_a_change_of_them
     trial.write_text("from room import half, twice\n\n\ndef test_twice():\n    assert twice(3) == 6\n\n\n")
     with trial.open("a") as file:
         file.write("def test_half():\n    assert half(6) == 3\n\n\ndef test_wrong():\n    assert half(6) == 4\n")
-    _covering(tmp_path, "--learn", str(tmp_path), "--file", "covered.json", str(trial))
+    _covering(tmp_path, f"learn([{str(trial)!r}], Path({str(tmp_path)!r}), Path('covered.json'))")
     covered = Covered.read(tmp_path / "covered.json")
     (only,) = covered.tests_of(str(tmp_path / "room.py"), [6])
     assert only.endswith("test_half")
     assert len(covered.tests_of(str(tmp_path / "room.py"), [1])) == 2
     (tmp_path / "tests.json").write_text(json.dumps([only]))
-    _covering(tmp_path, "--run", "--file", "tests.json")
+    _covering(tmp_path, "run(Path('tests.json'))")
     assert not failed_of(tmp_path / "tests.json").exists()
     (tmp_path / "room.py").write_text("def twice(x):\n    return 2 * x\n\n\ndef half(x):\n    return x / 3\n")
-    _covering(tmp_path, "--run", "--file", "tests.json")
+    _covering(tmp_path, "run(Path('tests.json'))")
     assert failed_of(tmp_path / "tests.json").read_text() == only
 
 
-def _covering(folder: Path, *words: str) -> None:
-    """Run `tests.reliability.covering` in a folder."""
+def _covering(folder: Path, call: str) -> None:
+    """Call a function of `tests.reliability.covering` in a folder, in a process of its own."""
     surroundings = {**os.environ, "PYTHONPATH": f"{folder}:{HOUSE}", "PYTHONDONTWRITEBYTECODE": "1"}
-    call = [sys.executable, "-m", "tests.reliability.covering", *words]
-    subprocess.run(call, cwd=folder, env=surroundings, capture_output=True, check=False)
+    program = f"from pathlib import Path\nfrom tests.reliability.covering import *\n{call}"
+    subprocess.run([sys.executable, "-c", program], cwd=folder, env=surroundings, capture_output=True, check=False)

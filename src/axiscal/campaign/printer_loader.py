@@ -11,12 +11,13 @@ import re
 import time
 import urllib.parse
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from axiscal.campaign.sources.printer import Duet, Moonraker, found_at
 from axiscal.compensation.controllers.klipper import plain_profile
+from axiscal.document import shown
 from axiscal.exceptions import TableError
 
 _CONFIG = "axiscal_mesh.cfg"
@@ -36,24 +37,38 @@ _BOUNDARY = "axiscal-8f2c61"
 """Between the parts of what is sent; in no file of ours."""
 
 
-def load(where: str, files: Mapping[str, str], name: str) -> str:
-    """Put the files of an export into a printer and return in a sentence what was done.
+def loader_at(where: str, controller: str) -> MoonrakerLoader | DuetLoader:
+    """Return what puts the files of a control into a printer; raises TableError where it takes no files of that.
 
-    where : moonraker:HOST or duet:HOST; name : of the profile
-    Raises TableError where the files are not for it, SourceError where the printer does not take them.
+    where : moonraker:HOST or duet:HOST
     """
     kind, _, host = where.partition(":")
     if kind not in _LOADERS:
         raise TableError(f"{where[:60]!r} is no printer", "Write --load moonraker:voron.local or duet:192.168.1.7")
-    made, controller, file = _LOADERS[kind]
-    if file not in files:
-        raise TableError(f"{kind} takes {file}, which this export does not hold", f"Export with --to {controller}")
-    return made(host.strip()).load(files[file], name)
+    made = _LOADERS[kind]
+    if controller.casefold() != made.controller:
+        raise TableError(f"{kind} takes no files of {shown(controller)}", f"Export with --to {made.controller}")
+    return made(host.strip())
 
 
-class MoonrakerLoader(Moonraker):
+class _Loader:
+    """Of a printer that takes one file of an export.  controller : what the export is for"""
+
+    controller: str
+    _file: str
+
+    def taken(self, files: Mapping[str, str]) -> str:
+        """Return the text that the printer takes; raises TableError where an export does not hold it."""
+        if self._file not in files:
+            what = f"the printer takes {self._file}, which this export does not hold"
+            raise TableError(what, "Leave --load out; the README of the export says how its files are used")
+        return files[self._file]
+
+
+class MoonrakerLoader(_Loader, Moonraker):
     """Klipper reads a profile from a file that printer.cfg includes, when it is started again."""
 
+    controller, _file = "klipper", "bed_mesh.cfg"
     _again = "Mend it, then give the command again"
 
     def load(self, mesh: str, name: str) -> str:
@@ -113,9 +128,10 @@ class MoonrakerLoader(Moonraker):
         return found_at(_document(data), "result", "state")
 
 
-class DuetLoader(Duet):
+class DuetLoader(_Loader, Duet):
     """RepRapFirmware reads `0:/sys/heightmap.csv` at G29 S1."""
 
+    controller, _file = "reprapfirmware", "heightmap.csv"
     _again = "Mend it, then give the command again"
 
     def load(self, mesh: str, name: str) -> str:
@@ -188,8 +204,4 @@ def _alike(held: object, mesh: str) -> bool:
     return matrix.shape == wanted.shape and bool(np.all(np.abs(matrix - wanted) <= _SAME))
 
 
-_LOADERS: Mapping[str, tuple[Callable[[str], MoonrakerLoader | DuetLoader], str, str]] = {
-    "moonraker": (MoonrakerLoader, "klipper", "bed_mesh.cfg"),
-    "duet": (DuetLoader, "reprapfirmware", "heightmap.csv"),
-}
-"""By kind: what loads, for which exports, which of their files."""
+_LOADERS: Mapping[str, type[MoonrakerLoader | DuetLoader]] = {"moonraker": MoonrakerLoader, "duet": DuetLoader}

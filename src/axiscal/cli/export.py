@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -28,6 +28,9 @@ from axiscal.report.delivery import deliver_export, introduced
 from axiscal.report.findings import findings
 from axiscal.report.summarising import record_state
 from axiscal.units import parse_quantity, to_unit
+
+if TYPE_CHECKING:
+    from axiscal.campaign.printer_loader import DuetLoader, MoonrakerLoader
 
 MOST_BYTES = 4_000_000
 """A template has some thousand bytes; whatever is far larger is another file."""
@@ -125,6 +128,7 @@ def export(
         points,
         measuring_system,
     )
+    loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
         estimation = ruled(campaign.concluded())
@@ -136,20 +140,21 @@ def export(
         vouched = vouched_words(estimation.case, defended(estimation))
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
+        sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:
         say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
-    done = None if load is None else _loaded(load, offered, name)
+    done = None if loader is None or sent is None else loader.load(sent, name)
     if json:
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))
     elif done is not None:
         say(done)
 
 
-def _loaded(printer: str, offered: Export, name: str) -> str:
-    from axiscal.campaign.printer_loader import load
+def _loader(printer: str, to: str) -> MoonrakerLoader | DuetLoader:
+    from axiscal.campaign.printer_loader import loader_at
 
-    return load(printer, offered.files, name)
+    return loader_at(printer, to)
 
 
 def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | None) -> Export:

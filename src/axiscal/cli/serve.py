@@ -30,7 +30,7 @@ def serve(
     """
     tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
     spoken = chosen(language)
-    serve_record(
+    left = serve_record(
         record, port, spoken, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept.")
     )
-    say("Ended; every reading is kept.")
+    say(f"Ended; every reading is kept. {left}".rstrip())

@@ -23,11 +23,16 @@ def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places, v
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
-    """Return the text of the file of readings that have three values each, to a picometre."""
-    rows = [[*_head(axes), *(f"value_{c}_um" for c in "xyz")]]
+    """Return the text of the file of readings that have three values each, to a picometre.
+
+    Where a reading has a standard deviation of its own, the file has a column for it, empty for the others.
+    """
+    own = any(reading.std is not None for reading in readings)
+    rows = [[*_head(axes), *(f"value_{c}_um" for c in "xyz"), *(["std_um"] if own else [])]]
     for reading in readings:
-        values = (f"{to_unit(value, 'um'):.6f}" for value in reading.values)
-        rows.append([*_at(axes, reading.setup, reading.pose, reading.approach), *values])
+        numbers = [*reading.values, *([reading.std] if own else [])]
+        texts = ("" if each is None else f"{to_unit(each, 'um'):.6f}" for each in numbers)
+        rows.append([*_at(axes, reading.setup, reading.pose, reading.approach), *texts])
     return csv_text(rows)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
 from typing import Self, TypeVar
@@ -14,6 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import speaking
 from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk, Publisher
+from axiscal.web.own_thread import OwnThread
 from axiscal.web.shapes import StateShape, TypedShape
 
 LOOKS = 0.25
@@ -27,18 +28,18 @@ class Counter:
     states : the newest document by language, that a page is shown at once; language : that of the page
     """
 
-    def __init__(self, desk: Desk, thread: ThreadPoolExecutor, language: str) -> None:
+    def __init__(self, desk: Desk, thread: OwnThread, language: str) -> None:
         self._desk, self._thread, self.language = desk, thread, language
         self.states, self._news = desk.states, asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._ending = False
+        self._ending, self._asked = False, set[Future[str]]()
 
     @classmethod
     def open(cls, record: Path, language: str = "en") -> Self:
         """Return the counter of a record; raises RecordError if that is none."""
-        thread = ThreadPoolExecutor(1, thread_name_prefix="campaign")
+        thread = OwnThread()
         early: list[dict[str, StateShape]] = []
-        desk = thread.submit(_opened, record, early.append).result()
+        desk = thread.do(partial(_opened, record, early.append)).result()
         counter = cls(desk, thread, language)
         desk.publish = counter._publish
         return counter
@@ -55,7 +56,10 @@ class Counter:
 
     async def do(self, step: Callable[[Desk], str], language: str) -> str:
         """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        said = await self._run(step, language)
+        asked = self._submitted(step, language)
+        self._asked.add(asked)
+        asked.add_done_callback(self._asked.discard)
+        said = await asyncio.wrap_future(asked)
         self._later(Desk.think)
         return said
 
@@ -101,17 +105,31 @@ class Counter:
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._take, self.states)
 
-    def close(self) -> None:
-        """Close the record."""
-        self._thread.submit(self._desk.campaign.close).result()
-        self._thread.shutdown()
+    def close(self) -> str:
+        """Close the record, and return what is to be said of what was broken off for it."""
+        asked = bool(self._asked)
+        if not self._thread.end(self._desk.campaign.close):
+            return ""
+        if asked:
+            return (
+                "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
+            )
+        return "What was being computed is begun anew at the next start."
 
     async def _run(self, step: Callable[[Desk], _Result], language: str = "en") -> _Result:
-        held = partial(_held, step, self._desk, language)
-        return await asyncio.get_running_loop().run_in_executor(self._thread, held)
+        return await asyncio.wrap_future(self._submitted(step, language))
+
+    def _submitted(self, step: Callable[[Desk], _Result], language: str = "en") -> Future[_Result]:
+        return self._thread.do(partial(_held, step, self._desk, language))
 
     def _later(self, step: Callable[[Desk], None]) -> None:
-        self._thread.submit(_held, step, self._desk).add_done_callback(_told)
+        self._submitted(step).add_done_callback(self._told)
+
+    def _told(self, done: Future[None]) -> None:
+        """Say on stderr what went wrong where nobody waits for an answer."""
+        failure = done.exception()
+        if failure is not None and not self._ending:
+            logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
     def _publish(self, states: dict[str, StateShape]) -> None:
         """Take a new state from the campaign's thread."""
@@ -123,13 +141,6 @@ class Counter:
     def _take(self, states: dict[str, StateShape]) -> None:
         news, self._news, self.states = self._news, asyncio.Event(), states
         news.set()
-
-
-def _told(done: Future[None]) -> None:
-    """Say on stderr what went wrong where nobody waits for an answer."""
-    failure = done.exception()
-    if failure is not None:
-        logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
 
 @one_thread()

@@ -21,8 +21,8 @@ from axiscal.web.guard import Admission, Guard
 _LOOPBACK = "127.0.0.1"
 
 
-def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> None:
-    """Serve the page of a record until Ctrl-C.
+def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> str:
+    """Serve the page of a record until Ctrl-C; return a sentence on what was broken off, "" where nothing was.
 
     language : of the page; port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
@@ -36,7 +36,8 @@ def serve_record(record: Path, port: int, language: str, ready: Callable[[str], 
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
-        counter.close()
+        left = counter.close()
+    return left
 
 
 def serve_first(desk: FirstDesk, port: int, language: str, ready: Callable[[str], None]) -> bool:

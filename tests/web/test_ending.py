@@ -1,0 +1,83 @@
+"""Ctrl-C of `axiscal serve` while something long is computed: it ends all the same, and says what was left."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from tests.web.served import PATIENCE, Served, started
+
+LONG = """
+import sys, time
+from axiscal.web.desk import Desk
+done = Desk.{step}
+def long(desk, *words, **more):
+    {before}
+    sys.stderr.write("at work\\n")
+    sys.stderr.flush()
+    for _ in range(10**6):
+        time.sleep(0.01)
+Desk.{step} = long
+from axiscal.cli import main
+sys.argv = ["axiscal", "serve", sys.argv[1]]
+raise SystemExit(main())
+"""
+"""`axiscal serve` with a step of the desk that takes hours."""
+
+
+def ended(record: Path, program: str, *, asked: bool) -> tuple[int, str, str]:
+    """Return status and what is said of a server that gets Ctrl-C while it computes."""
+    surroundings = {**os.environ, "AXISCAL_LANGUAGE": "en"}
+    call = [sys.executable, "-c", program, str(record)]
+    process = subprocess.Popen(
+        call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=surroundings
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    try:
+        words = process.stdout.readline().split()
+        assert words[:1] == ["Open"], process.communicate(timeout=PATIENCE)
+        page = Served(words[1], record, process.pid)
+        if asked:
+            last = page.state()["last"]
+            request = threading.Thread(target=_read, args=(page, last), daemon=True)
+            request.start()
+        while "at work" not in process.stderr.readline():
+            pass
+        process.send_signal(signal.SIGINT)
+        said, complaint = process.communicate(timeout=PATIENCE)
+        return process.returncode, said, complaint
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def _read(page: Served, last: int) -> None:
+    """Give a reading, whose answer never comes."""
+    with contextlib.suppress(OSError):
+        page.call("readings", after=last, text="0.4")
+
+
+def test_what_is_computed_meanwhile_is_broken_off(tmp_path: Path) -> None:
+    record = started(tmp_path)
+    status, said, complaint = ended(record, LONG.format(step="think", before="pass"), asked=False)
+    assert (status, complaint) == (0, "")
+    assert "Ended; every reading is kept. What was being computed is begun anew at the next start." in said
+
+
+def test_a_reading_that_was_kept_is_there_when_its_answer_was_broken_off(tmp_path: Path) -> None:
+    record = started(tmp_path)
+    program = LONG.format(step="keep", before="done(desk, *words, **more)")
+    status, said, complaint = ended(record, program, asked=True)
+    assert (status, complaint) == (0, "")
+    assert "A step that a page had asked for was broken off; what had been kept of it is shown" in said
+    with Campaign.open(record, write=False) as campaign:
+        assert [reading.value for reading in campaign.state.readings] == [pytest.approx(0.4e-6)]
