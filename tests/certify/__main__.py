@@ -96,8 +96,13 @@ def bands(drawn: int, first: int) -> Iterator[Finding]:
 
 
 def measuring_programs(plans: int, first: int) -> Iterator[Finding]:
-    """Yield what LinuxCNC's interpreter, and a reader of each dialect, make of that many random plans."""
-    yield from (Finding(text, good) for text, good in gcode.verdicts(plans, first, Kept("gcode")))
+    """Yield what LinuxCNC's interpreter makes of that many random plans."""
+    yield from (Finding(text, good) for text, good in gcode.interpreter_verdicts(plans, first, Kept("gcode")))
+
+
+def other_dialects(plans: int, first: int) -> Iterator[Finding]:
+    """Yield what a reader of each dialect makes of that many random plans."""
+    yield from (Finding(text, good) for text, good in gcode.reader_verdicts(plans, first, Kept("dialects")))
 
 
 def plans_as_printed(most: int, first: int) -> Iterator[Finding]:
@@ -117,8 +122,9 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "models": (random_models, 500, "random models of up to 120 unknowns, up to 12 decades"),
     "regressions": (reference_regressions, len(least_squares.DIGITS), "certified regressions of NIST"),
     "coverage": (bands, 5_000, "virtual machines of each built-in kind"),
-    "gcode": (measuring_programs, 2_000, "random plans as measuring programs"),
+    "gcode": (measuring_programs, 2_000, "random plans as programs for LinuxCNC's interpreter"),
     "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
+    "dialects": (other_dialects, 2_000, "random plans in every dialect, through the tests' own readers"),
     "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 

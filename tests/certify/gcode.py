@@ -305,8 +305,8 @@ CHUNK = 250
 """Plans after which it is kept what was found; any would do."""
 
 
-def verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
-    """Yield a sentence per reader on that many random plans, and whether nothing was wrong.
+def interpreter_verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
+    """Yield a sentence on what LinuxCNC's interpreter makes of that many random plans, and whether nothing was wrong.
 
     kept : what an earlier run has found, which goes on here
     """
@@ -316,6 +316,10 @@ def verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple
     with tempfile.TemporaryDirectory() as folder:
         follow: Follow = partial(interpreted, folder=Path(folder))
         yield _verdict("LinuxCNC's interpreter", range(first, first + plans), "XYZABC", follow, kept)
+
+
+def reader_verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
+    """Yield a sentence on what the tests' own reader of each dialect makes of them, and whether nothing was wrong."""
     for controller in READERS:
         follow = partial(read_back, controller=controller)
         yield _verdict(f"reader of {controller}", range(first, first + plans), "XYZABCUVW", follow, kept)
