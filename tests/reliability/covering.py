@@ -18,7 +18,7 @@ import pytest
 if TYPE_CHECKING:
     from coverage import Coverage
 
-_QUIET = ("-q", "-p", "no:cacheprovider")
+_QUIET = ("-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning")
 
 
 @dataclass(frozen=True, slots=True)

@@ -131,7 +131,11 @@ def learnt(room: str, tried: Sequence[Mutant]) -> Covered:
         compileall.compile_dir(PACKAGE, quiet=2)
         if _status(partial(covering.learn, files, PACKAGE / room, file), HOUSE / "src", 7200) != 0:
             sys.exit(f"no test of {room} passes without any change")
-    return Covered.read(file)
+    covered = Covered.read(file)
+    wrong = first_failed(sorted(covered.seconds, key=covered.seconds.__getitem__)[:1], HOUSE / "src", 600)
+    if wrong is not None:
+        sys.exit(f"{wrong} fails without any change")
+    return covered
 
 
 def _status(work: Callable[[], int], sources: Path, seconds: float) -> int:
