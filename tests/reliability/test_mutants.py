@@ -52,28 +52,34 @@ def test_lines_of_a_change_are_those_of_its_statement() -> None:
     assert lines[8] == [9]
 
 
-def test_a_test_is_known_by_the_lines_that_it_runs_and_fails_on_a_change_of_them(tmp_path: Path) -> None:
-    pytest.importorskip("coverage", reason="needs the environment of `make mutants`")
-    (tmp_path / "room.py").write_text("def twice(x):\n    return 2 * x\n\n\ndef half(x):\n    return x / 2\n")
-    trial = tmp_path / "test_room.py"
-    trial.write_text("from room import half, twice\n\n\ndef test_twice():\n    assert twice(3) == 6\n\n\n")
-    with trial.open("a") as file:
-        file.write("def test_half():\n    assert half(6) == 3\n\n\ndef test_wrong():\n    assert half(6) == 4\n")
-    _covering(tmp_path, f"learn([{str(trial)!r}], Path({str(tmp_path)!r}), Path('covered.json'))")
+def test_tests_of_a_line_come_fastest_first_and_of_one_run_at_loading_from_the_file(tmp_path: Path) -> None:
+    said = {"seconds": {"slow": 3.0, "quick": 0.1}, "lines": {"room.py": {"0": [0, 1], "1": [], "2": [1, 0], "6": [0]}}}
+    (tmp_path / "covered.json").write_text(json.dumps(said))
     covered = Covered.read(tmp_path / "covered.json")
-    (only,) = covered.tests_of(str(tmp_path / "room.py"), [6])
-    assert only.endswith("test_half")
-    assert len(covered.tests_of(str(tmp_path / "room.py"), [1])) == 2
-    (tmp_path / "tests.json").write_text(json.dumps([only]))
-    _covering(tmp_path, "run(Path('tests.json'))")
-    assert not failed_of(tmp_path / "tests.json").exists()
-    (tmp_path / "room.py").write_text("def twice(x):\n    return 2 * x\n\n\ndef half(x):\n    return x / 3\n")
-    _covering(tmp_path, "run(Path('tests.json'))")
-    assert failed_of(tmp_path / "tests.json").read_text() == only
+    assert covered.tests_of("room.py", [6]) == ["slow"]
+    assert covered.tests_of("room.py", [1]) == covered.tests_of("room.py", [2, 6]) == ["quick", "slow"]
+    assert covered.tests_of("other.py", [1]) == []
 
 
-def _covering(folder: Path, call: str) -> None:
-    """Call a function of `tests.reliability.covering` in a folder, in a process of its own."""
+def test_a_change_is_noticed_by_the_tests_that_are_chosen_alone(tmp_path: Path) -> None:
+    (tmp_path / "room.py").write_text("def half(x):\n    return x / 2\n")
+    trial = tmp_path / "test_room.py"
+    trial.write_text("from room import half\n\n\ndef test_half():\n    assert half(6) == 3\n\n\n")
+    with trial.open("a") as file:
+        file.write("def test_wrong():\n    assert half(6) == 4\n")
+    assert _failed(tmp_path, "test_half") is None
+    assert _failed(tmp_path, "test_half", "test_wrong") == "test_room.py::test_wrong"
+    (tmp_path / "room.py").write_text("def half(x):\n    return x // 4\n")
+    assert _failed(tmp_path, "test_wrong", "test_half") == "test_room.py::test_wrong"
+    assert _failed(tmp_path, "test_half") == "test_room.py::test_half"
+
+
+def _failed(folder: Path, *tests: str) -> str | None:
+    """Return which of these tests of a folder fails first, in a process of its own."""
+    file = folder / "tests.json"
+    file.write_text(json.dumps([f"test_room.py::{test}" for test in tests]))
+    failed_of(file).unlink(missing_ok=True)
+    program = f"from pathlib import Path\nfrom tests.reliability.covering import run\nrun(Path({str(file)!r}))"
     surroundings = {**os.environ, "PYTHONPATH": f"{folder}:{HOUSE}", "PYTHONDONTWRITEBYTECODE": "1"}
-    program = f"from pathlib import Path\nfrom tests.reliability.covering import *\n{call}"
     subprocess.run([sys.executable, "-c", program], cwd=folder, env=surroundings, capture_output=True, check=False)
+    return failed_of(file).read_text() if failed_of(file).exists() else None
