@@ -102,6 +102,10 @@ class RecordError(InputError):
     """A campaign record that cannot be opened, or a step that does not fit its state."""
 
 
+class UnreachableError(RecordError):
+    """The server that keeps the records does not answer; what it holds is not known, so nothing is left out."""
+
+
 class OvertakenError(RecordError):
     """A step that was meant for a state of the record in which it is no longer."""
 

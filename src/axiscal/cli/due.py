@@ -8,18 +8,18 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Json, positive_length
+from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.exceptions import RecordError
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import DueMachine, Shop, due_dates
 from axiscal.record.durable import write_whole
+from axiscal.record.gathering import records_of
 from axiscal.units import to_unit
 
 
 def due(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of records, files *.axiscal.")],
+    folder: Records,
     target: Annotated[
         str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
     ] = None,
@@ -38,11 +38,10 @@ def due(
     Examples:
       axiscal due records
       axiscal due records --target "4 um" --calendar due.ics
+      axiscal due store:
     """
     wanted = None if target is None else positive_length(target)
-    if not folder.is_dir():
-        raise RecordError("This is no folder", "Name the folder that holds the records", folder)
-    found = due_dates(sorted(folder.glob("*.axiscal")), _day(today), wanted, tell)
+    found = due_dates(records_of(folder), _day(today), wanted, tell)
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
     if json:

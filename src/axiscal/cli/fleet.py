@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Json, positive_length
+from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.fleet.due_dates import due_dates
 from axiscal.fleet.machine_history import histories
 from axiscal.fleet.shop_list import ShopList, ShopRecord, shop_list
 from axiscal.record.durable import write_whole
+from axiscal.record.gathering import records_of
 from axiscal.report.history_page import render
 from axiscal.units import to_unit
 
@@ -24,7 +25,7 @@ _HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "verdic
 
 
 def fleet(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of records, files *.axiscal.")],
+    folder: Records,
     page: Annotated[
         Path | None, typer.Option("--page", metavar="FILE.html", help="Draw each machine over the years, as a page.")
     ] = None,
@@ -36,7 +37,8 @@ def fleet(
     """List the records of a shop: which machine, when, how well it was known, against which target, by which digest.
 
     An index is kept beside the records, `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown
-    away. Records that are damaged, no records, or the same as another are named with the reason.
+    away. That of a store is in the user's folder for caches. Records that are damaged, no records, or the same as
+    another are named with the reason.
 
     The page shows what is left with each machine's tables from campaign to campaign, when it is due, what the campaigns
     found with 95 % bands, figures of ISO 230-2 where readings are such a test, and what was noted.
@@ -45,6 +47,7 @@ def fleet(
     Examples:
       axiscal fleet records
       axiscal fleet records --page years.html --target "4 um"
+      axiscal fleet store:
     """
     wanted = None if target is None else positive_length(target)
     found = shop_list(folder, lambda said: tell(f"{said} ..."))
@@ -63,7 +66,7 @@ def fleet(
 
 def _draw(folder: Path, page: Path, target: float | None) -> None:
     now = datetime.now(UTC)
-    shop = due_dates(sorted(folder.glob("*.axiscal")), now.date(), target, lambda said: tell(f"drawing {said}"))
+    shop = due_dates(records_of(folder), now.date(), target, lambda said: tell(f"drawing {said}"))
     write_whole(page, render(shop, histories(shop, now)).encode())
 
 

@@ -21,6 +21,7 @@ from axiscal.fleet.type_words import error_lines, summary_sentences
 from axiscal.machine import load_machine
 from axiscal.record.carried import carried_text
 from axiscal.record.durable import write_whole
+from axiscal.record.gathering import gathered
 from axiscal.report import type_page
 from axiscal.units import to_unit
 
@@ -38,12 +39,16 @@ def type() -> None:
 @app.command("learn")
 def learn(
     records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD|FOLDER...", help="Records of machines, or folders that hold them.")
+        list[Path],
+        typer.Argument(metavar="RECORD|FOLDER...", help="Records of machines, folders that hold them, store: for all."),
     ],
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.type.json", help="Keep what was learnt.")] = None,
     machine: Annotated[
         str | None,
         typer.Option(metavar="FILE|NAME", help="Learn over these errors; default: those most records have."),
+    ] = None,
+    named: Annotated[
+        str | None, typer.Option("--of", metavar="NAME", help="Of machines that machine.toml calls so alone.")
     ] = None,
     directions: Annotated[
         int, typer.Option(metavar="N", help="In which sisters differ together.", min=0, max=10)
@@ -63,11 +68,12 @@ def learn(
     Examples:
       axiscal type learn records --out vmc600.type.json
       axiscal type learn records/*.axiscal --out vmc600.type.json --page vmc600.html
+      axiscal type learn store: --of VMC-600 --out vmc600.type.json
     """
     if not 0 < doubt < 1:
         raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
     of = None if machine is None else load_machine(machine)
-    prior = learnt_type(_files(records), of, directions, doubt, tell)
+    prior = learnt_type(_files(records), of, directions, doubt, tell, named)
     written = []
     for file, text in ((out, prior.text()), (page, type_page.render(prior) if page else "")):
         if file is not None:
@@ -123,8 +129,8 @@ def saving_words(saved: Saving) -> str:
 
 
 def _files(given: Sequence[Path]) -> list[Path]:
-    """Return records, and those in folders; raises RecordError where there are none."""
-    found = [each for path in given for each in (sorted(path.glob("*.axiscal")) if path.is_dir() else [path])]
+    """Return records, those in folders, and those of the store; raises RecordError where there are none."""
+    found = gathered(given)
     if not found:
         raise RecordError("There is no record in it", "Name records, files *.axiscal, or a folder of them", given[0])
     return found

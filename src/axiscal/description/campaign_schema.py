@@ -127,6 +127,7 @@ class SistersTable(Table):
     """[sisters]: machines of the same type whose records teach what this one is like."""
 
     records: str | list[str] | None = Field(None, examples=['"records/*.axiscal"'])
+    type: str | None = Field(None, examples=['"VMC-600"'])
     directions: int = Field(3, ge=0, le=10, examples=["3"])
     doubt: float | None = Field(None, gt=0, lt=1, examples=["0.1"])
 

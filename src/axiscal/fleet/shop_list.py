@@ -17,7 +17,8 @@ from axiscal.exceptions import AxiscalError
 from axiscal.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
 from axiscal.record.folder_index import FolderIndex, IndexedRecord, Kinds
-from axiscal.record.store import Record
+from axiscal.record.gathering import is_store
+from axiscal.record.opening import opened_log
 from axiscal.units import format_quantity
 
 
@@ -46,7 +47,7 @@ class Known:
 
 @dataclass(frozen=True, slots=True)
 class ShopRecord:
-    """A record of the folder: its name's chain, how many events, what it comes to, and what is to be minded of it."""
+    """A record of the shop: its name's chain, how many events, what it comes to, and what is to be minded of it."""
 
     file: Path
     chain: str
@@ -65,12 +66,13 @@ class ShopList:
     why_apart: str
 
 
-def shop_list(folder: Path, told: Callable[[str], None] = lambda said: None) -> ShopList:
-    """Return the records of a folder, the machine measured last first; raises RecordError for what is no folder.
+def shop_list(shop: Path, told: Callable[[str], None] = lambda said: None) -> ShopList:
+    """Return the records of a folder, or of the store, the machine measured last first.
 
     told : called with what is being done
+    Raises RecordError for what is neither, and where the store does not answer.
     """
-    with FolderIndex.open(folder) as index:
+    with _index(shop) as index:
         index.refresh(lambda name: told(f"reading {name}"))
         records = index.records()
         left = [(each.file, each.fault) for each in records if each.fault]
@@ -88,6 +90,14 @@ def shop_list(folder: Path, told: Callable[[str], None] = lambda said: None) -> 
             listed.append(ShopRecord(record.file, record.chain, record.last, known, remark))
         listed.sort(key=lambda each: (each.known.last or each.known.begun, each.file.name), reverse=True)
         return ShopList(tuple(listed), tuple(left), tuple(index.kinds()), index.why_apart)
+
+
+def _index(shop: Path) -> FolderIndex:
+    if not is_store(shop):
+        return FolderIndex.open(shop)
+    from axiscal.record.store_index import StoreIndex
+
+    return StoreIndex.of_store()
 
 
 def _beside_others(record: IndexedRecord, records: Sequence[IndexedRecord], index: FolderIndex) -> tuple[str, str]:
@@ -118,7 +128,7 @@ def _known(record: IndexedRecord, index: FolderIndex, told: Callable[[str], None
 
 
 def _found(file: Path) -> Known:
-    with Record.open(file, write=False) as record:
+    with opened_log(file, write=False) as record:
         description, state, events = described(record), record.state(), record.events()
     machine, serial = description.machine.name, description.particulars.serial
     last = next((each.at for each in reversed(events) if isinstance(each.event, Recorded)), "")

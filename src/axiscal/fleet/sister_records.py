@@ -20,7 +20,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.ruled import GROSS
 from axiscal.estimation.type_prior import SisterRecord
-from axiscal.exceptions import AxiscalError, InputError, RecordError
+from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.inference.outliers import NOTHING
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import DataEquation, data_equation
@@ -28,8 +28,9 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.events import Note, Recorded
+from axiscal.record.log import campaign_of, shared_events
+from axiscal.record.opening import opened_log
 from axiscal.record.payload import encode
-from axiscal.record.store import Record
 from axiscal.units import format_quantity
 
 RENEWED = re.compile(r"\(renewed: ([\w, ]+)\)$")
@@ -43,7 +44,7 @@ class MachineRecord:
     """A record as it was read.
 
     digest : of its machine and readings; begun : ISO 8601, UTC; renewed : axes that a note after its last reading names
-    notes : all of them
+    notes : all of them; campaign : which one it is of; chains : the hash behind each of its events
     """
 
     file: Path
@@ -53,6 +54,8 @@ class MachineRecord:
     readings: tuple[Reading, ...]
     renewed: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
+    campaign: str = ""
+    chains: tuple[str, ...] = ()
 
     @property
     def serial(self) -> str:
@@ -63,12 +66,16 @@ class MachineRecord:
 def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[SisterRecord]]:
     """Return the records that can be read and have readings, and of the others why they are left out.
 
-    In the order of their digests, whatever the order of the files; of twice the same reading of a machine one counts.
+    In the order of their digests, whatever the order of the files; of twice the same reading of a machine one counts,
+    and of several records of one campaign the one that has most readings.
+    Raises UnreachableError where the server of records goes away: nobody knows then what it holds.
     """
     found, left = dict[str, MachineRecord](), list[SisterRecord]()
     for file in sorted({file.resolve(): file for file in files}.values(), key=lambda file: file.name):
         try:
             record = _read(file)
+        except UnreachableError:
+            raise
         except InputError as fault:
             left.append(SisterRecord(file.name, "", 0, fault.what))
             continue
@@ -80,19 +87,43 @@ def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[Siste
             left.append(SisterRecord(file.name, record.digest, len(record.readings), why))
         else:
             found[record.digest] = record
-    return [found[digest] for digest in sorted(found)], left
+    whys = _of_one_campaign([found[digest] for digest in sorted(found)])
+    left += [SisterRecord(found[of].file.name, of, len(found[of].readings), why) for of, why in whys.items()]
+    return [found[digest] for digest in sorted(found) if digest not in whys], left
+
+
+def _of_one_campaign(records: Sequence[MachineRecord]) -> dict[str, str]:
+    """Return why records do not count beside another of the same campaign, by their digests."""
+    whole = dict[str, MachineRecord]()
+    for record in records:
+        if record.campaign not in whole or len(record.readings) > len(whole[record.campaign].readings):
+            whole[record.campaign] = record
+    whys = dict[str, str]()
+    for record in records:
+        other = whole[record.campaign]
+        shared = shared_events(record.chains, other.chains)
+        if other is record:
+            continue
+        if shared == len(record.chains):
+            whys[record.digest] = f"it is an earlier copy of {other.file.name}"
+        else:
+            parted = f"it and {other.file.name} went on differently from event {shared + 1}"
+            whys[record.digest] = f"{parted}, and that one has as many readings or more"
+    return whys
 
 
 def _read(file: Path) -> MachineRecord:
-    with Record.open(file, write=False) as record:
-        description, state, first = described(record), record.state(), record.events()[0]
+    with opened_log(file, write=False) as record:
+        description, state, texts = described(record), record.state(), record.texts()
     if not state.readings:
         raise RecordError("it has no readings", "Measure the machine", file)
     read = sorted(encode(Recorded(replace(reading, number=None)))[1] for reading in state.readings)
     text = json.dumps([description.machine.text, read])
     digest = hashlib.sha256(text.encode()).hexdigest()
     later = [note.text for note in state.notes if note.after >= len(state.readings)]
-    return MachineRecord(file, digest, first.at, description, state.readings, renewed_axes(later), state.notes)
+    chains = tuple(text.chain for text in texts)
+    which = file, digest, texts[0].row.at, description, state.readings
+    return MachineRecord(*which, renewed_axes(later), state.notes, campaign_of(texts[0]), chains)
 
 
 def renewed_axes(notes: Iterable[str]) -> tuple[str, ...]:

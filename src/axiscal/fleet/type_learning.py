@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from axiscal.document import shown
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
 from axiscal.exceptions import RecordError
-from axiscal.fleet.sister_records import equations_of, read_records, usual_machine
+from axiscal.fleet.sister_records import MachineRecord, equations_of, read_records, usual_machine
 from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.inference.sisters.hierarchy import Hierarchy
 from axiscal.inference.sisters.learning import SisterPrior, sister_prior
@@ -83,15 +84,20 @@ class Lesson:
 
 @one_thread()
 def lesson(
-    files: Iterable[Path], machine: Machine | None = None, told: Callable[[str], None] = lambda said: None
+    files: Iterable[Path],
+    machine: Machine | None = None,
+    told: Callable[[str], None] = lambda said: None,
+    named: str | None = None,
 ) -> Lesson:
     """Return what records say of a type.
 
     machine : over whose errors; None for the description that most of them have
-    told : called with the name of each record before it is read
+    told : called with the name of each record before it is read; named : only machines of this name, None for all
     Raises RecordError where no record counts.
     """
     found, left = read_records(files)
+    if named is not None:
+        found = _of_name(found, named)
     if not found:
         raise _nothing(left)
     reference = machine or usual_machine(found)
@@ -109,9 +115,18 @@ def learnt_type(
     directions: int = DIRECTIONS,
     doubt: float = DOUBT,
     told: Callable[[str], None] = lambda said: None,
+    named: str | None = None,
 ) -> TypePrior:
     """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
-    return lesson(files, machine, told).learnt(directions, doubt, told)
+    return lesson(files, machine, told, named).learnt(directions, doubt, told)
+
+
+def _of_name(records: list[MachineRecord], named: str) -> list[MachineRecord]:
+    found = [record for record in records if record.description.machine.name == named]
+    if records and not found:
+        others = ", ".join(sorted({shown(record.description.machine.name) for record in records}))
+        raise RecordError(f"None of the records is of a machine {shown(named)}", f"There are records of: {others}")
+    return found
 
 
 def _nothing(records: Iterable[SisterRecord]) -> RecordError:

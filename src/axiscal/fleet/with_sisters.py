@@ -9,6 +9,7 @@ from pathlib import Path
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import RecordError
 from axiscal.fleet.type_learning import DOUBT, learnt_type
+from axiscal.record.gathering import gathered
 
 
 def campaign_with_sisters(
@@ -34,8 +35,9 @@ def with_sisters(
     if named is None or described.prior_text:
         return described
     if not named.records:
-        remedy = 'Give a pattern beside the campaign, such as records = "records/*.axiscal"'
+        remedy = 'Give a pattern beside the campaign, such as records = "records/*.axiscal", or "store:"'
         raise RecordError("[sisters] names no record that is there", remedy, described.source)
     doubt = DOUBT if described.doubt is None else described.doubt
-    prior = learnt_type(named.records, described.machine, named.directions, doubt, told)
+    files = gathered(named.records)
+    prior = learnt_type(files, described.machine, named.directions, doubt, told, named.type)
     return replace(described, prior_text=prior.text())

@@ -1,4 +1,6 @@
-"""An index beside the records of a folder: all their events in one database, so that each is read only once.
+"""An index of many records: all their events in one database, so that each is read only once.
+
+Of a folder it is kept beside the records, of a store in the folder where this computer's user keeps such things.
 
 It can be thrown away at any time: the records are what counts, and it is made anew from them.
 """
@@ -13,11 +15,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import RecordError, UnreachableError
 from axiscal.record.closing import Closing
 from axiscal.record.line_form import EventText
 from axiscal.record.log import ChainedText, campaign_of
-from axiscal.record.store import Record
+from axiscal.record.opening import opened_log
 
 INDEX = ".fleet.sqlite"
 """Its name in the folder."""
@@ -34,8 +36,12 @@ CREATE TABLE findings (chain TEXT, question TEXT, answer TEXT, PRIMARY KEY (chai
 """
 
 
+Stamp = tuple[int, int]
+"""By which it is seen that a record has changed: of a file its size and time."""
+
+
 class IndexedRecord(NamedTuple):
-    """A record of the folder.
+    """A record of the folder or store.
 
     fault : why it cannot be read, "" if it can; the rest is then empty
     campaign : which one it is of; chain : the name of what it holds; last : number of its last event
@@ -60,7 +66,7 @@ class Kinds(NamedTuple):
 class FolderIndex(Closing):
     """The index of one folder, open; a context manager.
 
-    why_apart : why it is not kept beside the records, "" where it is
+    folder : where it is kept; why_apart : why it is not kept there, "" where it is
     """
 
     def __init__(self, folder: Path, database: sqlite3.Connection, why_apart: str) -> None:
@@ -74,6 +80,10 @@ class FolderIndex(Closing):
         """
         if not folder.is_dir():
             raise RecordError("This is no folder", "Name the folder that holds the records", folder)
+        return cls._kept_in(folder)
+
+    @classmethod
+    def _kept_in(cls, folder: Path) -> Self:
         try:
             return cls(folder, _opened(folder / INDEX), "")
         except (sqlite3.Error, OSError) as failure:
@@ -82,21 +92,29 @@ class FolderIndex(Closing):
     def refresh(self, told: Callable[[str], None] = lambda said: None) -> None:
         """Take in what is new in the folder.  told : called with the name of each record that is read"""
         before = {row[0]: row[1:] for row in self._rows("SELECT file, size, changed, fault FROM records")}
-        files = {_name(file): file for file in sorted(self.folder.glob("*.axiscal"))}
-        for gone in before.keys() - files.keys():
+        there = self._there()
+        for gone in before.keys() - {_name(path) for path, _ in there}:
             with self._writing() as database:
                 database.execute("DELETE FROM events WHERE file = ?", (gone,))
                 database.execute("DELETE FROM records WHERE file = ?", (gone,))
-        for name, file in files.items():
-            stamp = _stamp(file)
-            if before.get(name) != (*stamp, ""):  # what could not be read is tried again
-                told(file.name)
-                self._take_in(file, stamp)
+        for path, stamp in there:
+            if before.get(_name(path)) != (*stamp, ""):  # what could not be read is tried again
+                told(path.name)
+                self._take_in(path, stamp)
 
-    def _take_in(self, file: Path, stamp: tuple[int, int]) -> None:
+    def _there(self) -> list[tuple[Path, Stamp]]:
+        """Return the records there are, and of each by what it is seen that it has changed."""
+        return [(file, _stamp(file)) for file in sorted(self.folder.glob("*.axiscal"))]
+
+    def _path(self, name: str) -> Path:
+        return self.folder / name
+
+    def _take_in(self, file: Path, stamp: Stamp) -> None:
         try:
-            with Record.open(file, write=False) as record:
+            with opened_log(file, write=False) as record:
                 texts = record.texts()
+        except UnreachableError:
+            raise
         except (RecordError, OSError) as fault:
             why = fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)
             with self._writing() as database:
@@ -124,7 +142,7 @@ class FolderIndex(Closing):
     def records(self) -> list[IndexedRecord]:
         """Return the records of the folder, by their names."""
         rows = self._rows("SELECT file, fault, campaign, chain, last FROM records ORDER BY file")
-        return [IndexedRecord(self.folder / os.fsdecode(row[0]), *row[1:]) for row in rows]
+        return [IndexedRecord(self._path(os.fsdecode(row[0])), *row[1:]) for row in rows]
 
     def chain_at(self, record: IndexedRecord, number: int) -> str:
         """Return the chain behind an event of a record, "" if it has no such event."""
@@ -187,9 +205,9 @@ class FolderIndex(Closing):
         self._database.close()
 
 
-def _name(file: Path) -> bytes:
-    """Return the name of a file as the disk has it, which need not be text."""
-    return os.fsencode(file.name)
+def _name(path: Path) -> bytes:
+    """Return the name of a record as the disk has it, which need not be text."""
+    return os.fsencode(path.name)
 
 
 def _fields(text: ChainedText) -> Iterable[str]:
@@ -197,7 +215,7 @@ def _fields(text: ChainedText) -> Iterable[str]:
     return row.at, row.kind, row.payload, text.chain
 
 
-def _stamp(file: Path) -> tuple[int, int]:
+def _stamp(file: Path) -> Stamp:
     with contextlib.suppress(OSError):
         found = os.stat(file)
         return found.st_size, found.st_mtime_ns

@@ -121,6 +121,18 @@ def campaign_of(first: ChainedText) -> str:
     return str(uuid5(_CAMPAIGNS, f"{first.row.at} {first.chain}"))
 
 
+def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
+    """Return how many events two logs begin with alike: what is chained is alike up to one place, and never after.
+
+    one, other : the chain behind each of their events
+    """
+    low, high = 0, min(len(one), len(other))
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if one[middle - 1] == other[middle - 1] else (low, middle - 1)
+    return low
+
+
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
     at = _now()

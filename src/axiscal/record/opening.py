@@ -31,7 +31,7 @@ def created_log(path: str | Path, created: Created) -> EventLog:
     from axiscal.record.postgres.server_log import ServerLog
 
     name = _name(path)
-    return ServerLog.create(_database(), name, created)
+    return ServerLog.create(store_database(), name, created)
 
 
 def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
@@ -41,10 +41,11 @@ def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
     from axiscal.record.postgres.server_log import ServerLog
 
     name = _name(path)
-    return ServerLog.open(_database(), name, write=write)
+    return ServerLog.open(store_database(), name, write=write)
 
 
-def _database() -> Database:
+def store_database() -> Database:
+    """Return the server that AXISCAL_STORE names, open; raises RecordError."""
     from axiscal.record.postgres.address import store_address
     from axiscal.record.postgres.database import opened_database
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import Any, Literal
 
 from axiscal.document import shown
-from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.record.postgres.address import StoreAddress
 
 _PATIENCE = 15.0
@@ -89,7 +89,7 @@ class Database:
     def _opened(self) -> Any:
         if self._connection is None:
             if self._within:
-                raise RecordError("The server went away in the middle", "Give the command again", self._named)
+                raise UnreachableError("The server went away in the middle", "Give the command again", self._named)
             self._connection = _connected(self.address)
         return self._connection
 
@@ -107,7 +107,7 @@ class Database:
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
             if not state or state.startswith(_GONE):
                 self.close()
-                raise RecordError(
+                raise UnreachableError(
                     f"The store does not answer: {_words(failure)}",
                     "Look whether server and network are there, then give the command again; what was kept is kept",
                     self._named,

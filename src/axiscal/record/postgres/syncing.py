@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 from uuid import UUID, uuid5
 
-from axiscal.record.log import ChainedText, EventLog, campaign_of
+from axiscal.record.log import ChainedText, EventLog, campaign_of, shared_events
 from axiscal.record.postgres.database import Database
 from axiscal.record.postgres.schema import refuse_newer
 from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entry_of, insert
@@ -58,7 +58,7 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
 def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tuple[Synced, Sequence[ChainedText]]:
     """Return what was done in the store, and what the laptop lacks."""
     stored = ServerLog(database, entry).texts()
-    shared = _shared(stored, texts)
+    shared = shared_events([text.chain for text in stored], [text.chain for text in texts])
     fork = entry.branch_of is not None
     at = entry.branch_at or 0
     if shared == len(stored):
@@ -76,12 +76,3 @@ def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tup
     enter(database, branch)
     insert(database, branch.id, shared, texts[shared:])
     return Synced("fork", branch, sent=len(texts) - shared, shared=shared), ()
-
-
-def _shared(one: Sequence[ChainedText], other: Sequence[ChainedText]) -> int:
-    """Return how many events two logs begin with alike: what is chained is alike up to one place, and never after."""
-    low, high = 0, min(len(one), len(other))
-    while low < high:
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if one[middle - 1].chain == other[middle - 1].chain else (low, middle - 1)
-    return low
