@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from datetime import UTC, date, datetime
 from pathlib import Path
 
@@ -11,10 +12,11 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.exceptions import AmbiguityError, RecordError
+from axiscal.exceptions import AmbiguityError, RecordError, TableError
 from axiscal.fleet.aging import Aging, Pair, aging
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import due_dates, rms_left
@@ -24,6 +26,22 @@ from axiscal.numerics import Array
 from tests.generators.sisters import read_on, slide, write_record
 
 DAY = date(2030, 1, 1)
+TWO_ERRORS = """name = "Slide"
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[errors]
+EXX = { std = "20 um", knots = 7, length = "150 mm" }
+EYX = { std = "20 um", knots = 7, length = "150 mm" }
+"""
+SQUARE_SETUP = """[[setups]]
+name = "square"
+instrument = "indicator"
+direction = "y"
+moves = ["X"]
+approach = "both"
+noise = "0.5 um"
+"""
 
 
 def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inherited, DataEquation]:
@@ -148,3 +166,47 @@ def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixtur
 def test_a_calendar_without_dates_is_empty() -> None:
     assert calendar([], datetime(2030, 1, 1, tzinfo=UTC)).splitlines()[0] == "BEGIN:VCALENDAR"
     assert "VEVENT" not in calendar([], datetime(2030, 1, 1, tzinfo=UTC))
+
+
+def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
+    files = [folder / "b.axiscal"]
+    whole = due_dates(files, DAY, target=15e-6).machines[0].now
+    table = due_dates(files, DAY, target=15e-6, tables="linuxcnc").machines[0].now
+    np.testing.assert_allclose(table, whole, rtol=0.05)  # over other poses, a table with its own points
+    with pytest.raises(TableError):
+        due_dates(files, DAY, target=15e-6, tables="klipper")
+    assert run(["due", str(folder), "--target", "15 um", "--tables", "nobody"]) == 1
+    assert "not a controller" in capsys.readouterr().err
+
+
+def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows() -> None:
+    """A table of one axis holds no straightness; the mean that is left is compared in a sampled machine."""
+    text = slide().text.replace("[[setups]]", SQUARE_SETUP + "[[setups]]", 1)
+    described = campaign_from_texts(text, "campaign.toml", TWO_ERRORS, "machine.toml")
+    known = concluded(Case(described), [*read_on(1), *(replace(r, setup="square") for r in read_on(2))])
+    kept, rng, size = 0.905 * 0.995, np.random.default_rng(9), known.case.errors.size
+    mean, factor = known.whole.mean[:size], known.whole.factor[:size]
+    estimate = known.estimate()
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
+    straight = [term.columns for term in known.case.errors.terms if term.name == "EYX"]
+    held = np.ones(size, dtype=bool)
+    for columns in straight:
+        held[columns] = False
+    rows = estimate.model.rows(poses, sides)
+    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
+    left = kept * then + np.sqrt(1 - kept**2) * known.case.errors.prior_root() @ rng.standard_normal((size, 4000))
+    tips = np.einsum("mcn,nk->mck", rows, left - (mean * held)[:, None])
+    tips -= tips.mean(axis=0)
+    true = float(np.sqrt(np.mean(np.sum(tips**2, axis=1))))
+    np.testing.assert_allclose(rms_left(known, _certain(0.905), (), "linuxcnc")(1.0), true, rtol=0.05)
+    assert rms_left(known, _certain(0.905))(1.0) < 0.9 * true
+
+
+def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
+    text = slide(serial="U").text.replace('rms = "2 um"', 'U = "30 um"')
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="U").machine.text, "machine.toml")
+    file = write_record(folder / "u.axiscal", described, read_on(3))
+    (machine,) = due_dates([file], DAY).machines
+    assert 30e-6 / 2.2 < machine.target < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it

@@ -27,6 +27,10 @@ def due(
     calendar_file: Annotated[
         Path | None, typer.Option("--calendar", metavar="FILE.ics", help="Write the days as a calendar.")
     ] = None,
+    tables: Annotated[
+        str | None,
+        typer.Option(metavar="CONTROLLER", help="Whose tables are loaded; default: all that was found is taken away."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Say when each machine is due: how far off it is by now with the tables of its last campaign, and until when.
@@ -38,16 +42,16 @@ def due(
     Examples:
       axiscal due records
       axiscal due records --target "4 um" --calendar due.ics
-      axiscal due store:
+      axiscal due store: --tables sinumerik
     """
     wanted = None if target is None else positive_length(target)
-    found = due_dates(records_of(folder), _day(today), wanted, tell)
+    found = due_dates(records_of(folder), _day(today), wanted, tell, tables)
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
     if json:
         say_document(_document(found))
         return
-    for line in _lines(found):
+    for line in _lines(found, tables):
         say(line)
     if calendar_file is not None:
         say(f"Written: {calendar_file}")
@@ -62,7 +66,7 @@ def _day(text: str | None) -> date:
         raise typer.BadParameter(f'"{text}" is no day such as 2026-03-01', param_hint="--today") from None
 
 
-def _lines(found: Shop) -> list[str]:
+def _lines(found: Shop, tables: str | None) -> list[str]:
     name = max(len(machine.name) for machine in found.machines)
     lines = [f"{'machine':{name}}  {'last':10}  {'RMS now':>9}  {'target':>9}  due"]
     lines += [_line(machine, name) for machine in found.machines]
@@ -72,6 +76,7 @@ def _lines(found: Shop) -> list[str]:
     lines.append(
         f"Kept at once {once:.2f} ± {once_std:.2f}, and in a year {year:.2f} ± {year_std:.2f} of it: {source}."
     )
+    lines.append("Tables: all that was found is taken away." if tables is None else f"Tables: those of {tables}.")
     return lines + [f"Left out: {each.file}: {each.left_out}." for each in found.left_out]
 
 

@@ -4,7 +4,8 @@ With the tables of the last mean m in the control, what is left after Δt has th
 
     r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
 
-For errors of an axis that was renewed since, ρ = 0.
+For errors of an axis that was renewed since, ρ = 0. Where the tables of a control are named, what they cannot hold is
+left besides (`tables_left`).
 """
 
 from __future__ import annotations
@@ -21,9 +22,11 @@ from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import SisterRecord
-from axiscal.exceptions import AxiscalError, RecordError, TargetError
+from axiscal.estimation.uncertain import as_standard
+from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.fleet.aging import YEAR, Aging, Pair, aging
 from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
+from axiscal.fleet.tables_left import products_left
 from axiscal.numerics.threads import one_thread
 
 _HORIZON = 20.0
@@ -68,12 +71,18 @@ class Shop:
 
 @one_thread()
 def due_dates(
-    files: Iterable[Path], today: date, target: float | None = None, told: Callable[[str], None] = lambda said: None
+    files: Iterable[Path],
+    today: date,
+    target: float | None = None,
+    told: Callable[[str], None] = lambda said: None,
+    tables: str | None = None,
 ) -> Shop:
     """Return when the machines of records are due.
 
     target : RMS, m, instead of that of each campaign; told : called with what is being done
-    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS.
+    tables : of which control they have; None where all that was found is taken away
+    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U, or no
+    tables can be made.
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
@@ -91,11 +100,11 @@ def due_dates(
         raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
     histories = _histories([record for record in records if record.digest in known])
     learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
-    machines, faults = list[DueMachine](), list[TargetError]()
+    machines, faults = list[DueMachine](), list[InputError]()
     for last in (history[-1] for history in histories):
         try:
-            machines.append(_due(last, known[last.digest], learnt, today, target))
-        except TargetError as fault:
+            machines.append(_due(last, known[last.digest], learnt, today, target, tables))
+        except (TargetError, TableError) as fault:
             faults.append(fault)
             left.append(replace(_left(last, fault), left_out=f"{fault.what}; {fault.remedy}"))
     if not machines:
@@ -158,14 +167,18 @@ def moment(text: str) -> datetime:
     return at if at.tzinfo else at.replace(tzinfo=UTC)
 
 
-def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, target: float | None) -> DueMachine:
-    wanted = target if target is not None else record.description.target.rms
+def _due(
+    record: MachineRecord, known: Estimation, learnt: Aging, today: date, target: float | None, tables: str | None
+) -> DueMachine:
+    wanted = target if target is not None else _own_target(known)
     if wanted is None:
         raise TargetError(
-            "the campaign asks for no RMS that could be kept", 'Say one for all machines: --target "4 um"', record.file
+            "the campaign asks for no RMS and no U that could be kept",
+            'Say one for all machines: --target "4 um"',
+            record.file,
         )
     last = moment(record.begun).date()
-    left = rms_left(known, learnt, record.renewed)
+    left = rms_left(known, learnt, record.renewed, tables)
     days = _first_day(lambda day: left(day * _DAY) > wanted)
     due = None if days is None else last + timedelta(days=days)
     name = record.description.machine.name + (f" {record.serial}" if record.serial else "")
@@ -173,6 +186,15 @@ def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, t
     return DueMachine(
         name, record.file, record.digest, last, known.seconds / 60.0, wanted, now, due, record.renewed
     )  # fmt: skip
+
+
+def _own_target(known: Estimation) -> float | None:
+    """Return the RMS that a campaign asks for, m: of a U by the factor between both that its readings came to."""
+    asked = known.case.description.target
+    found = [] if asked.rms is None else [asked.rms]
+    if asked.expanded is not None:
+        found.append(as_standard(known.case, known.knowledge, asked.expanded))
+    return min(found, default=None)
 
 
 def _first_day(passed: Callable[[int], bool]) -> int | None:
@@ -186,10 +208,13 @@ def _first_day(passed: Callable[[int], bool]) -> int | None:
     return high
 
 
-def rms_left(known: Estimation, learnt: Aging, renewed: Sequence[str] = ()) -> Callable[[float], float]:
+def rms_left(
+    known: Estimation, learnt: Aging, renewed: Sequence[str] = (), tables: str | None = None
+) -> Callable[[float], float]:
     """Return what is left after a time in years with the tables of this estimate, RMS over the volume, m.
 
-    renewed : axes of which nothing is kept
+    renewed : axes of which nothing is kept; tables : of which control, None where they take all away that was found
+    Raises TableError where none can be made for it.
     """
     errors, root = known.case.errors, known.case.yardstick.root
     fresh = np.zeros(errors.size, dtype=bool)
@@ -199,11 +224,16 @@ def rms_left(known: Estimation, learnt: Aging, renewed: Sequence[str] = ()) -> C
     stated, mean = errors.prior_root(), known.whole.mean[: errors.size]
     same, new = (root.value(stated * mask[:, None]) for mask in (~fresh, fresh))
     known_well = root.value(known.whole.factor[: errors.size] * ~fresh[:, None])
-    kept, gone = root.matrix @ (mean * ~fresh), root.matrix @ (mean * fresh)
+    if tables is None:
+        fields = np.array([root.matrix @ (mean * share) for share in (0.0, ~fresh, fresh)])
+        products = fields @ fields.T
+    else:
+        products = products_left(known, tables, fresh)
 
     def left(years: float) -> float:
         rho, square = learnt.kept(years)
-        moved = (1 - 2 * rho + square) * kept @ kept + 2 * (1 - rho) * kept @ gone + gone @ gone
+        once = np.array([1.0, rho - 1.0, -1.0])
+        moved = once @ products @ once + (square - rho**2) * products[1, 1]
         total = square * known_well + (1 - square) * same + new + moved
         return known.case.yardstick.rms_of(float(total))
 

@@ -1,0 +1,43 @@
+"""What the tables of a control leave of what a campaign found, for the years after it.
+
+A table holds what its control can hold. Over the volume, less one shift of everything, with ℓ what is left on the day
+of the campaign, k the mean of errors that age and f that of errors that were renewed, what is left later is
+ℓ - (1 - ρ) k - f; its mean square needs the six products of the three alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.compensation import registry
+from axiscal.compensation.effect import left_by
+from axiscal.compensation.export_options import ExportOptions
+from axiscal.compensation.offer import spread_poses
+from axiscal.compensation.on_top import informed
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruled
+from axiscal.numerics import Array
+
+
+def products_left(known: Estimation, controller: str, renewed: NDArray[np.bool_]) -> Array:
+    """Return the means over the volume of the products of ℓ, k and f, (3, 3), m².
+
+    renewed : (n,) bool, of the unknowns of the errors
+    Raises TableError where no tables can be made for this control.
+    """
+    options = informed(ExportOptions(), known.case.description, controller)
+    control = registry.export(ruled(known).estimate(), controller, options).control
+    estimate = known.estimate()
+    poses, approaches = spread_poses(estimate)
+    rows = estimate.model.rows(poses, approaches)
+    fields = np.array(
+        [
+            left_by(estimate.machine, estimate.deviation, control, poses, approaches),
+            rows @ (estimate.mean * ~renewed),
+            rows @ (estimate.mean * renewed),
+        ]
+    )
+    centred = fields - fields.mean(axis=1, keepdims=True)
+    products: Array = np.einsum("apc,bpc->ab", centred, centred) / len(poses)
+    return products
