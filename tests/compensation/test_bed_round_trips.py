@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
+from axiscal.compensation.controllers.klipper import plain_profile, write_mesh
+from axiscal.compensation.surface import Mesh
 from axiscal.numerics import Array
 
 AXES = {"X": 300.0, "Y": 240.0, "Z": 100.0}
@@ -248,3 +250,16 @@ def test_tables_say_that_they_leave_what_two_axes_do_together(tmp_path: Path) ->
     alone = whole - whole.mean(axis=0)[None] - whole.mean(axis=1)[:, None] + whole.mean()
     assert float(found[1]) == pytest.approx(1e3 * np.std(alone), rel=0.5)
     assert "two axes do together" not in mesh
+
+
+def test_a_saved_profile_reads_the_same_in_a_file_that_is_included() -> None:
+    """The block that Klipper keeps is made of comments; an included file has the lines themselves."""
+    saved = write_mesh(Mesh(X / 1e3, Y / 1e3, bed(X, Y) / 1e3), "axiscal")
+    plain = plain_profile(saved)
+    assert "#*#" not in plain
+    parser = configparser.RawConfigParser()
+    parser.read_string(plain)
+    own = configparser.RawConfigParser()
+    own.read_string("\n".join(line[4:] for line in saved.partition("#*#\n")[2].splitlines()))
+    assert dict(parser["bed_mesh axiscal"]) == dict(own["bed_mesh axiscal"])
+    assert parser["bed_mesh axiscal"]["x_count"] == "7"

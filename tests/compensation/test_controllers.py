@@ -345,7 +345,8 @@ def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:
         (None, "Give it: --template FILE"),
         ("N10000P0;", "does not begin and end with %"),
         (FANUC.replace("N3624Q1A1P10000", "N3624Q1A4P10000"), "no parameters 3624 for X"),
-        (FANUC.replace("N10015Q1P0;\n", ""), "there is no row N10015"),
+        (FANUC.replace("N10015Q1P0;\n", ""), r"there is no row N10015(?! and)"),
+        (FANUC.replace("N10015Q1P0;\nN10016Q1P0;\n", ""), "there is no row N10015 and 1 more"),
         (FANUC.replace("N10015Q1P0;", "N10015 drop table"), "line 22: 'N10015 drop table' is not a record"),
         (FANUC.replace("N3622Q1A1P80", "N3622Q1A1P40"), "3621 = 11 and 3622 = 70 would cover it"),
         (FANUC.replace("A1P20", "A1P200"), "The reference point lies between"),
@@ -364,6 +365,7 @@ def test_a_fanuc_template_that_is_not_one_is_refused(text: str | None, message: 
         (COM.replace("AXISPOS", "POS"), "line 2: the column heads are"),
         (COM.replace("1          0.0000", "1          zero"), "line 4: .* does not fit the column heads"),
         (COM.replace("0.0000", "0.0"), "the values have 1 decimals"),
+        (COM.replace("0.0000", "0.00"), "the values have 2 decimals"),
         (NARROW, "too narrow for .* Widen them up to BACKLASH"),
     ],
 )
@@ -479,3 +481,9 @@ def test_the_note_asks_which_way_rotary_axes_count_until_it_is_said() -> None:
 def test_a_kinematics_without_all_its_settings_is_refused() -> None:
     with pytest.raises(TableError, match="not whole"):
         pivots.read("setp xyzac-trt-kins.x-rot-point 1.0\n", "mm")
+
+
+def test_the_note_on_kinematics_is_for_machines_with_rotary_axes() -> None:
+    turning, straight = (export(known(name)[0], "linuxcnc", ExportOptions()).readme for name in ("dmu60", "small"))
+    assert "xyzac-trt-kins" in turning
+    assert "xyzac-trt-kins" not in straight

@@ -171,6 +171,41 @@ def test_a_heidenhain_table_stays_in_the_sum() -> None:
     assert -np.interp(PROBES, at, own + back) == pytest.approx(wanted(-1), abs=6e-4)
 
 
+def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -> None:
+    """Its points are others than those of the new columns, and a file has one column of points."""
+    only_x = machine_text(
+        "w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M"
+    )
+    model = ErrorModel(machine_from_text(only_x))
+    estimate = Estimate(
+        model, Belief(np.arange(model.size) ** 2 * 1e-6, 1e-20 * np.eye(model.size)), whole_travel(model)
+    )
+    at = np.linspace(0, 300, 8)
+    y = 0.02 * np.sin(at / 90)
+    head = "BEGIN X_AXIS .COM MM\nNR      AXISPOS     BACKLASH            X            Y\n"
+    rows = "".join(
+        f"{i:<4}{p:>11.4f}{0:>13.4f}{0:>13.4f}{v:>13.4f}\n" for i, (p, v) in enumerate(zip(at, y, strict=True))
+    )
+    text = f"{head}{rows}[END]\n"
+    made = export(estimate, "heidenhain", ExportOptions(template=text, old_files=(OldFile("X_AXIS.COM", text),)))
+    table = np.array([[float(word) for word in line.split()] for line in made.files["X_AXIS.COM"].splitlines()[2:-1]])
+    assert len(table) != len(at)
+    assert np.interp(PROBES, table[:, 1], table[:, 4]) == pytest.approx(np.interp(PROBES, at, y), abs=2e-4)
+    departures = {one.axis: one.departure for one in made.tables}
+    lost = np.max(np.abs(np.interp(at, table[:, 1], np.interp(table[:, 1], at, y)) - y)) * 1e-3
+    assert departures["Y"] == pytest.approx(lost, abs=1e-7)
+
+
+def test_old_points_that_do_not_fit_the_new_ones_leave_even_points_for_a_sinumerik() -> None:
+    old = siemens(-OLD_UP[:11]).replace("STEP[0,AX1]=25.0", "STEP[0,AX1]=30.0")
+    made = exported("sinumerik", OldFile("AX_EEC.INI", old)).files["AX_EEC.INI"]
+    values = {int(i): float(v) for i, v in re.findall(r"ENC_COMP\[0,(\d+),AX1\]=(\S+)", made)}
+    step = float(re.findall(r"STEP\[0,AX1\]=(\S+)", made)[0])
+    added = -np.interp(PROBES, step * np.arange(len(values)), [values[i] for i in sorted(values)])
+    sum_of_both = np.interp(PROBES, 30.0 * np.arange(11), OLD_UP[:11]) - left("EXX", PROBES)
+    assert added == pytest.approx(sum_of_both, abs=2e-3)
+
+
 GRID = np.linspace(0, 300, 7), np.linspace(0, 200, 5)
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from axiscal.belief import Belief
-from axiscal.compensation.controllers import marlin
+from axiscal.compensation.controllers import marlin, plain_csv
 from axiscal.compensation.controllers.isg import leadscrew
 from axiscal.compensation.controllers.linuxcnc import cross
 from axiscal.compensation.controllers.sinumerik import writing
@@ -21,7 +22,7 @@ from axiscal.compensation.table import CompensationTable
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import DescriptionError, TableError
 from axiscal.machine.description import Machine, machine_from_text
 from tests.generators.texts import machine_text
 
@@ -61,6 +62,96 @@ def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, wh
 def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
     found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
     assert {table.axis for table in found.lookups} == {"X"}
+
+
+CEC = (
+    "%_N_NC_CEC_INI\nCHANDATA(1)\n$AN_CEC[0,0]=0.01\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n"
+    "$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=100.0\n"
+    "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]={}\nM17\n"
+)
+CURVE = "setp y-x.x-val-0 {}\nsetp y-x.x-val-1 100\nsetp y-x.y-val-0 0\n{}"
+
+
+def test_a_table_that_another_one_multiplies_is_refused() -> None:
+    old = OldFile("NC_CEC.INI", CEC.format(0))
+    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).lookups] == [
+        ("Y", "X")
+    ]
+    with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
+        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("NC_CEC.INI", CEC.format(1)),)))
+
+
+@pytest.mark.parametrize("text", [CURVE.format(100, "setp y-x.y-val-1 1\n"), CURVE.format(0, "")])
+def test_a_curve_that_does_not_go_on_or_is_cut_is_refused(text: str) -> None:
+    with pytest.raises(TableError, match="the curve of Y over X is not whole"):
+        loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile("c.hal", text),)))
+
+
+def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No file is known that leads there; whoever finds one is not shown a traceback."""
+
+    def missing(*_: object) -> None:
+        raise KeyError("interval")
+
+    monkeypatch.setattr(plain_csv, "load", missing)
+    with pytest.raises(TableError, match=r"a number that csv needs is missing, or is none \('interval'\)"):
+        loaded("csv", THREE, ExportOptions(old_files=(OldFile("X.csv", ""),)))
+
+
+def test_the_file_of_another_machine_is_refused() -> None:
+    files = export(read_of(THREE), "linuxcnc-volumetric", ExportOptions()).files
+    old = OldFile("axiscal.vcomp", files["axiscal.vcomp"])
+    with pytest.raises(TableError, match="the file has axes X Y Z"):
+        loaded("linuxcnc-volumetric", LATHE, ExportOptions(old_files=(old,)))
+    with pytest.raises(TableError, match="the whole correction cannot go on top of another one"):
+        export(read_of(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
+
+
+def test_an_axis_with_a_number_is_none_of_linuxcncs() -> None:
+    axes = {"X2": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+    machine = machine_from_text(machine_text("w-b-X2-Y-Z-t", axes, {"EYY": ("10 um", 7, 150)}, name="M"))
+    with pytest.raises(TableError, match="LinuxCNC has no axis X2"):
+        export(read_of(machine), "linuxcnc-volumetric", ExportOptions())
+
+
+@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
+def test_an_axis_that_the_isg_kernel_does_not_know_is_refused(controller: str) -> None:
+    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "U": (0, 50)}
+    machine = machine_from_text(machine_text("w-b-X-Y-Z-U-t", axes, {"EXU": ("10 um", 7, 150)}, name="M"))
+    with pytest.raises(TableError, match="EXU is not an error that the ISG kernel knows"):
+        export(read_of(machine), controller, ExportOptions())
+
+
+@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
+def test_nothing_to_hold_is_said(controller: str) -> None:
+    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+    machine = machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EZXY": ("10 um", 7, 150)}, name="M"))
+    nothing = replace(
+        read_of(machine), belief=Belief(np.zeros(ErrorModel(machine).size), 1e-20 * np.eye(ErrorModel(machine).size))
+    )
+    with pytest.raises(TableError, match="there is no deviation that these files could hold"):
+        export(nothing, controller, ExportOptions())
+
+
+def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
+    with pytest.raises(DescriptionError, match='there is no axis "Q"'):
+        export(read_of(THREE), "csv", ExportOptions(spacing={"Q": 0.01}))
+    made = export(read_of(THREE), "csv", ExportOptions(spacing={"X": 0.1}))
+    assert made.tables[0].positions == pytest.approx([0, 0.1, 0.2, 0.3])
+
+
+def test_more_tables_than_a_sinumerik_has() -> None:
+    one = table("X", "Y", [0.0, 0.1])
+    assert len(writing.blocks_of([], [one] * writing.TABLES)) == writing.TABLES
+    with pytest.raises(TableError, match=f"{writing.TABLES + 1} CEC tables are needed, {writing.TABLES} fit"):
+        writing.blocks_of([], [one] * (writing.TABLES + 1))
+
+
+def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "a.comp").write_text("0 0 0\n100 100.01 100.01\n")
+    (old,) = read_old(["Y=a.comp"], tmp_path)
+    assert old.axis == "Y"
+    assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
 
 
 def test_a_table_is_of_the_axis_that_is_said() -> None:

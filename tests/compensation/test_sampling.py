@@ -16,7 +16,7 @@ from axiscal.belief import Belief
 from axiscal.compensation.conditional import mean_along
 from axiscal.compensation.effect import Effect, effect_of_control, table_control
 from axiscal.compensation.hats import Hats
-from axiscal.compensation.sampling import axis_tables, cross_tables, own_table
+from axiscal.compensation.sampling import axis_tables, cross_tables, own_table, points
 from axiscal.compensation.table import CompensationTable
 from axiscal.compensation.uneven import closest
 from axiscal.error_model.model import ErrorModel
@@ -260,3 +260,16 @@ def test_no_even_table_is_left_for_a_worse_one() -> None:
     at = np.linspace(0.0, 1.0, 101)
     even = np.linspace(0.0, 1.0, 5)
     assert closest(np.stack([at, 2 * at]), at, np.array([0.3]), even) is even
+
+
+def test_points_of_an_axis_that_turns_for_ever_divide_the_turn_evenly_in_what_is_written() -> None:
+    """The last point is the first one a turn later; the step is a multiple of the grid, so that nothing is rounded."""
+    model = ErrorModel(load_machine("dmu60"))
+    (turning,) = (index for index, axis in enumerate(model.machine.axes) if axis.cyclic)
+    grid = np.radians(1e-4)
+    at = points(model, turning, None, 100, grid)
+    assert (at[0], at[-1]) == pytest.approx(model.machine.axes[turning].travel)
+    assert 20 < len(at) <= 100
+    assert np.ptp(np.diff(at)) < 1e-12
+    steps = np.diff(at) / grid
+    assert steps == pytest.approx(np.round(steps), abs=1e-6)

@@ -93,6 +93,10 @@ def test_our_reader_refuses_the_same() -> None:
 BROKEN = {
     "this is another form": ("axiscal-vcomp 1", "axiscal-vcomp 2"),
     "units": ("units mm", "units cm"),
+    "two words": ("campaign 0123456789abcdef", "campaign 01 23"),
+    "two axes": ("axes 5", "axes 2"),
+    "ten axes": ("axes 5", "axes 10"),
+    "two linear axes": ("axis X x rotary 0", "axis X x rotary 1"),
     "a limit of nothing": ("limits 0.", "limits -0."),
     "not finite": ("tool 0 0 -", "tool 0 nan -"),
     "infinite": ("tool 0 0 -", "tool 0 1e999 -"),

@@ -18,7 +18,10 @@ import pytest
 if TYPE_CHECKING:
     from coverage import Coverage
 
-_QUIET = ("-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+_QUIET = (
+    *("-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"),
+    *("-m", "not linuxcnc and not chromium"),
+)
 
 
 @dataclass(frozen=True, slots=True)

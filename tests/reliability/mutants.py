@@ -35,7 +35,7 @@ from tests.reliability.covering import Covered
 
 ROOMS = ("numerics", "estimation", "compensation")
 PACKAGE = HOUSE / "src" / "axiscal"
-_APART = ("linuxcnc", "docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reliability", "certify")
+_APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reliability", "certify")
 _LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
 """What tests and package need of others, loaded once for all forks; nothing of the package itself."""
 _ARITHMETIC = ("Add", "Sub", "Mul", "Div", "Pow", "FloorDiv", "Mod")
@@ -161,7 +161,7 @@ def _status(work: Callable[[], int], sources: Path, seconds: float) -> int:
 def files_of_tests(path: Path) -> tuple[str, ...]:
     """Return the files of tests for a changed module: those of its room, and those that name it.
 
-    What starts other programs or makes pages is left out: tests of LinuxCNC, of whole commands and of docs.
+    Tests of whole commands, pages and docs are left out, and `covering` leaves out what starts a LinuxCNC or a browser.
     """
     module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     room, _, word = module.rpartition(".")

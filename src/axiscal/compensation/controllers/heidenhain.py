@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def make(estimate: Estimate, options: ExportOptions) -> Draft:
     own = axis_tables(estimate, options.spacing, POINTS)
     over = tuple(table.averaged() for table in cross_tables(estimate, options.spacing, POINTS))
     whole = options.old.under_tables((*own, *over), machine, 0, even=True)
-    tables = [t for t in whole if t.axis in layout.heads]
+    tables = _on_common_points([t for t in whole if t.axis in layout.heads])
     sign = -1.0 if options.flip else 1.0
     files = {f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)}
     held = lookup_control(machine, [one for text in files.values() for one in read(text, machine, sign)])
@@ -146,11 +146,26 @@ def read(text: str, machine: Machine, sign: float, axis_name: str = "") -> list[
     return lookups
 
 
+def _on_common_points(tables: Sequence[CompensationTable]) -> list[CompensationTable]:
+    """Return tables on the points of the first over the same axis; an old column alone has others."""
+    common = dict[str, Array]()
+    return [_sampled(table, common.setdefault(table.over, table.positions)) for table in tables]
+
+
+def _sampled(table: CompensationTable, at: Array) -> CompensationTable:
+    if np.array_equal(at, table.positions):
+        return table
+    forward, reverse = (table.deviation(at, side) for side in (1, -1))
+    sides = ((forward, table.forward), (reverse, table.reverse))
+    away = max(float(np.max(np.abs(np.interp(table.positions, at, new) - old))) for new, old in sides)
+    std, silent = (np.interp(at, table.positions, values) for values in (table.std, table.prior_only.astype(float)))
+    held = replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent == 1)
+    return replace(held, departure=table.departure + away)
+
+
 def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: float) -> str:
     mine = [table for table in tables if table.over == axis]
     columns = {"AXISPOS": np.asarray(to_unit(mine[0].positions, mine[0].unit))}
-    if any(not np.array_equal(table.positions, mine[0].positions) for table in mine):
-        raise TableError(f"the tables over {axis} have different points", "leave the spacing to axiscal")
     for table in mine:
         unit = "deg" if table.rotary else "mm"
         columns[table.axis] = sign * np.asarray(to_unit(table.forward, unit))
