@@ -52,7 +52,7 @@ class WaysSaid:
         for what, poses in reader.follow(text):
             for pose in poses:
                 assert in_travel(self._machine, pose, slack), (what, pose)
-                self._keeps_out(pose)
+                self.keeps_out(pose)
             if what.startswith("READING"):
                 self._reads(int(re.findall(r"\d+", what)[0]), poses[0], planned)
                 legs.append([])
@@ -105,7 +105,8 @@ class WaysSaid:
             up = float(np.clip((ball - at) @ along, 0.0, self._machine.tool))
             assert np.linalg.norm(at + up * along - ball) >= _BESIDE, (name, pose)
 
-    def _keeps_out(self, pose: Array) -> None:
+    def keeps_out(self, pose: Array) -> None:
+        """Assert that the tool, a cylinder from its tip to the spindle, is in no box."""
         boxes = [_sides(box) for box in self._artefact.get("keep_out", [])]
         if not boxes:
             return

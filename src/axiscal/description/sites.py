@@ -367,8 +367,7 @@ class SiteReader:
                     raise DescriptionError(what, f"Give a smaller step, or leave {axis.name} out of moves")
 
     def _room(self, artefact: Artefact | None) -> Room:
-        boxes = () if artefact is None else artefact.keep_out
-        return Room(self._machine, np.array(boxes, dtype=np.float64).reshape(-1, 3, 2))
+        return Room.with_boxes(self._machine, () if artefact is None else artefact.keep_out)
 
 
 def lacking(machine: Machine, pose: Array) -> str:

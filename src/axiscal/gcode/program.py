@@ -15,6 +15,7 @@ from axiscal.gcode.dialect import Dialect
 from axiscal.gcode.gliding import GENTLE, Driver, SlideDriver, TipDriver
 from axiscal.gcode.groups import Group, groups
 from axiscal.gcode.in_touch import InTouch
+from axiscal.gcode.kept_out import KeptOut, refuse_kept_out
 from axiscal.gcode.listing import Listed, listing
 from axiscal.gcode.plain_words import plain, program_name
 from axiscal.gcode.scale import AxisScale
@@ -41,6 +42,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.room import Room
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.setup import Setup
@@ -125,7 +127,10 @@ class _Writer:
         self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
 
     def draft(self, places: Sequence[tuple[int, Place]]) -> _Draft:
-        run = tuple(self._steps(places))
+        run, artefact = tuple(self._steps(places)), self._setup.artefact
+        if artefact is not None and artefact.keep_out:
+            kept = KeptOut(Room.with_boxes(self._machine, artefact.keep_out))
+            refuse_kept_out(kept, self._setup, self._scales, run)
         return _Draft(places, run, tuple(self._listed(run, places)))
 
     def program(self, number: int, draft: _Draft, code: str) -> Program:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
 from axiscal.exceptions import ProgramError
+from axiscal.gcode.kept_out import KeptOut
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
@@ -17,6 +19,8 @@ from axiscal.numerics import Array
 
 _BACK = (0.05, 0.02, 0.01, 0.005)
 """m, how far the tool is drawn back before and after: as far as the travels allow."""
+_OUT = (0.1, 0.2, 0.3)
+"""m, how far where something is to be kept out, and none of those leads clear of it."""
 _SAG = 0.01
 """Share of its stroke by which a bar may be shorter in the middle of a chord."""
 _TURN = math.radians(3.0)
@@ -40,7 +44,8 @@ class Ways:
     ) -> None:
         self._machine, self._setup, self.chart, self._from_zero = machine, setup, chart, from_zero
         self._clear = clear
-        self._room = Room.empty(machine)
+        self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
+        self._kept = KeptOut(self._room)
         self._ends = [chart.bounds(number) for number in range(chart.size)]
 
     def begun(self, places: Array, sides: Array) -> Array:
@@ -72,13 +77,23 @@ class Ways:
     def entrance(self, place: Array) -> Entrance:
         """Return how a place u is come to from where nothing is in touch.  Raises ProgramError where it cannot be."""
         pose = self.chart.poses(place[None])[0]
-        for far in _BACK:
+        boxes = len(self._room.keep_out) > 0
+        for far in (*_BACK, *(_OUT if boxes else ())):
             drawn = drawn_back(self._machine, pose[None], far)[0]
             way = self._from_zeros(drawn) if self._from_zero else drawn[None]
-            if self._room.in_travel(way).all():
+            if self._room.in_travel(way).all() and (not boxes or self._leads_out(way, pose)):
                 return way, drawn, pose
-        what = f'"{self._setup.name}": the tool cannot be drawn back within the travels where its way begins or ends'
-        raise ProgramError(what, "Read nearer to the middle of the travels, or move the artefact")
+        beside = ", beside what is to be kept out," if boxes else ""
+        what = f'"{self._setup.name}": the tool cannot be drawn back{beside} within the travels where its way begins or'
+        raise ProgramError(f"{what} ends", "Read nearer to the middle of the travels, or move the artefact")
+
+    def _leads_out(self, way: Array, pose: Array) -> bool:
+        """Return whether nothing is in the way from where it is clear to a pose in touch.  way : (p, q), as the gate"""
+        clear = way[0].copy()
+        if self._clear is not None:
+            clear[self._clear[0]] = self._clear[1]
+        pairs = all(self._kept.free_held(start, stop) for start, stop in pairwise([*way, pose]))
+        return pairs and self._kept.free(clear, way[0])
 
     def _from_zeros(self, drawn: Array) -> Array:
         """Return poses from rotary axes at zero to a pose, turning where it is clear, (p, q)."""

@@ -62,7 +62,7 @@ class Held:
         if found.any():
             found[found] = within_cone(frames(self.room.machine, poses[found]).stem, self.free, self.cone)
         if self.back > 0 and found.any():
-            found[found] = self.room.in_travel(drawn_back(self.room.machine, poses[found], self.back))
+            found[found] = self.room.holds(drawn_back(self.room.machine, poses[found], self.back))
         return found
 
     def between(self, start: Array, stop: Array) -> Array | None:

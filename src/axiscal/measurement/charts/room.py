@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +31,12 @@ class Room:
     @classmethod
     def empty(cls, machine: Machine) -> Room:
         """Return a room in which nothing stands."""
-        return cls(machine, np.zeros((0, 3, 2)))
+        return cls.with_boxes(machine, ())
+
+    @classmethod
+    def with_boxes(cls, machine: Machine, boxes: Sequence[Sequence[tuple[float, float]]]) -> Room:
+        """Return a room in which boxes stand, each (low, high) along x, y, z, m."""
+        return cls(machine, np.array(boxes, dtype=np.float64).reshape(-1, 3, 2))
 
     def in_travel(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses (m, q) are numbers within the travels."""
