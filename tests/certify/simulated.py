@@ -77,7 +77,7 @@ def _apart(rng: np.random.Generator) -> Simulated:
     jobs: list[Job] = []
     while len(jobs) < PROGRAMS:
         plan = plan_on(machine, rng)
-        settle, reading = float(rng.choice([0.05, 0.1])), float(rng.choice([0.0, 0.15]))
+        settle, reading = float(rng.choice([0.1, 0.15])), float(rng.choice([0.0, 0.15]))
         driving = plan.setups[0].driving
         driving = replace(driving, feed=None if driving.feed is None else 0.1, dwell=bool(rng.random() < 0.9))
         quick = [replace(each, driving=driving, settle=settle, reading_time=reading) for each in plan.setups]
@@ -211,7 +211,7 @@ def _in_touch(machine: Machine, given: Setup, rng: np.random.Generator) -> tuple
     chart = given.chart
     assert chart is not None
     driving = replace(given.driving, feed=0.2, dwell=True)
-    setup = replace(given, driving=driving, settle=0.05, reading_time=0.15)
+    setup = replace(given, driving=driving, settle=0.1, reading_time=0.15)
     jobs: list[Job] = []
     while len(jobs) < PROGRAMS:
         count = int(rng.integers(3, 6))
