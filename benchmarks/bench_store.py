@@ -42,7 +42,9 @@ def main() -> None:
             database = Database(store_address(address))
             prepare(database)
             _sent(database, folder)
+            _raw(address)
             _own(address)
+            _raw(address)
             _one(address)
             database.close()
 
@@ -80,6 +82,28 @@ def _sent(database: Database, folder: Path) -> None:
     print(f"sent to PostgreSQL by sync, a transaction a record: {time.perf_counter() - begin:.1f} s")
 
 
+def _raw(address: str) -> None:
+    """The same writers with one plain INSERT a commit, by the same driver: what server, disk and computer can do."""
+    database = Database(store_address(address))
+    database.rows("CREATE TABLE IF NOT EXISTS raw (writer integer, number integer, payload text)")
+    database.close()
+    with multiprocessing.Pool(WRITERS) as pool:
+        spans = pool.starmap(_write_raw, [(address, number) for number in range(WRITERS)])
+    wall = max(end for _, end in spans) - min(begin for begin, _ in spans)
+    print(f"{WRITERS} writers, a plain INSERT each time, no store: {WRITERS * EACH / wall:.0f} commits/s")
+
+
+def _write_raw(address: str, number: int) -> tuple[float, float]:
+    database, payload = Database(store_address(address)), "x" * 150
+    database.rows("SELECT 1")
+    begin = time.monotonic()
+    for n in range(EACH):
+        database.rows("INSERT INTO raw VALUES (:writer, :number, :payload)", writer=number, number=n, payload=payload)
+    end = time.monotonic()
+    database.close()
+    return begin, end
+
+
 def _own(address: str) -> None:
     """Eight writers, each in a campaign of its own: one commit an event."""
     with multiprocessing.Pool(WRITERS) as pool:
@@ -110,7 +134,6 @@ def _one(address: str) -> None:
         whole = tuple(chained_texts(text.row for text in log.texts())) == log.texts()
         numbers = [stored.number for stored in log.events()]
     refused, gaps = sum(count for _, count in told), numbers != list(range(1, len(numbers) + 1))
-    lost, more = len(set(won) - set(kept)), len(set(kept) - set(won))
     lost, more = len(set(won) - set(kept)), len(set(kept) - set(won))
     print(f"{WRITERS} writers, one campaign: {len(won)} won, {refused} refused")
     print(f"  lost {lost}, not acknowledged {more}, gaps {int(gaps)}, chain {'whole' if whole else 'broken'}")

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
@@ -306,14 +307,18 @@ class Campaign(Closing):
             milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
         return tuple(milestones)
 
-    def adopt(self, readings: tuple[Reading, ...]) -> None:
+    def adopt(self, readings: tuple[Reading, ...], note: str = "") -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
+        note : where they are from, "" for nothing to note; they then get numbers of this campaign
         """
         self._refuse_finished()
         setups = dict.fromkeys(reading.setup for reading in readings)
-        self._append(*(Recorded(reading) for setup in setups for reading in readings if reading.setup == setup))
+        taken = [reading for setup in setups for reading in readings if reading.setup == setup]
+        if note:
+            taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
+        self._append(*map(Recorded, taken), *([Noted(note)] if note else []))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.

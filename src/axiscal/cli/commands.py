@@ -41,6 +41,7 @@ _FILES = {
     "fleet": "fleet",
     "bring": "bring",
     "sync": "sync",
+    "adopt": "adopt",
     "due": "due",
     "check": "check",
     "study": "study",

@@ -1,0 +1,56 @@
+"""`axiscal adopt`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.campaign.adopting import Adopted, adopted
+from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.printing import say, say_document
+from axiscal.cli.texts import count_text
+from axiscal.record.opening import opened_log
+
+
+def adopt(
+    record: RecordFile,
+    branch: Annotated[Path, typer.Argument(metavar="BRANCH", help="What went on elsewhere: store:ID, or a file.")],
+    same_mounting: Annotated[
+        bool, typer.Option("--same-mounting", help="Set-ups that both have read stayed mounted for both.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Take the readings of a branch over into the campaign that it left; the branch stays as it is.
+
+    They come behind those of the campaign, as readings that were given. What was planned, asked and taken back there
+    stays there. Given again, it takes only what has been read since.
+
+    \b
+    Example:
+      axiscal adopt store:mill-7 store:3f2a91c4-07de
+    """
+    with opened_to_write(record) as campaign, opened_log(record, write=False) as own:
+        with opened_log(branch, write=False) as other:
+            found = adopted(campaign, own, other, same_mounting)
+        readings = len(campaign.state.readings)
+    if json:
+        document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}
+        say_document({"schema": "axiscal-adopt/1", **document, "taken_back_there": list(found.undone)})
+    else:
+        for line in _lines(record, branch, found, readings):
+            say(line)
+
+
+def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[str]:
+    lines = [f"{record}: {count_text(found.taken, 'reading')} of {branch} taken over; it has {readings} now."]
+    if not found.taken:
+        lines = [f"{record}: {branch} has no reading that is not here already."]
+    if found.undone:
+        numbers = ", ".join(map(str, found.undone))
+        lines.append(
+            f"The branch took back reading {numbers}, which stands here: axiscal undo takes back what is last."
+        )
+    return lines
