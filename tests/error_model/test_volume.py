@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box, VolumeMoments, volume_moments, whole_travel
+from axiscal.error_model.volume import EVERY_WAY, Box, Counted, VolumeMoments, volume_moments, whole_travel
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
@@ -17,7 +17,7 @@ from axiscal.numerics import Array
 from tests.generators.machines import every_error, random_machine, random_poses
 
 
-def _brute(model: ErrorModel, box: Box, points: int = 9) -> VolumeMoments:
+def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVERY_WAY) -> VolumeMoments:
     """Tensor Gauss-Legendre between all knots of every axis; both directions of approach of every axis."""
     x, w = np.polynomial.legendre.leggauss(points)
     lines = []
@@ -32,9 +32,9 @@ def _brute(model: ErrorModel, box: Box, points: int = 9) -> VolumeMoments:
     for signs in product([1.0, -1.0], repeat=len(box)):
         rows = model.rows(poses, np.tile(signs, (len(poses), 1)))
         mean += np.einsum("m,mcn->cn", weights, rows) / sides
-        flat = (np.sqrt(weights)[:, None, None] * rows).reshape(-1, model.size)
+        flat = (np.sqrt(weights)[:, None, None] * rows[:, list(counted)]).reshape(-1, model.size)
         weight += flat.T @ flat / sides
-    squares = np.sum(model.levers(poses) ** 2, axis=2)
+    squares = np.sum(model.levers(poses)[:, :, list(counted)] ** 2, axis=2)
     shares = [(f.rest / 2 if f.kind == "reversal" else f.rest) ** 2 for f in model.functions]
     rest = float(np.array(shares) @ squares @ weights)
     return VolumeMoments(mean, weight, rest)
@@ -62,6 +62,16 @@ def test_two_axes_agree_with_brute_quadrature(seed: int) -> None:
     model = ErrorModel(random_machine(seed, count=1 + seed % 2))
     box = whole_travel(model)
     assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+
+
+@pytest.mark.parametrize("counted", [(False, False, True), (True, False, True)])
+def test_directions_that_do_not_count_are_left_out(counted: Counted) -> None:
+    model = ErrorModel(random_machine(3, count=2))
+    box = whole_travel(model)
+    found, every = volume_moments(model, box, counted), volume_moments(model, box)
+    assert _apart(found, _brute(model, box, counted=counted)) < 1e-11
+    np.testing.assert_array_equal(found.mean, every.mean)
+    assert np.trace(found.gram) < np.trace(every.gram)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

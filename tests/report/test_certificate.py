@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -69,6 +70,27 @@ def test_curves_have_their_numbers_and_expanded_uncertainties(root: ET.Element) 
     np.testing.assert_allclose(position, curve.position, rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(value, curve.mean, rtol=1e-5)
     np.testing.assert_allclose(half, 1.96 * np.array(curve.std), rtol=1e-5)
+
+
+_PLUS = r"\+?((\d*\.\d+)|(\d+\.\d*)|(\d+\.?))([Ee][-+]?\d+)?"
+PATTERNS = {
+    "value": r"[-+]?" + _PLUS[3:],
+    "valueExpandedMU": _PLUS,
+    "coverageFactor": r"\+?(([1-9]\d*\.\d*)|([1-9]\d*))",
+    "coverageProbability": r"\+?((0(\.\d*)?)|(1(\.0*)?))",
+}
+"""How D-SI 2.2 writes numbers, alone and in lists, without NaN."""
+
+
+def test_numbers_are_written_as_the_schema_wants_them(root: ET.Element) -> None:
+    met = set()
+    for element in root.iter():
+        name = _name(element).removesuffix("XMLList")
+        if element.tag.startswith(f"{{{SI}}}") and name in PATTERNS:
+            met.add(name)
+            assert all(re.fullmatch(PATTERNS[name], each) for each in (element.text or "").split())
+            assert element.text
+    assert met == set(PATTERNS)
 
 
 def test_any_text_makes_a_certificate_that_parses() -> None:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import VolumeMoments
+from axiscal.error_model.volume import EVERY_WAY, Counted, VolumeMoments
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array, rigid
 
@@ -25,11 +25,16 @@ _BLOCK = 1000
 class Alignment:
     """What probing the part takes off.
 
-    poses : (m, q) over which it is aligned, spread evenly
+    poses : (m, q) over which it is aligned, spread evenly; counted : the directions in which it is, x, y and z
     """
 
     errors: ErrorModel
     poses: Array
+    counted: Counted = EVERY_WAY
+
+    @cached_property
+    def _counts(self) -> Array:
+        return np.array(self.counted, dtype=float)[:, None]
 
     @cached_property
     def _middle(self) -> Array:
@@ -44,7 +49,7 @@ class Alignment:
     @cached_property
     def _found(self) -> Array:
         """What of each error is a rigid motion of the part, (6, size)."""
-        motion = self.motions(self.poses).reshape(-1, 6)
+        motion = (self.motions(self.poses) * self._counts).reshape(-1, 6)
         crossed = np.zeros((6, self.errors.size))
         for at in range(0, len(self.poses), _BLOCK):
             rows = _evened(self.errors, self.poses[at : at + _BLOCK])
@@ -59,13 +64,16 @@ class Alignment:
 
     def left(self, poses: Array, deviations: Array) -> Array:
         """Return deviations (m, 3) without their own rigid motion, found at the same poses, m."""
-        motion = self.motions(poses).reshape(-1, 6)
-        moved = np.linalg.lstsq(motion, deviations.ravel(), rcond=None)[0]
-        left: Array = deviations - (motion @ moved).reshape(-1, 3)
+        motion = self.motions(poses)
+        seen = (motion * self._counts).reshape(-1, 6)
+        moved = np.linalg.lstsq(seen, (deviations * self._counts[:, 0]).ravel(), rcond=None)[0]
+        left: Array = deviations - motion @ moved
         return left
 
 
-def sampled_moments(errors: ErrorModel, poses: Array, alignment: Alignment | None) -> VolumeMoments:
+def sampled_moments(
+    errors: ErrorModel, poses: Array, alignment: Alignment | None, counted: Counted = EVERY_WAY
+) -> VolumeMoments:
     """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
 
     poses : (m, q)
@@ -79,14 +87,14 @@ def sampled_moments(errors: ErrorModel, poses: Array, alignment: Alignment | Non
         if alignment is not None:
             rows = rows - alignment.taken_off(part)
         mean += rows.sum(axis=0)
-        flat = rows.reshape(-1, errors.size)
+        flat = rows[:, list(counted)].reshape(-1, errors.size)
         gram += flat.T @ flat
         for columns in sides:
-            own = turned[:, :, columns].reshape(-1, len(columns))
+            own = turned[:, list(counted)][:, :, columns].reshape(-1, len(columns))
             gram[np.ix_(columns, columns)] += own.T @ own
     if alignment is not None:
         mean[:] = 0.0
-    return VolumeMoments(mean / len(poses), gram / len(poses), _rest(errors, poses))
+    return VolumeMoments(mean / len(poses), gram / len(poses), _rest(errors, poses, counted), counted)
 
 
 def _evened(errors: ErrorModel, poses: Array) -> Array:
@@ -100,6 +108,6 @@ def _reversals(errors: ErrorModel) -> list[list[int]]:
     return [[c for columns in each for c in range(columns.start, columns.stop)] for each in of if each]
 
 
-def _rest(errors: ErrorModel, poses: Array) -> float:
-    squares = np.sum(errors.levers(poses) ** 2, axis=2).mean(axis=1)
+def _rest(errors: ErrorModel, poses: Array, counted: Counted) -> float:
+    squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
     return float(errors.rests**2 @ squares)

@@ -28,6 +28,8 @@ _LEAST = 1e-8
 def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
     """Yield what the unseen is as a whole, where it is a good part of it: the common scale, and how the part lies."""
     unseen = yardstick.unseen_rms
+    if not all(yardstick.counted):
+        return
     if unseen < _LEAST or len({axis.letter for axis in yardstick.errors.machine.axes} & set("XYZ")) < 3:
         return
     scale, turn = uniform_parts(yardstick)
@@ -37,7 +39,9 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
         )
         yield Hidden(("EXX", "EYY", "EZZ"), text + _part(scale, unseen), scale)
     if turn > _SAID * unseen and yardstick.alignment is None:
-        text = "Nor can they see how the part lies: it is aligned by probing, which aligned = true takes off. "
+        text = (
+            "Your instruments cannot see how the part lies: it is aligned by probing, which aligned = true takes off. "
+        )
         yield Hidden((), text + _part(turn, unseen), turn)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
+from axiscal.error_model.volume import EVERY_WAY, Counted
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_share
 
@@ -35,7 +36,8 @@ _FARTHEST, _HALVINGS = 12.0, 44
 class Expanded:
     """Expanded uncertainties of 95 % over a volume, m.
 
-    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
+    space : of the distance, along the directions that count; axes : along x, y, z of the workpiece frame, each of them
+    worst : of the distance at the worst place
     """
 
     space: float
@@ -49,16 +51,17 @@ class Expanded:
 
 def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
-    return expanded_of(yardstick.covariances(belief.factor), yardstick.evenly)
+    return expanded_of(yardstick.covariances(belief.factor), yardstick.evenly, yardstick.counted)
 
 
-def expanded_of(covariances: Array, evenly: NDArray[np.bool_]) -> Expanded:
+def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY) -> Expanded:
     """Return the expanded uncertainties where the deviation has these covariances.
 
     covariances : (m, 3, 3) Σ at poses, m²; evenly : (m,) which of the poses stand for the volume; the others are places
-    where it may be worst
+    where it may be worst; counted : the directions whose distance counts
     """
-    spectra = np.maximum(np.linalg.eigvalsh(covariances), 0.0)
+    counts = np.flatnonzero(counted)
+    spectra = np.maximum(np.linalg.eigvalsh(covariances[:, counts[:, None], counts]), 0.0)
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (_reach(variances[:, [axis]]) for axis in range(3))

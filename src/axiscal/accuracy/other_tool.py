@@ -12,7 +12,7 @@ import numpy as np
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box
+from axiscal.error_model.volume import EVERY_WAY, Box, Counted
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity
@@ -50,19 +50,22 @@ class OtherTool:
         )
 
 
-def other_tool(model: ErrorModel, belief: Belief, box: Box, longer: float = LONGER) -> OtherTool:
+def other_tool(
+    model: ErrorModel, belief: Belief, box: Box, longer: float = LONGER, counted: Counted = EVERY_WAY
+) -> OtherTool:
     """Return what a belief over the coefficients first, other unknowns after them, is worth with both tools.
 
-    box : the volume, bounds per axis; longer : m, by which the other tool is longer
+    box : the volume, bounds per axis; longer : m, by which the other tool is longer; counted : the directions
+    in which deviations count
     """
     low, high = np.array(box).T
     poses: Array = low + (high - low) * even_points(_POSES, len(low))
     factor = belief.factor[: model.size]
     other = ErrorModel(replace(model.machine, tool=model.machine.tool + longer))
-    return OtherTool(*(_rms(each, factor, poses) for each in (model, other)))
+    return OtherTool(*(_rms(each, factor, poses, counted) for each in (model, other)))
 
 
-def _rms(model: ErrorModel, factor: Array, poses: Array) -> float:
-    rows = model.rows(poses, np.ones_like(poses))
+def _rms(model: ErrorModel, factor: Array, poses: Array, counted: Counted) -> float:
+    rows = model.rows(poses, np.ones_like(poses))[:, list(counted)]
     spread = (rows - rows.mean(axis=0)) @ factor
     return float(np.sqrt(np.sum(spread**2) / len(poses)))

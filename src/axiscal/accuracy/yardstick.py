@@ -19,7 +19,7 @@ from axiscal.accuracy.alignment import Alignment
 from axiscal.accuracy.criterion import Gram, Root
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box, VolumeMoments
+from axiscal.error_model.volume import Box, Counted, VolumeMoments
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
@@ -76,6 +76,16 @@ class Yardstick:
     sample: Array | None = None
     alignment: Alignment | None = None
 
+    @property
+    def counted(self) -> Counted:
+        """Directions x, y, z of the workpiece frame along which deviations count: of a printer's bed the height."""
+        return self.moments.counted
+
+    @cached_property
+    def _counts(self) -> Array:
+        """1 in the directions that count, (3, 1)."""
+        return np.array(self.counted, dtype=float)[:, None]
+
     @cached_property
     def _shift(self) -> Array:
         """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
@@ -85,7 +95,8 @@ class Yardstick:
     @cached_property
     def root(self) -> Root:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
-        return Gram(self.moments.gram - self._shift.T @ self._shift).root
+        counted = self._counts * self._shift
+        return Gram(self.moments.gram - counted.T @ counted).root
 
     @cached_property
     def unseen_rms(self) -> float:
@@ -100,7 +111,7 @@ class Yardstick:
     @cached_property
     def _unseen_shift(self) -> float:
         """The part of it that is a constant shift in the other directions, m²."""
-        return float(np.sum(((self.moments.mean - self._shift) @ self.unseen) ** 2))
+        return float(np.sum((self._counts * ((self.moments.mean - self._shift) @ self.unseen)) ** 2))
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
@@ -154,32 +165,38 @@ class Yardstick:
 
     @cached_property
     def rows(self) -> Array:
-        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size)."""
+        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size); zero where none counts."""
+        return self._every_row if all(self.counted) else self._every_row * self._counts
+
+    @cached_property
+    def _every_row(self) -> Array:
+        """The same in every direction, counted or not."""
         rows: Array = self.errors.rows(*self._poses) - self._shift
         return rows if self.alignment is None else rows - self.alignment.taken_off(self._poses[0])
 
     @cached_property
     def _here(self) -> Array:
-        """What no allowed reading sees, at each pose: (m, 3, r)."""
-        here = self.rows.reshape(-1, self.errors.size) @ self.unseen
+        """What no allowed reading sees, at each pose, counted or not: (m, 3, r)."""
+        here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
         return here.reshape(len(self.rows), 3, -1)
 
     @cached_property
     def _hidden(self) -> Array:
         """What no allowed reading sees of the variance at each pose, constant shifts not counted, m²."""
         shift = (self.moments.mean - self._shift) @ self.unseen
-        hidden: Array = np.sum((self._here - shift) ** 2, axis=(1, 2))
+        hidden: Array = np.sum((self._counts * (self._here - shift)) ** 2, axis=(1, 2))
         return hidden
 
     @cached_property
     def _correction(self) -> Array:
         """What the rests add to the variance at each pose, less the constant shifts that are not counted, m²."""
-        corrected: Array = np.sum(self._loose**2, axis=(0, 2)) + self._hidden - np.sum(self._here**2, axis=(1, 2))
+        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
+        corrected: Array = np.sum(loose**2, axis=(0, 2)) + self._hidden - np.sum(here**2, axis=(1, 2))
         return corrected
 
     @cached_property
     def _loose(self) -> Array:
-        """What one standard deviation of each rest does at each pose, (terms, m, 3), m."""
+        """What one standard deviation of each rest does at each pose, counted or not, (terms, m, 3), m."""
         return self.errors.levers(self._poses[0]) * self.errors.rests[:, None, None]
 
     @cached_property
@@ -189,11 +206,11 @@ class Yardstick:
         return np.tile(places, len(self._poses[0]) // len(places))
 
     def covariances(self, factor: Array) -> Array:
-        """Return the covariance of the TCP deviation at each pose of the yardstick, (m, 3, 3) m²: traces `variances`.
+        """Return the covariance of the TCP deviation at each pose, (m, 3, 3) m²: traces `variances` where all counts.
 
         factor : F (n, r) with C = F Fᵀ
         """
-        seen = self._seen(factor).reshape(len(self.rows), 3, -1)
+        seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
         loose = self._loose.transpose(1, 2, 0)
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
         counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
@@ -201,14 +218,17 @@ class Yardstick:
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
-        seen = self._seen(factor)
+        seen = self._seen(factor, self.rows)
         spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
         return spread
 
-    def _seen(self, factor: Array) -> Array:
-        """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.  factor : F (n, r)"""
+    def _seen(self, factor: Array, rows: Array) -> Array:
+        """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.
+
+        factor : F (n, r); rows : H (m, 3, size)
+        """
         own = factor[: self.errors.size]
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
             own = np.linalg.qr(own.T).R.T
-        seen: Array = self.rows.reshape(-1, self.errors.size) @ own
+        seen: Array = rows.reshape(-1, self.errors.size) @ own
         return seen

@@ -13,7 +13,7 @@ import numpy as np
 
 from axiscal.accuracy.alignment import Alignment
 from axiscal.compensation.table import CompensationTable
-from axiscal.error_model.volume import Box
+from axiscal.error_model.volume import EVERY_WAY, Box, Counted
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
@@ -39,18 +39,19 @@ def effect_of_control(
     poses: Array,
     box: Box,
     alignment: Alignment | None = None,
+    counted: Counted = EVERY_WAY,
 ) -> Effect:
     """Return what a control leaves of a deviation.
 
     poses : (m, q) spread over the volume; each is approached from alternating directions
-    alignment : what probing the part takes off
+    alignment : what probing the part takes off; counted : the directions in which deviations count
     The axes go to where the control sends them, and the machine deviates there.
     """
     inside, approaches = tour(poses, box)
     found, left = deviation(inside, approaches), left_by(machine, deviation, control, inside, approaches)
     if alignment is not None:
         found, left = (alignment.left(inside, each) for each in (found, left))
-    return Effect(rms(found), rms(left))
+    return Effect(rms(found, counted), rms(left, counted))
 
 
 def tour(poses: Array, box: Box) -> tuple[Array, Array]:
@@ -82,7 +83,10 @@ def table_control(machine: Machine, tables: Sequence[CompensationTable]) -> Cont
     return control
 
 
-def rms(deviation: Array) -> float:
-    """Return the RMS of TCP deviations (m, 3), their constant part taken off, m: that is the workpiece's zero."""
-    centred = deviation - deviation.mean(axis=0)
+def rms(deviation: Array, counted: Counted = EVERY_WAY) -> float:
+    """Return the RMS of TCP deviations (m, 3), their constant part taken off, m: that is the workpiece's zero.
+
+    counted : the directions in which they count
+    """
+    centred = (deviation - deviation.mean(axis=0))[:, list(counted)]
     return float(np.sqrt(np.mean(np.sum(centred**2, axis=1))))

@@ -84,7 +84,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     poses, approaches = spread_poses(estimate)
     _refuse_differences(estimate, draft, poses, approaches)
     effect, meant = (
-        effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box)
+        effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box, counted=estimate.counted)
         for control in (draft.control, draft.wanted)
     )
     slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
@@ -94,8 +94,8 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     together = planes_left(estimate, draft.control, poses, approaches)
     if estimate.sample is not None:
         poses, approaches = tour(estimate.sample[:POSES], estimate.box)
-        counted = estimate.machine, estimate.deviation, draft.control, poses, estimate.box, estimate.alignment
-        effect = effect_of_control(*counted)
+        tried = estimate.machine, estimate.deviation, draft.control, poses, estimate.box
+        effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
     unknown = unknown_rms(estimate, poses, approaches)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
     readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
@@ -121,8 +121,9 @@ def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
     """
     rows = estimate.model.rows(poses, approaches)
     off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
-    spread = (rows - off) @ estimate.factor
-    rest = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
+    spread = (rows - off)[:, list(estimate.counted)] @ estimate.factor
+    levers = estimate.model.levers(poses)[:, :, list(estimate.counted)]
+    rest = np.einsum("fmc,f->mc", levers**2, estimate.model.rests**2)
     return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
 
 

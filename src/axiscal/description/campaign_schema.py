@@ -44,6 +44,7 @@ class TargetTable(Table):
         None, examples=['{ radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }']
     )
     aligned: bool | None = Field(None, examples=["true"])
+    directions: list[Literal["x", "y", "z"]] = Field(default=["x", "y", "z"], examples=['["z"]'])
     criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
     unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])
 

@@ -21,14 +21,26 @@ _HEAD = """\
 # What is left out has its usual value; docs/campaign.md of axiscal says which.
 machine = "{machine}"
 {active}
-# controls = ["linuxcnc"]        # whose tables are written; axiscal export R --to list names them all
+{controls}   # whose tables are written; axiscal export R --to list names them all
 
 [target]                         # the first one that is reached ends the campaign
-U = "{target}"                   # 95 %, of the tool point in space, over all travel
+U = "{target}"                   # 95 %, of the tool point, over {over}
 readings = 150
+{counted}
 # budget = "3 h"                 # of machine time
-# volume = {{ X = ["50 mm", "550 mm"] }}   # where the work is done
+{volume}
 """
+_IN_SPACE = {
+    "controls": '# controls = ["linuxcnc"]     ',
+    "over": "all travel",
+    "counted": '# directions = ["z"]           # only these count: the height of a bed; in space where nothing is said',
+    "volume": '# volume = { X = ["50 mm", "550 mm"] }   # where the work is done',
+}
+_BED = {
+    "controls": 'controls = ["klipper", "marlin", "reprapfirmware"]',
+    "over": "the bed",
+    "counted": 'directions = ["z"]               # only the height counts; nothing else of the printer has to be known',
+}
 _LASER = """
 [[setups]]
 name = "laser along {axis}"
@@ -62,6 +74,20 @@ raster = {{ arc = "10 deg" }}
 approach = "both"
 """
 
+_PROBE = """
+[[setups]]
+name = "probe"
+instrument = "probe"
+direction = "z"
+moves = ["X", "Y"]
+park = {{ Z = "{bed}" }}
+reach = {{ {reach} }}   # CHECK: where the probe reaches the bed
+raster = {{ X = "5 mm", Y = "5 mm" }}
+noise = "5 um"                   # CHECK: one standard deviation of the probe; PROBE_ACCURACY of Klipper says yours
+unknowns = {{ zero = "1 mm" }}   # the Z offset is set anew anyway
+"""
+_FIRST_LAYERS = 1e-3
+"""m over the bed in which its height counts: a mesh fades out farther up."""
 
 _SPHERES = """
 [[artefacts]]
@@ -95,7 +121,8 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
-    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active)
+    about = {**_BED, "volume": _over_bed(machine)} if list(instruments) == ["probe"] else _IN_SPACE
+    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, **about)
     setups = [text for name in instruments for text in OFFERED[name](machine)]
     if not setups:
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"
@@ -151,6 +178,29 @@ def _spheres(machine: Machine) -> Iterator[str]:
     yield _SPHERES.format(balls=balls, raster=raster)
 
 
+def _probes(machine: Machine) -> Iterator[str]:
+    """Yield a probe that reads the height of the bed where Z is lowest, at places of X and Y."""
+    axes = {axis.name: axis for axis in _linear(machine)}
+    if not {"X", "Y", "Z"} <= set(axes):
+        return
+    reach = ", ".join(f'{name} = ["{low}", "{high}"]' for name in "XY" for low, high in [_inner(axes[name])])
+    yield _PROBE.format(bed=format_quantity(axes["Z"].travel[0], "mm", 6), reach=reach)
+
+
+def _inner(axis: Axis) -> tuple[str, str]:
+    """Return both ends of the travel of an axis, a thirtieth of it further in."""
+    low, high = axis.travel
+    margin = (high - low) / 30
+    return format_quantity(low + margin, "mm", 4), format_quantity(high - margin, "mm", 4)
+
+
+def _over_bed(machine: Machine) -> str:
+    """Return the line of the volume just over the bed."""
+    low = next((axis.travel[0] for axis in _linear(machine) if axis.name == "Z"), 0.0)
+    ends = '", "'.join(format_quantity(each, "mm", 6) for each in (low, low + _FIRST_LAYERS))
+    return f'volume = {{ Z = ["{ends}"] }}  # the first layers, where the probe reads'
+
+
 def _place(point: Array) -> str:
     """Return a point in whole millimetres."""
     return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
@@ -161,5 +211,6 @@ OFFERED: dict[str, Callable[[Machine], Iterator[str]]] = {
     "ballbar": _ball_bars,
     "straightedge": _straightedges,
     "sphere": _spheres,
+    "probe": _probes,
 }
 """The instruments whose set-ups follow from the machine alone."""

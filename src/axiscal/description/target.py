@@ -11,6 +11,7 @@ from axiscal.accuracy.part import PartVolume
 from axiscal.description.campaign_schema import TargetTable
 from axiscal.description.parts import read_part
 from axiscal.document import Document, shown
+from axiscal.error_model.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.units import format_quantity, parse_quantity
@@ -34,6 +35,7 @@ class Target:
     part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
     aligned : a rigid motion of the part is not counted: it is probed
     expanded : U, of the TCP in space over the volume with 95 %, m
+    counted : whether deviations of the TCP along x, y and z of the workpiece frame count
     unchecked : an accuracy counts as reached by what the model promises, although the readings could not contradict it
     """
 
@@ -47,6 +49,7 @@ class Target:
     aligned: bool = False
     expanded: float | None = None
     unchecked: bool = False
+    counted: Counted = EVERY_WAY
 
     @property
     def accurate(self) -> bool:
@@ -75,8 +78,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
     aligned = part is not None if table.aligned is None else table.aligned
     allowed = table.unchecked == "allow"
+    if not table.directions:
+        remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
+        raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
+    x, y, z = (way in table.directions for way in ("x", "y", "z"))
     limits = table.rms, table.worst, table.readings, table.budget
-    return Target(*limits, volume, table.criterion, part, aligned, table.U, allowed)
+    return Target(*limits, volume, table.criterion, part, aligned, table.U, allowed, (x, y, z))
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:

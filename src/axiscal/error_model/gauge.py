@@ -75,7 +75,7 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     moments : over the volume in which the tool point counts; the whole travel without
     """
     moments = moments or volume_moments(model, whole_travel(model))
-    beyond = moments.gram - moments.mean.T @ moments.mean
+    beyond = moments.beyond_shift
     before = float(np.sum(beyond * model.prior_covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
     effects = [_effect(term, acting, beyond) for term in model.terms]

@@ -18,19 +18,25 @@ from axiscal.numerics import Array
 
 
 def add_planes(
-    model: ErrorModel, box: tuple[tuple[float, float], ...], levers: Array, mean: Array, gram: Array
+    model: ErrorModel,
+    box: tuple[tuple[float, float], ...],
+    levers: Array,
+    counted: tuple[bool, bool, bool],
+    mean: Array,
+    gram: Array,
 ) -> None:
     """Set the part of planes in E[H] (3, size) and E[HᵀH] (size, size), in place.
 
-    levers : (terms, 3, ...) at the nodes of all axes
+    levers : (terms, 3, ...) at the nodes of all axes; counted : the directions in which they count in E[HᵀH]
     """
     if not model.planes:
         return
     axes = [_line(model, axis, bounds) for axis, bounds in enumerate(box)]
+    counts = levers[:, list(counted)]
     for index, plane in enumerate(model.planes, len(model.functions)):
         mean[:, plane.columns] = _mean(axes, levers[index], plane)
         for other, term in enumerate(model.terms[: index + 1]):
-            block = _crossed(axes, np.einsum("c...,c...->...", levers[index], levers[other]), plane, term)
+            block = _crossed(axes, np.einsum("c...,c...->...", counts[index], counts[other]), plane, term)
             gram[plane.columns, term.columns] = block
             gram[term.columns, plane.columns] = block.T
 

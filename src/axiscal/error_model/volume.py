@@ -18,15 +18,30 @@ from axiscal.error_model.plane_moments import add_planes
 from axiscal.numerics import Array
 
 Box = tuple[tuple[float, float], ...]
+Counted = tuple[bool, bool, bool]
+"""Whether deviations along x, y and z of the workpiece frame count."""
+EVERY_WAY: Counted = (True, True, True)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class VolumeMoments:
-    """mean : (3, size) E[H]; gram : (size, size) E[HᵀH]; rest : E of the rest's share of the TCP variance, m²."""
+    """Means over the volume; with H the rows of the directions that count, P H.
+
+    mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]; rest : E of the rest's share of the TCP
+    variance, m²; counted : the directions that count
+    """
 
     mean: Array
     gram: Array
     rest: float
+    counted: Counted = EVERY_WAY
+
+    @property
+    def beyond_shift(self) -> Array:
+        """E[HᵀPH] less E[PH]ᵀE[PH], the part that is one shift of the whole volume, (size, size)."""
+        shift = self.mean[list(self.counted)]
+        beyond: Array = self.gram - shift.T @ shift
+        return beyond
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,7 +66,7 @@ def whole_travel(model: ErrorModel) -> Box:
     return tuple(axis.travel for axis in model.machine.axes)
 
 
-def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
+def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) -> VolumeMoments:
     """Return the means over poses spread evenly in the box.
 
     Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
@@ -60,16 +75,17 @@ def volume_moments(model: ErrorModel, box: Box) -> VolumeMoments:
     axes = [_axis_moments(model, k, bounds) for k, bounds in enumerate(box)]
     poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
     levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.terms), 3, *(len(a.nodes) for a in axes))
+    counts = levers[:, list(counted)]
     mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
     for k, first in enumerate(axes):
         mean[:, first.columns] = _mean(levers, axes, k)
         for other in range(k, len(axes)):
-            block = _two_axes(levers, axes, k, other) if other > k else _same_axis(levers, axes, k)
+            block = _two_axes(counts, axes, k, other) if other > k else _same_axis(counts, axes, k)
             weight[np.ix_(first.columns, axes[other].columns)] = block
             weight[np.ix_(axes[other].columns, first.columns)] = block.T
-    add_planes(model, box, levers, mean, weight)
+    add_planes(model, box, levers, counted, mean, weight)
     _separate_reversals(model, mean, weight)
-    return VolumeMoments(mean, weight, _rest(model, levers, axes))
+    return VolumeMoments(mean, weight, _rest(model, counts, axes), counted)
 
 
 def _axis_moments(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AxisMoments:

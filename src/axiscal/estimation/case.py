@@ -197,9 +197,9 @@ class Case:
         target = self.description.target
         box, sample, alignment = target.volume, self._sample, self._alignment
         if sample is None:
-            moments = volume_moments(self.errors, box)
+            moments = volume_moments(self.errors, box, target.counted)
         else:
-            moments = sampled_moments(self.errors, sample, alignment)
+            moments = sampled_moments(self.errors, sample, alignment, target.counted)
         factor = self.prior.factor
         unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
@@ -223,7 +223,7 @@ class Case:
         """What probing the part takes off; None where a rigid motion counts."""
         if not self.description.target.aligned or self._sample is None:
             return None
-        return Alignment(self.errors, self._sample)
+        return Alignment(self.errors, self._sample, self.description.target.counted)
 
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:

@@ -90,7 +90,7 @@ class Estimation:
         grid = map_grid(description.machine, description.setups, self.readings)
         rests = rest_means(wide.knowledge.observation, wide.knowledge.belief.mean)
         belief, yardstick = wide.knowledge.belief, wide.case.yardstick
-        place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment
+        place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
         return Estimate(wide.case.errors, belief, *place)
 
     def misfit(self) -> float:

@@ -13,7 +13,7 @@ from axiscal.accuracy.alignment import Alignment
 from axiscal.belief import Belief
 from axiscal.error_model.actual import deviation_of
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box
+from axiscal.error_model.volume import EVERY_WAY, Box, Counted
 from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
@@ -37,6 +37,7 @@ class Estimate:
     rests : posterior mean of the rest of every cell, (cells,), m, of each displacement that has one, by its index
     grid : positions of X and of Y, m, on which the height was read as a map; None where it was not
     sample : (m, q) poses spread over the part, where one is described; alignment : what probing it takes off
+    counted : whether deviations along x, y and z of the workpiece frame count
     """
 
     model: ErrorModel
@@ -46,6 +47,7 @@ class Estimate:
     rests: Mapping[int, Array] = field(default_factory=lambda: MappingProxyType({}))
     sample: Array | None = None
     alignment: Alignment | None = None
+    counted: Counted = EVERY_WAY
 
     @property
     def machine(self) -> Machine:

@@ -55,7 +55,8 @@ def vouched_by_plan(case: Case, plan: Plan) -> Defence:
 def other_tool_words(case: Case, plan: Plan) -> str:
     """Return what a plan leaves with a longer tool than the one it is read with, "" where it is as good."""
     known = case.knowledge.read(_planned(case, plan))
-    return other_tool(case.errors, known.belief, case.yardstick.box).words
+    yardstick = case.yardstick
+    return other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words
 
 
 def _planned(case: Case, plan: Plan) -> list[Reading]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from axiscal.accuracy.expanded import BAND, LEVEL
 from axiscal.exceptions import ReadingError
 from axiscal.report.digits import number
+from axiscal.report.headline import in_space
 from axiscal.report.summary import CurveSummary, SetupUse, Summary
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
@@ -174,7 +175,8 @@ def _all(results: ET.Element, summary: Summary) -> None:
         found = summary.expanded
         data = _result(results, f"Expanded uncertainty of the tool point, {LEVEL:.0%}, {found.conditions}")
         listed = _below(data, "list")
-        for name, value in (*zip(["along x", "along y", "along z"], found.axes, strict=True), ("space", found.space)):
+        whole = "space" if found.along == "xyz" else in_space(found)
+        for name, value in (*zip(["along x", "along y", "along z"], found.axes, strict=True), (whole, found.space)):
             _real(listed, name, value, "um")
     for curve in (*summary.curves, *summary.reversals):
         _curve(results, curve)

@@ -189,7 +189,8 @@ def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float
     places = _poses(estimate.box) if yardstick.sample is None else yardstick.sample[:_POSES]
     poses, approaches = tour(places, estimate.box)
     missed = truth(poses, approaches) - estimate.deviation(poses, approaches)
-    return rms(missed if yardstick.alignment is None else yardstick.alignment.left(poses, missed))
+    left = missed if yardstick.alignment is None else yardstick.alignment.left(poses, missed)
+    return rms(left, yardstick.counted)
 
 
 def left_out(offered: Export) -> str:

@@ -8,6 +8,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import listed, resaid, said, spoken_now
 from axiscal.report.drift_words import drift_words
+from axiscal.report.promises import Uncertainty
 from axiscal.report.sentences import figure, quantity, spelt
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import said_quantity
@@ -22,16 +23,28 @@ def conditions(case: Case) -> str:
     """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
     machine, setups = case.description.machine, case.description.setups
     volume = said("the part") if case.description.target.part is not None else said("the volume")
+    along = counted_along(case)
+    alone = [] if along == "xyz" else [said("counted along {way} alone", way=listed(" ", list(along)))]
     stated = any(setup.growth for setup in setups)
     warm = said("at 20 degC where a set-up states its temperature") if stated else said("as warm as when it was read")
     return said(
         "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
         tool=said_quantity(machine.tool, "mm", 4),
         volume=volume,
-        assumed=listed(", ", [warm, *drift_words(setups)]),
+        assumed=listed(", ", [*alone, warm, *drift_words(setups)]),
         count=len(machine.error_names),
         names=" ".join(machine.error_names),
     )
+
+
+def counted_along(case: Case) -> str:
+    """Return the directions in which deviations of the tool point count, such as "xyz", or "z" of a bed."""
+    return "".join(way for way, counts in zip("xyz", case.description.target.counted, strict=True) if counts)
+
+
+def in_space(found: Uncertainty) -> str:
+    """Return in words of which distance U is."""
+    return said("in space") if found.along == "xyz" else said("along {way} alone", way=listed(" ", list(found.along)))
 
 
 def expanded_words(summary: Summary) -> str:
@@ -106,7 +119,8 @@ def first_lines(summary: Summary) -> str:
     found = summary.expanded
     x, y, z = found.axes
     known = said(
-        "U = {space:.3g} um in space ({level:.0%}, k = {k:.2f}), {conditions}.",
+        "U = {space:.3g} um {where} ({level:.0%}, k = {k:.2f}), {conditions}.",
+        where=in_space(found),
         space=found.space,
         level=LEVEL,
         k=found.k,

@@ -81,6 +81,7 @@ def render(summary: Summary) -> str:
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
         "unseen": sentences.unseen_size(summary),
         "occasion": sentences.occasion(summary),
+        "where": headline.in_space(summary.expanded),
         "holds_for": headline.expanded_words(summary),
         "errors": headline.errors_named(summary),
         "table_lines": [sentences.spelt(line) for line in headline.table_lines(summary)],

@@ -19,6 +19,7 @@ from axiscal.report import arrow_pictures, figures, gallery, headline, plane_map
 from axiscal.report.drawing.paper import alone, paper_svg
 from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.glossary import words
+from axiscal.report.headline import in_space
 from axiscal.report.identity import UNSAID, pairs, setup_rows
 from axiscal.report.sentences import (
     constant_note,
@@ -235,7 +236,8 @@ def _result(summary: Summary) -> str:
         unknown = "{occasion} the tool point is {not_known}: the readings contradict every explanation that was tried."
         return said(unknown, occasion=occasion(summary), not_known=said("not known"))
     u = f"U = {quantity(summary.expanded.space, 'um')}"
-    return said("{occasion} the tool point is known to {u} in space", occasion=occasion(summary), u=u) + "."
+    known = "{occasion} the tool point is known to {u} {where}"
+    return said(known, occasion=occasion(summary), u=u, where=in_space(summary.expanded)) + "."
 
 
 @cache

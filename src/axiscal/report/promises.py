@@ -12,6 +12,7 @@ class Uncertainty:
     space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
     factor : of `space` over the standard uncertainty of the model; conditions : what it was evaluated for, in words
     standard : uncertainty RMS of the distribution that `space` is of, where that is not the model's
+    along : the directions whose distance `space` and `worst` are, such as "z" of a bed; all of them where it is "xyz"
     """
 
     space: float
@@ -20,6 +21,7 @@ class Uncertainty:
     factor: float
     conditions: str = ""
     standard: float | None = None
+    along: str = "xyz"
 
     @property
     def k(self) -> float:

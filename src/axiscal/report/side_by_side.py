@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.language.spoken import later, said
+from axiscal.report.headline import in_space
 from axiscal.report.sentences import quantity
 from axiscal.report.summary import Summary, TableEffect, TableOffer
 
@@ -47,7 +48,7 @@ def sides(summary: Summary) -> list[FoundAndLeft]:
              [quantity(each.after, "um") for each in found.values()]),
         FoundAndLeft(said("Standard uncertainty, what is left included, RMS"), quantity(summary.rms_um, "um"),
              [quantity(each.expected, "um") for each in found.values()]),
-        FoundAndLeft(said("U in space, 95 %, what is left included"),
+        FoundAndLeft(said("U {where}, 95 %, what is left included", where=in_space(expanded)),
              quantity(expanded.space, "um") if known else unknown,
              [quantity(factor * each.expected, "um") if known else unknown for each in found.values()]),
     ]  # fmt: skip
@@ -62,7 +63,8 @@ def axis_rows(summary: Summary) -> list[tuple[str, str]]:
         (said("along {way}", way=name), quantity(value, "um")) for name, value in zip("xyz", found.axes, strict=True)
     ]
     space, worst = quantity(found.space, "um"), quantity(found.worst, "um")
-    return [*along, (said("in space"), space), (said("in space, worst place"), worst)]
+    where = in_space(found)
+    return [*along, (where, space), (said("{where}, worst place", where=where), worst)]
 
 
 def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:

@@ -36,7 +36,7 @@ from axiscal.planning.vouched import vouched_of
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
-from axiscal.report.headline import conditions
+from axiscal.report.headline import conditions, counted_along
 from axiscal.report.linear import linear_of, not_gaussian
 from axiscal.report.planes import planes
 from axiscal.report.promises import CheckReadings, Uncertainty
@@ -184,7 +184,8 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
     standard = to_unit(ruling_of(estimation).standard, "um")
-    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard)
+    along = counted_along(estimation.stated)
+    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard, along)
 
 
 def _checks(found: Checks | None) -> CheckReadings | None:

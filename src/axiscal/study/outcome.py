@@ -164,8 +164,8 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
 def left_over(known: Estimation, truth: VirtualMachine) -> Array:
     """Return what the estimate misses of the TCP deviation over the volume, (m, 3) m.
 
-    What is not counted is taken off as in the figures that are promised: a shift that no set-up sees, or the rigid
-    motion of a part that is probed.
+    What is not counted is taken off as in the figures that are promised: a shift that no set-up sees, the rigid
+    motion of a part that is probed, or directions that do not count.
     """
     yardstick, errors = known.case.yardstick, ErrorModel(truth.model.machine)
     poses = yardstick.places[yardstick.evenly[: len(yardstick.places)]]
@@ -177,7 +177,8 @@ def left_over(known: Estimation, truth: VirtualMachine) -> Array:
         parts.append(left if yardstick.alignment is None else yardstick.alignment.left(poses, left))
     whole: Array = np.concatenate(parts)
     shift: Array = whole.mean(axis=0) * np.array(yardstick.zeroed, dtype=float)
-    return whole - shift
+    counted: Array = (whole - shift) * np.array(yardstick.counted, dtype=float)
+    return counted
 
 
 def _reached(known: Estimation) -> bool | None:

@@ -131,6 +131,7 @@ def _shown_by() -> Iterator[tuple[str, str]]:
         "ballbar": said("squareness, straightness and reversal of two axes together"),
         "straightedge": said("straightness of an axis"),
         "sphere": said("where rotary axes lie and lean, by spheres that the machine touches"),
+        "probe": said("the height of a printer's bed"),
     }
     yield from ((name, what[name]) for name in OFFERED)
 
