@@ -26,6 +26,10 @@ _ROUNDS = 60
 _CLOSE = 2e-3
 _ROUGHLY, _CLOSELY, _OF_GAP = 1e-2, 1e-5, 0.03
 """Share of J by which weights may be off at first and at last, and of the gap between: of time, any round proves."""
+_TURNS = 9
+"""Turns over all candidates: of time. The bound rises by less and less."""
+_OF_DISTANCE = 0.05
+"""Where the weights of all are sought, what the bound could still rise by, as a share of how far off the plan is."""
 _NOUGHT = 1e-300
 """No division by nought."""
 
@@ -52,13 +56,17 @@ def lower_bound(pool: Pool, state: Covariance, places: Places, costs: Array, lim
     numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
     by_rank = rank_bound(state, numbers)
     relaxation = Relaxation(pool, state, places, costs, limit)
-    steps = list(settling(relaxation))
-    best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1]))
+    reached = state.after_readings(places).value if len(places) else 0.0
+    steps = list(settling(relaxation, reached))
+    best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1], reached))
     return Bound(by_rank, True) if by_rank >= best else Bound(best, False)
 
 
-def _by_groups(whole: Relaxation, last: Round) -> float:
-    """Return the least of the bounds for plans that use all set-ups, and for those that use only some, with zeros."""
+def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:
+    """Return the least of the bounds for plans that use all set-ups, and for those that use only some, with zeros.
+
+    plan : J of a good one
+    """
     everything, readings = whole.everything, int(whole.limit / whole.costs.min() + 1e-9)
     least = np.inf
     for group in groups(everything.setups, readings):
@@ -69,7 +77,7 @@ def _by_groups(whole: Relaxation, last: Round) -> float:
             least = last.dual.floor(last.spent, count, zeros)
             continue
         best = 0.0
-        for step in settling(whole.within(mine)):
+        for step in settling(whole.within(mine), plan):
             best = max(best, step.dual.floor(step.spent, count, zeros))
             if best >= least:
                 break
@@ -89,8 +97,11 @@ class Round(NamedTuple):
         return self.dual.floor(self.spent, numbers) if self.last else self.dual.whole - self.spent
 
 
-def settling(relaxation: Relaxation) -> Iterator[Round]:
-    """Bring the weights to the optimum over all candidates, step by step."""
+def settling(relaxation: Relaxation, plan: float | None = None) -> Iterator[Round]:
+    """Bring the weights to the optimum over all candidates, step by step.
+
+    plan : J of a plan for which a bound is wanted, no matter by which weights, or 0; None where weights are wanted
+    """
     closed, reached, close = 0.0, np.inf, _ROUGHLY
     for number in range(1, _ROUNDS + 1):
         dual = relaxation.solved(close)
@@ -98,6 +109,10 @@ def settling(relaxation: Relaxation) -> Iterator[Round]:
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
         near = reached <= closed * (1 + _CLOSE) or number == _ROUNDS
         last = near or not relaxation.grow(slopes) or relaxation.largest
+        if plan is not None and not near and relaxation.dear:
+            yield Round(dual, spent, last=False)
+            yield _over_all(relaxation, dual, slopes, plan)
+            return
         if last and close > _CLOSELY:
             dual = relaxation.solved(_CLOSELY)
             _, spent = _slopes(relaxation, dual)
@@ -105,6 +120,20 @@ def settling(relaxation: Relaxation) -> Iterator[Round]:
         if last:
             return
         close = min(max(_OF_GAP * (reached / max(closed, _NOUGHT) - 1), _CLOSELY), _ROUGHLY)
+
+
+def _over_all(relaxation: Relaxation, best: Dual, slopes: Array, plan: float) -> Round:
+    """Return the best that weights of all candidates prove, in so few turns as the distance to a plan asks for."""
+    closed, reached = -np.inf, np.inf
+    for _, turn in zip(range(_TURNS), relaxation.over_all(slopes), strict=False):
+        largest = float((turn.slopes / relaxation.costs[relaxation.support]).max())
+        proven, reached = turn.dual.whole - relaxation.limit * largest, min(reached, turn.dual.value)
+        if proven > closed:
+            best, closed = turn.dual, proven
+        if reached - closed <= max(_CLOSE * closed, _OF_DISTANCE * (plan - reached)):
+            break
+    _, spent = _slopes(relaxation, best)
+    return Round(best, spent, last=True)
 
 
 def _slopes(relaxation: Relaxation, dual: Dual) -> tuple[Array, float]:

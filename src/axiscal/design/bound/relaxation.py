@@ -2,18 +2,21 @@
 
 J(x) = tr(W (C₀⁻¹ + Σ x_i G_iᵀG_i/σ_i²)⁻¹) is convex in x, with −∂J/∂x_i = d_i, the sum of gᵀSWSg/σ_i² over the rows of
 G_i: one, or as many as a reading has numbers. x is brought to the optimum by an interior point method on a support that
-grows by the candidates that violate optimality most. The rests of the cells that the support lies in are unknowns like
-all others: weight in one cell does not average its rest away. Those of other cells are known no better than before, so
-that no slope d contains them.
+grows by the candidates that violate optimality most; where it grows large, all candidates are given weights at once.
+The rests of the cells that the support lies in are unknowns like all others: weight in one cell does not average its
+rest away. Those of other cells are known no better than before, so that no slope d contains them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.bound.certificate import Dual
 from axiscal.design.bound.optimal_weights import CLOSE, optimal_weights
+from axiscal.design.bound.weights_of_all import Turn, turns
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
 from axiscal.measurement.place import Places
@@ -27,6 +30,10 @@ _IDLE = 20.0
 """A weight of so many times what a loose optimum leaves to the idle ones is one of them; it can enter again too."""
 _FIRST = 200
 """Candidates that begin with a weight; the others enter where they are worth it."""
+_DEAR = 240
+"""Candidates with a weight beyond which a turn over all of them is cheaper than a step of Newton: of time."""
+_ABLE, _MOST = 0.5, 4000
+"""Candidates that get a weight then: whose slope is at least this share of the level, at most so many, of memory."""
 _LARGEST = 500
 """Candidates with a weight beyond which a step of Newton takes minutes; the bound of the others is kept."""
 
@@ -76,6 +83,11 @@ class Relaxation:
         return len(self.support) > _LARGEST
 
     @property
+    def dear(self) -> bool:
+        """Whether the support is so large that all candidates may as well have a weight."""
+        return len(self.support) > _DEAR
+
+    @property
     def weighty(self) -> Places:
         """The candidates of the support that have weight."""
         return self.everything.within(self.support[self.weights * self.costs[self.support] > _GONE * self.limit])
@@ -91,6 +103,22 @@ class Relaxation:
         costs, self._close = self.costs[self.support], close
         self.weights = optimal_weights(along, owner, state.weighted, self.weights, costs, self.limit, close)
         return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
+
+    def over_all(self, slopes: Array) -> Iterator[Turn]:
+        """Let every candidate have a weight that may want one, and bring them to the optimum turn by turn.
+
+        slopes : d of all candidates and places, (M + places,)
+        """
+        level = float((slopes[self.support] @ self.weights) / self.limit)
+        rates = slopes[: len(self.pool)] / self.costs[: len(self.pool)]
+        able = np.setdiff1d(np.flatnonzero(rates > _ABLE * level), self.support)
+        able = able[np.argsort(-rates[able], kind="stable")[:_MOST]]
+        self.support = np.concatenate([self.support, able])
+        self.weights = np.concatenate([self.weights, np.zeros(len(able))])
+        state, along, owner = self._rows()
+        for turn in turns(state, along, owner, self.weights, self.costs[self.support], self.limit):
+            self.weights = turn.weights
+            yield turn
 
     def value_if(self, shares: Array) -> float:
         """Return J were each candidate of the support read with its weight times a share, (s,)."""

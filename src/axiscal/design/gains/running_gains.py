@@ -93,6 +93,7 @@ class Scores:
         other.members = list(self.members)
         other.above, other.below, other.joint = self.above.copy(), self.below.copy(), self.joint.copy()
         other._followed = None if self._followed is None else self._followed.copy()
+        other._rows = None  # written in place
         return other
 
     @property
@@ -176,8 +177,11 @@ class Scores:
         left = self._had_left(slot)
         return self.pool.gains(left.above, left.below, left.joint), -float(np.sum(left.eta * left.omega))
 
-    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
-        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
+    def replacement(self, slot: int, allowed: NDArray[np.bool_], better: float | None = None) -> Replacement:
+        """Return the best of the candidates that are allowed (M,) for the slot of a reading.
+
+        better : those that do not bring by this share more than the reading do not matter
+        """
         gains, own = self.without(slot)
         gains = np.where(allowed, gains, -np.inf)
         best = first_best(gains, ALIKE)
@@ -246,18 +250,23 @@ class Scores:
 
     def _place(self, slot: int, place: Places, member: Member) -> None:
         """Put a reading into a slot, with room for as many numbers as it has."""
-        self._rows = None
         if slot == len(self.members):
             self.members.append(member)
             self.places = Places.joined([self.places, place])
             self._room(self._numbers(slot))
+            if self._rows is not None:
+                self._rows = np.concatenate([self._stacked(), self._padded(member)])
             return
         same = len(self.members[slot].rows) == len(member.rows)
         if not same:
             self._cut(self._numbers(slot))
         self.members[slot], self.places = member, self.places.exchanged(slot, place)
         if not same:
+            self._rows = None
             self._room(self._numbers(slot))
+        elif self._rows is not None:
+            here = self._numbers(slot)
+            self._stacked()[here.start - self.pool.count : here.stop - self.pool.count] = self._padded(member)
 
     def _room(self, numbers: slice) -> None:
         at = np.full(numbers.stop - numbers.start, numbers.start)
@@ -272,10 +281,17 @@ class Scores:
             self._followed.cut(slice(numbers.start - self.pool.count, numbers.stop - self.pool.count))
 
     def _products(self, vectors: Array) -> Array:
-        if self._rows is None:
-            self._rows = np.concatenate([np.zeros((0, self.state.observation.size)), *map(self._padded, self.members)])
-        mine = self._rows @ vectors[: self._rows.shape[1]]
+        mine = self._stacked() @ vectors
         return np.concatenate([self.pool.products(self.state.observation, vectors), mine])
+
+    def _stacked(self) -> Array:
+        """The rows of all numbers of the plan, kept while readings change one by one."""
+        size = self.state.observation.size
+        if self._rows is None:
+            self._rows = np.concatenate([np.zeros((0, size)), *map(self._padded, self.members)])
+        elif self._rows.shape[1] < size:
+            self._rows = np.pad(self._rows, ((0, 0), (0, size - self._rows.shape[1])))
+        return self._rows
 
     def _padded(self, member: Member) -> Array:
         """The rows with zeros for cells that were opened later: no earlier reading lies in them."""

@@ -124,21 +124,25 @@ class DefendedScores(Scores):
         before = float(self._goal.value(looked.standing))
         return before - self._with_each(looked, np.arange(len(self.pool))), before - self.objective
 
-    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
-        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
+    def replacement(self, slot: int, allowed: NDArray[np.bool_], better: float | None = None) -> Replacement:
+        """Return the best of the candidates that are allowed (M,) for the slot of a reading.
+
+        better : where one is given, those that cannot bring by this share more than the reading are not looked at
+        """
         looked, those = self._looked_without(slot), np.flatnonzero(allowed)
         before, gains = float(self._goal.value(looked.standing)), np.full(len(self.pool), -np.inf)
         floors = self._with_each(looked, those, self._goal.heaviest(looked.standing, _HEAVIEST))
-        most, best = before - floors + _ROUNDING * before, -np.inf
+        own = before - self.objective
+        most, best = before - floors + _ROUNDING * before, -np.inf if better is None else own * (1 + better)
         order = np.argsort(-most, kind="stable")
         for start in range(0, len(order), _AT_ONCE):
             part = order[start : start + _AT_ONCE]
             if most[part[0]] < best - ALIKE * abs(best):
                 break
             gains[those[part]] = before - self._with_each(looked, those[part])
-            best = float(gains.max())
+            best = max(best, float(gains.max()))
         index = first_best(gains, ALIKE)
-        return Replacement(index, float(gains[index]), before - self.objective)
+        return Replacement(index, float(gains[index]), own)
 
     def _looked_without(self, slot: int) -> _Looked:
         left, mine = self._had_left(slot), self._numbers(slot)

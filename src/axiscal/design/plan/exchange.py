@@ -44,16 +44,19 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
 
     better : by this share of what a reading brings, another one must bring more
     """
-    work = 0.0
+    work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        count = 0
+        before = changes
         for slot in ranked(-scores.losses(), ALIKE):
             if work > _WORK:
                 return
+            if looked.get(int(slot)) == changes:  # nothing has moved since it was looked at
+                continue
+            looked[int(slot)] = changes
             changed = _exchanged(scores, int(slot), allowed, better)
-            count += changed
+            changes += changed
             work += 4.0 * len(scores.pool) + changed * _work_of_change(scores)
-        if not count:
+        if changes == before:
             return
 
 
@@ -64,7 +67,7 @@ def _work_of_change(scores: Scores) -> float:
 
 
 def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
-    best, gain, own = scores.replacement(slot, allowed(scores, slot))
+    best, gain, own = scores.replacement(slot, allowed(scores, slot), better)
     if not gain > own * (1 + better):
         return False
     scores.leave(slot)

@@ -124,10 +124,12 @@ def filled(
     allowed = np.isin(of, setups)
     for index in openings(scores, setups, limits.readings or _MOST):
         scores.enter(index, bundle=bundle)
-        meter, spent = meter.after(scores.last), spent + float(cost[index])
+        meter, spent = _after(meter, scores, limits), spent + float(cost[index])
     start = scores.state.value
     picks = 0
-    while not (met := limits.met(meter.accuracy)) and bundle * len(scores.members) < (limits.readings or _MOST):
+    while not (met := limits.accurate and limits.met(meter.accuracy)) and bundle * len(scores.members) < (
+        limits.readings or _MOST
+    ):
         picks += 1
         if picks > most or spent > longest:
             break
@@ -137,19 +139,25 @@ def filled(
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
         gain = scores.enter(best, bundle=bundle)
-        meter, spent = meter.after(scores.last), spent + float(cost[best])
+        meter, spent = _after(meter, scores, limits), spent + float(cost[best])
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
             break
     return Trial(scores, setups, spent, met)
 
 
+def _after(meter: RunningAccuracy, scores: Scores, limits: Limits) -> RunningAccuracy:
+    """Return the accuracy after the last reading, or what there is where none is asked for."""
+    return meter.after(scores.last) if limits.accurate else meter
+
+
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
     """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
 
+    used = np.isin(np.arange(len(times.reading)), setups)
+
     def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
-        of = scores.pool.lattice.setups
         room = times.reading[scores.places.setups[slot]] + slack
-        fitting: NDArray[np.bool_] = np.isin(of, setups) & (times.reading[of] <= room + 1e-9)
+        fitting: NDArray[np.bool_] = (used & (times.reading <= room + 1e-9))[scores.pool.lattice.setups]
         return fitting
 
     return allowed
