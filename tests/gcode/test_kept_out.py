@@ -136,3 +136,13 @@ def test_a_way_is_free_where_no_fine_sample_of_it_meets_a_box() -> None:
     assert all(sampled for proven, sampled in found if proven)
     assert sum(sampled and not proven for proven, sampled in found) <= 1  # what only grazes may be refused
     assert {proven for proven, _ in found} == {True, False}
+
+
+def test_a_sphere_is_not_asked_for_where_the_tool_drawn_back_meets_a_box() -> None:
+    above = '{ x = ["80 mm", "160 mm"], y = ["-40 mm", "40 mm"], z = ["105 mm", "130 mm"] }'  # the tool is 120 mm long
+    poses = {}
+    for instrument in ("rtest", "sphere"):
+        (setup,) = described(instrument, above, "dmu60").setups
+        assert setup.chart is not None
+        poses[instrument] = setup.chart.feasible(setup.chart.poses(np.zeros((1, 2)))).tolist()
+    assert poses == {"rtest": [True], "sphere": [False]}
