@@ -94,7 +94,9 @@ def _as_counted_elsewhere() -> None:
         places = every_pose(case)
         left = left_with_rests_as_noise(case, places, "reversal" if target else "")
         twice = float(np.sqrt(left**2 + 1e12 * case.yardstick.moments.rest))
-        print(f"{name:42} {len(places):5} {left:7.3f}   asked for {asked:6.3f}   rests of the volume twice {twice:6.3f}")
+        print(
+            f"{name:42} {len(places):5} {left:7.3f}   asked for {asked:6.3f}   rests of the volume twice {twice:6.3f}"
+        )
 
 
 @one_thread()

@@ -202,7 +202,7 @@ def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(
         assert [text.chain for text in shop.texts("two")][: len(mine_before)] == mine_before
     found = shop.synced("two")
     assert shop.chains(found) == [text.chain for text in shop.texts("two")]
-    assert told >= 5
+    assert told >= 3  # before the two first statements nothing has begun: they are asked again
     keeper.close()
 
 

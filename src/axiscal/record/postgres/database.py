@@ -7,7 +7,7 @@ import hashlib
 import socket
 import ssl
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal
 
@@ -42,7 +42,20 @@ class Database:
         self._within = False
 
     def rows(self, query: str, **values: object) -> list[list[Any]]:
-        """Return what a query gives; `:name` in it stands for a value."""
+        """Return what a query gives; `:name` in it stands for a value.
+
+        Outside of a transaction a query only asks, or begins one: where a connection of before was dropped meanwhile,
+        as servers and routers do with idle ones, it is asked once more over a new one.
+        """
+        of_before = self._connection is not None and not self._within
+        try:
+            return self._asked(query, values)
+        except UnreachableError:
+            if not of_before:
+                raise
+            return self._asked(query, values)
+
+    def _asked(self, query: str, values: Mapping[str, object]) -> list[list[Any]]:
         with self._failures():
             found = self._opened().run(query, **values)
         return list(found or [])
