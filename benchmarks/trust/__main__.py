@@ -27,7 +27,7 @@ from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "trust.md"
 _ATTACKED = 24
-_ONLY = "nothing; one bad reading; step, 15 µm; bump of 30 mm"
+_ONLY = "nothing; one bad reading; step, 15 µm; bump of 30 mm; five axes: nothing; five axes: tool"
 _SIZES = (3e-6, 5e-6, 7e-6, 10e-6, 20e-6, 50e-6, 1e-3)
 
 _HEAD = """# Can you trust it?
@@ -121,12 +121,14 @@ metre may all miss a bump of 30 mm.
 
 _AGAIN = """
 ## Attacks, some of them once more
-The same cells for some attacks, {machines} machines each, since details half as wide as knots are apart are among what
-readings may show and what plans must vouch for. Before, a reading that alone met a bump was left out as a slip, and
-the promise held, silently: the table above is of that state, with the same machines. One bad reading is now one of two
-things until it is read again, so that fewer machines are said to hold. A step that falls into a gap of a hundred
-millimetres and more between random places stays unseen: a family that may sit anywhere counts by its root mean square
-over all places, of which the gap is a few.
+The same cells for some attacks, {machines} machines each, with the seeds of the table above, which is older. Since then
+details half as wide as knots are apart are among what readings may show and what plans must vouch for (before, a
+reading that alone met a bump was left out as a slip, and the promise held), and a promise is `unchecked` where a step
+or a bump as large as its curve usually is, anywhere along the axis, would with more than 5 % make the truth 1.5 times
+the promise and not be shown: places with wide gaps between them are told so, whatever was put in. One bad reading is
+one of two things until it is read again. *Beyond*: where that is another share, that of silent machines that are also
+farther off than the promise itself leaves to one machine in fifty. Where one unknown makes most of a promise, as a tool
+that nobody measured does, 13 % of right machines are above 1.5 times the standard uncertainty, and 5 % above U.
 (`make trust PART=again MACHINES={machines} ONLY="{only}"`)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |

@@ -89,8 +89,9 @@ def tried(trial: Trial) -> dict[str, Any]:
 
 
 def _outcome(result: dict[str, Any]) -> Outcome:
-    ratio, inside = (math.nan if result[name] is None else float(result[name]) for name in ("ratio", "inside"))
-    return Outcome(ratio, inside, str(result["word"]))
+    names = ("ratio", "inside", "rare")
+    ratio, inside, rare = (math.nan if result[name] is None else float(result[name]) for name in names)
+    return Outcome(ratio, inside, str(result["word"]), rare)
 
 
 def _complete(kept: Outcomes, machines: int, which: Sequence[int]) -> int:
@@ -120,8 +121,9 @@ def _cell(found: Sequence[Outcome]) -> str:
     ratio = float(np.exp(np.mean(np.log([each.ratio for each in told]))))
     inside, holds = (float(np.mean(part)) for part in zip(*((o.inside, o.word == "holds") for o in told), strict=True))
     low, high = limits(sum(each.silent for each in found), len(found))
-    silent = np.mean([each.silent for each in found])
-    return f"{ratio:.1f}, {inside:.0%}, {holds:.0%}, **{silent:.0%}** ({low:.0%}–{high:.0%})"
+    silent, broken = (np.mean(part) for part in zip(*((each.silent, each.broken) for each in found), strict=True))
+    beyond = "" if broken == silent else f", {broken:.0%} beyond"
+    return f"{ratio:.1f}, {inside:.0%}, {holds:.0%}, **{silent:.0%}** ({low:.0%}–{high:.0%}){beyond}"
 
 
 def limits(count: int, of: int) -> tuple[float, float]:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from axiscal.accuracy.damage import FALSE_ALARM, KAPPA
+from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import EffectMap, defence
+from axiscal.estimation.defence import EffectMap, defence, with_gaps
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended
@@ -142,3 +142,43 @@ def test_a_reading_that_is_rejected_vouches_for_nothing() -> None:
     found = defended(concluded(case, taken))
     assert found.readings == len(taken) - 1
     assert found.promise <= found.u_def
+
+
+def _gapped(low: float, high: float) -> list[Reading]:
+    """Return the usual readings without those of a gap."""
+    return [each for each in readings(28) if not low < each.pose[0] < high]
+
+
+def test_what_stays_hidden_is_the_share_of_twenty_thousand_campaigns() -> None:
+    case, taken = axis(), _gapped(0.4, 0.62)
+    steps = [each for each in departures(case.observation, taken, IN_PLANS) if each.family == "step"]
+    effects, promise, std = [EffectMap.of(case, taken).effect(each) for each in steps], 1.2e-6, 10e-6
+    covariance = Fitted.of(case.observation, taken).covariance()
+    rng, lower = np.random.default_rng(2), np.linalg.cholesky(covariance)
+    which, size = rng.integers(len(steps), size=20_000), std * rng.standard_normal(20_000)
+    contrasts = np.stack([np.linalg.solve(covariance, each.columns[:, 0]) for each in steps])
+    columns = np.stack([each.columns[:, 0] for each in steps])
+    drawn = rng.standard_normal((20_000, len(taken))) @ lower.T + size[:, None] * columns[which]
+    statistic = np.sum(drawn * contrasts[which], axis=1) ** 2 / np.sum(columns * contrasts, axis=1)[which]
+    worse = size**2 * np.array([each.wrong for each in effects])[which] > (KAPPA**2 - 1) * promise**2
+    unseen = float(np.mean(worse & (statistic <= stats.chi2.isf(FALSE_ALARM, 1))))
+    assert unseen > 0.02
+    assert hidden(effects, std, promise) == pytest.approx(unseen, abs=0.005)
+
+
+def test_a_gap_leaves_a_promise_unchecked_that_every_place_on_average_would_defend() -> None:
+    case, machine = axis(), axis().description.machine
+    whole, gapped = (defence(case, taken, 1.3e-6) for taken in (readings(28), _gapped(0.4, 0.62)))
+    assert gapped.u_def <= 1.25 * gapped.promise
+    assert not gapped.unchecked
+    assert with_gaps(gapped, case, _gapped(0.4, 0.62), machine).unchecked
+    assert not with_gaps(whole, case, readings(28), machine).unchecked
+
+
+def test_a_curve_that_was_found_small_does_not_make_steps_in_a_gap_small() -> None:
+    case, taken = axis(), _gapped(0.4, 0.62)
+    machine = case.description.machine
+    larger = replace(machine, errors=tuple(replace(each, std=4 * each.std) for each in machine.errors))
+    own, stated = (with_gaps(defence(case, taken, 3e-6), case, taken, each) for each in (machine, larger))
+    shares = [next(each.hidden for each in found.departures if each.family == "step") for found in (own, stated)]
+    assert shares[1] > 2 * shares[0]

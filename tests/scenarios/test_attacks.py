@@ -19,10 +19,10 @@ from benchmarks.trust.sources import ROOT, version
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
 
 
-def filled(machines: int, word: str = "holds", ratio: float = 1.0) -> Outcomes:
+def filled(machines: int, word: str = "holds", ratio: float = 1.0, rare: float = 1.0) -> Outcomes:
     """Return outcomes of so many machines in every cell."""
     return {
-        Trial(number, *cell, FIRST + index): Outcome(ratio, 0.95, word)
+        Trial(number, *cell, FIRST + index): Outcome(ratio, 0.95, word, rare)
         for index in range(machines)
         for number in range(len(ATTACKS))
         for cell in CELLS
@@ -66,9 +66,29 @@ PIVOT = "pivot of B 50 µm aside"
 
 
 def test_a_failure_is_silent_where_the_verdict_holds_and_the_truth_is_far_worse() -> None:
-    assert Outcome(1.6, 0.5, "holds").silent
-    assert not Outcome(1.6, 0.5, "unchecked").silent
-    assert not Outcome(1.4, 0.9, "holds").silent
+    assert Outcome(1.6, 0.5, "holds", 1.2).silent
+    assert not Outcome(1.6, 0.5, "unchecked", 1.2).silent
+    assert not Outcome(1.4, 0.9, "holds", 1.2).silent
+
+
+def test_it_is_beyond_the_promise_where_that_leaves_less_to_one_machine_in_fifty() -> None:
+    assert Outcome(1.6, 0.5, "holds", 1.2).broken
+    assert not Outcome(1.6, 0.5, "holds", 2.3).broken
+    assert "**100%** (16%–100%), 0% beyond |" in next(attack_rows(filled(2, ratio=1.6, rare=2.3), 2))
+    assert "beyond" not in next(attack_rows(filled(2, ratio=1.6), 2))
+
+
+def test_few_unknowns_leave_more_to_one_machine_in_fifty_than_many() -> None:
+    one, many = (outcome(BY_WORDS[name], "planned", "stated", 1).rare for name in ("five axes: nothing", "nothing"))
+    assert 1.0 < many < one < np.sqrt(stats.chi2.isf(0.02, 1))
+
+
+@pytest.mark.parametrize("seed", [5004, 5021, 5077, 5094])
+def test_a_step_in_a_gap_of_random_places_is_not_silent(seed: int) -> None:
+    """Twice as far off as promised, all four: the readings leave a tenth of a metre and more between them."""
+    found = outcome(BY_WORDS["step, 15 µm"], "random", "estimate", seed)
+    assert found.ratio > 1.5
+    assert found.word == "unchecked"
 
 
 def test_a_row_has_a_cell_for_each_of_places_and_priors() -> None:
@@ -100,7 +120,7 @@ def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
         tried.append((places, scales, seed))
         if len(tried) == 4:
             raise KeyboardInterrupt
-        return Outcome(np.nan if places == "random" else 1.0, 0.95, "holds")
+        return Outcome(np.nan if places == "random" else 1.0, 0.95, "holds", 1.2)
 
     monkeypatch.setattr(attack_table, "outcome", counted)
     with pytest.raises(KeyboardInterrupt):

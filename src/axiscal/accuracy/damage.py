@@ -6,6 +6,11 @@ model, x = C Gᵀ K⁻¹ b what the estimate makes of b, and e = φ − H x over
     information I = bᵀ K⁻¹ b,   truth² = J + s² |e|²,   power = P(χ'²_r(s² I) > χ²_{r, 1−α})
     D² = min(need |e|²/((κ² − 1) I), s_max² |e|²),   s_κ² = (κ² − 1) J/|e|²
 
+A departure of size s stays hidden where it makes the truth worse than κ times the promise and is not shown. Its share,
+over sizes and places c, is the risk that a promise runs which nothing says anything against:
+
+    hidden = E_c E_s 1[s² |e_c|² > (κ² − 1) J] P(χ'²_r(s² I_c) ≤ χ²_{r, 1−α}),   s normal with the std of the curve
+
 D, the damage, does not depend on J: it is the promise that readings would have to make for a departure that is just
 seen, and makes the truth κ times the promise. (Baarda 1968, external reliability, with a field in place of a point.)
 """
@@ -13,6 +18,7 @@ seen, and makes the truth κ times the promise. (Baarda 1968, external reliabili
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -27,6 +33,10 @@ FALSE_ALARM = 0.05 / 6
 """Of the test for one departure: one campaign in twenty over six families."""
 _SEEN = 0.9
 """Probability from which a departure counts as seen."""
+_SIZES = 24
+"""Sizes of equal probability in an average over them: of 12 or 48 it is the same to 0.002."""
+_SURELY = 80.0
+"""Of so large a noncentrality less than one in a million stays hidden."""
 _ABSURD = 100.0
 """Times the largest size considered: what only larger ones would show, rounding shows; any factor near would do."""
 
@@ -73,6 +83,25 @@ class Harm(NamedTuple):
             return 1.0
         noncentrality = (KAPPA**2 - 1) * promise**2 / self.wrong * self.least_information
         return float(1.0 - noncentral_share(_limit(self.degrees), self.degrees, np.array(noncentrality)))
+
+
+def hidden(harms: Sequence[Harm], std: float, promise: float) -> float:
+    """Return the share of departures that make the truth κ times the promise, or worse, and are not shown.
+
+    harms : of one family, one for each place that it may be at; std : of their sizes, m or rad; promise : m
+    """
+    squares = std**2 * _squares()
+    wrong = np.array([each.wrong for each in harms])[:, None] * squares > (KAPPA**2 - 1) * promise**2
+    seen = np.array([each.least_information for each in harms])[:, None] * squares
+    open_ones = wrong & (seen < _SURELY)
+    degrees = harms[0].degrees
+    return float(np.sum(noncentral_share(_limit(degrees), degrees, seen[open_ones]))) / wrong.size
+
+
+@cache
+def _squares() -> Array:
+    """Return squares of standard normal sizes, each as probable as the others."""
+    return np.array([chi_square_limit(1, (n + 0.5) / _SIZES) for n in range(_SIZES)])
 
 
 @cache

@@ -15,13 +15,23 @@ from itertools import groupby, takewhile
 
 import numpy as np
 
-from axiscal.accuracy.damage import Harm
+from axiscal.accuracy.damage import Harm, hidden
+from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
-from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures, joint_shape, shape
+from axiscal.machine.description import Machine
+from axiscal.measurement.departures import (
+    EVERYWHERE,
+    IN_PLANS,
+    Departure,
+    Family,
+    departures,
+    joint_shape,
+    shape,
+)
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -34,6 +44,8 @@ COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
+_ANYWHERE: frozenset[Family] = frozenset({"step", "bump"})
+"""Families that may be anywhere, in a gap between readings too. What is narrower hides between any two of them."""
 _LARGEST_DRIFT = 20e-6
 """m or rad over one set-up: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md)."""
 _LARGEST_PITCH = 5e-6
@@ -58,6 +70,8 @@ class Departed:
     seen_from : size that they show with 90 %, m or rad; infinite where they cannot at some place
     damage : m, what it does when it is just seen, the root mean square over places; worst : where most, m or rad
     counted : whether the promise has to be defended against it
+    hidden : of a family that may be anywhere, the probability that one as large as its curve usually is makes the truth
+        1.5 times the promise and is not shown; 0 where that was not asked
     """
 
     family: Family
@@ -67,6 +81,11 @@ class Departed:
     damage: float
     worst: float
     counted: bool
+    hidden: float = 0.0
+
+    def exceeds(self, promise: float) -> bool:
+        """Return whether a promise, m, is not defended against it."""
+        return self.counted and (self.damage > OPEN * promise or self.hidden > 1 - LEVEL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +107,16 @@ class Defence:
         return replace(self, u_def=max(promise, worst), promise=promise)
 
     @property
+    def hides(self) -> bool:
+        """Whether there is room for what makes the truth 1.5 times the promise, unseen."""
+        return any(each.counted and each.hidden > 1 - LEVEL for each in self.departures)
+
+    @property
+    def unchecked(self) -> bool:
+        """Whether readings could not have shown what would make the promise much too good."""
+        return self.u_def > OPEN * self.promise or self.hides
+
+    @property
     def weakest(self) -> Departed | None:
         """The departure that does most damage among those that count; None where the promise is the larger."""
         counted = [each for each in self.departures if each.counted and each.damage > self.promise]
@@ -100,6 +129,28 @@ def defence(case: Case, readings: Sequence[Reading], promise: float) -> Defence:
     chosen = drawn(readings, _MOST)
     made = EffectMap.of(case, chosen) if len(chosen) >= _FEWEST else None
     return replace(vouched(case.observation, chosen, made, promise), readings=len(readings))
+
+
+@one_thread()
+def with_gaps(found: Defence, case: Case, readings: Sequence[Reading], stated: Machine) -> Defence:
+    """Return what the same readings can vouch for with what may stay hidden between them, `hidden` of each departure.
+
+    stated : the machine before scales were learnt. A curve found to be smaller says nothing of a step where it was not
+    read, so that steps stay as large as stated.
+    """
+    if found.readings < _FEWEST:
+        return found
+    chosen, search = drawn(readings, _MOST), replace(IN_PLANS, steps=EVERYWHERE.steps)
+    effects, entries = EffectMap.of(case, chosen), (case.errors.machine.errors, stated.errors)
+    possible = takewhile(lambda each: each.family != "bad", departures(case.observation, chosen, search))
+    told = [each for each in possible if each.family in _ANYWHERE]
+    shares = {}
+    for key, members in groupby(told, key=lambda each: (each.family, each.owner)):
+        group = list(members)
+        std = max(entry.std for machine in entries for entry in machine if entry.name == key[1])
+        shares[key] = hidden([effects.effect(each) for each in group], std, found.promise)
+    seen = [replace(each, hidden=shares.get((each.family, each.owner), 0.0)) for each in found.departures]
+    return replace(found, departures=tuple(seen))
 
 
 def vouched(

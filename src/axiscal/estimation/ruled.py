@@ -5,7 +5,8 @@
 
 Rules in this order: `contradicted` where the test fires and the likeliest explanation itself fits with p < 0.001, or
 the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
-were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise.
+were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise, or
+where a step or a detail, as large as curves are and anywhere, would with more than 5 % spoil the promise unseen.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from axiscal.belief import Belief
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.believed import plausible_with_sides, with_sides
 from axiscal.estimation.checks import checked
-from axiscal.estimation.defence import OPEN, Defence
+from axiscal.estimation.defence import Defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
-from axiscal.estimation.vouching import defended
+from axiscal.estimation.vouching import defended_with_gaps
 from axiscal.inference.averaging import Average, average
 from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
 from axiscal.inference.evidence import Evidence
@@ -59,7 +60,7 @@ def ruled(known: Estimation) -> Estimation:
     if known.ruling is not None:
         return known
     readings: Sequence[Reading] = with_sides(known)
-    defence = defended(known)
+    defence = defended_with_gaps(known)
     if len(readings) < FEWEST:
         comparison, own = Comparison((), 1.0, 1.0), _expanded(known.banded)
         return replace(known, ruling=Ruling("unchecked", comparison, own, defence, known.accuracy.rms))
@@ -129,7 +130,7 @@ def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> Ver
         return "contradicted"
     if comparison.contradicted:
         return "widened"
-    return "unchecked" if defence.u_def > OPEN * defence.promise else "holds"
+    return "unchecked" if defence.unchecked else "holds"
 
 
 def _average(known: Estimation, readings: Sequence[Reading]) -> Average:

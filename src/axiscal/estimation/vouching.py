@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.estimation.defence import Defence, defence
+from axiscal.estimation.defence import Defence, defence, with_gaps
 from axiscal.estimation.estimation import Estimation
+from axiscal.measurement.reading import Reading
 
 
 def defended(estimation: Estimation) -> Defence:
@@ -13,11 +14,20 @@ def defended(estimation: Estimation) -> Defence:
     return defended_by(estimation, len(estimation.readings), estimation.accuracy.rms)
 
 
+def defended_with_gaps(estimation: Estimation) -> Defence:
+    """Return what the believed readings of an estimation vouch for, with what may stay hidden between them."""
+    found, stated = defended(estimation), estimation.stated.description.machine
+    return with_gaps(found, estimation.case, _believed(estimation, len(estimation.readings)), stated)
+
+
 def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
     """Return what the first readings vouch for, those of them that are believed today.
 
     count : of the first readings; promise : RMS over the volume that they left, m
     """
+    return defence(estimation.case, _believed(estimation, count), promise)
+
+
+def _believed(estimation: Estimation, count: int) -> list[Reading]:
     apart = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
-    believed = [reading for index, reading in enumerate(estimation.readings[:count]) if index not in apart]
-    return defence(estimation.case, believed, promise)
+    return [reading for index, reading in enumerate(estimation.readings[:count]) if index not in apart]

@@ -16,7 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.defence import OPEN
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import learns_together, posed
-from axiscal.planning.vouched import lacking, vouched_by_plan
+from axiscal.planning.vouched import vouched_by_plan
 
 Progress = Callable[[str], None]
 
@@ -69,7 +69,8 @@ def refuse_unless_provable(case: Case) -> None:
 def would_do(case: Case, proposal: Proposal, how: Thoroughness) -> Enough | None:
     """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown."""
     places = proposal.plan.places
-    if not lacking(vouched_by_plan(case, proposal.plan)):
+    found = vouched_by_plan(case, proposal.plan)
+    if not found.u_def > OPEN * found.promise:  # what gaps may hide, more readings of the same search may leave open
         return None
     return enough_readings(posed(case, case.knowledge, candidates=how.candidates), places, OPEN)
 

@@ -12,7 +12,7 @@ from axiscal.accuracy.other_tool import other_tool
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import OPEN, Defence, Departed, defence
+from axiscal.estimation.defence import Defence, Departed, defence, with_gaps
 from axiscal.language.spoken import counted, later, listed, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -49,7 +49,9 @@ class Vouched:
 
 def vouched_by_plan(case: Case, plan: Plan) -> Defence:
     """Return what the readings of a plan can vouch for, each taken when it is planned."""
-    return defence(case, _planned(case, plan), plan.accuracy.rms)
+    readings = _planned(case, plan)
+    found = defence(case, readings, plan.accuracy.rms)
+    return with_gaps(found, case, readings, case.description.machine)
 
 
 def other_tool_words(case: Case, plan: Plan) -> str:
@@ -85,11 +87,6 @@ def vouched_words(case: Case, found: Defence) -> str:
         named=listed(", ", list(shown)[:_NAMED]),
         size=size,
     )
-
-
-def lacking(found: Defence) -> bool:
-    """Return whether readings can vouch for much less than they promise."""
-    return found.u_def > OPEN * found.promise
 
 
 def enough_words(enough: Enough | None) -> str:
@@ -133,7 +130,7 @@ def _counted(readings: int) -> str:
 
 def _open(found: Defence) -> list[Departed]:
     """Return what readings would not show and what does more than the promise allows, the most damaging first."""
-    return [each for each in found.departures if each.counted and each.damage > OPEN * found.promise]
+    return [each for each in found.departures if each.exceeds(found.promise)]
 
 
 def _limit(case: Case, each: Departed) -> str:
