@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from benchmarks.nonlinear.at_once import figures
 from benchmarks.nonlinear.path_picture import path_picture
 from benchmarks.nonlinear.remainders import KINDS, remainders
 from benchmarks.nonlinear.rounds import case_of, rounds
-from benchmarks.nonlinear.stations import compared, path, tracers
+from benchmarks.nonlinear.stations import at_once, bars, compared, path, tracers
 from benchmarks.nonlinear.two_step import compared_evaluations
 
 PAGE = Path(__file__).parents[2] / "docs" / "nonlinear.md"
@@ -46,18 +48,38 @@ def round_by_round() -> Iterator[str]:
 
 def station_by_station() -> Iterator[str]:
     """Yield the table of stations that are off."""
-    yield "| stations off by | linear once, um | held | shares, um | worst | held | NEES | cost/closed form | shares |"
-    yield "|---|---|---|---|---|---|---|---|---|"
-    for std, dead_path in (("5 mm", "10 mm"), ("100 mm", "100 mm"), ("300 mm", "100 mm")):
-        case = tracers(std, dead_path)
+    yield (
+        "| stations off by | linear once, um | held | sigma points, um | held | Gauss–Newton 3, um | worst | held "
+        "| shares, um | worst | held | NEES | cost/closed form | shares |"
+    )
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    for what, std, zero in (
+        ("ball bar ×3", "2 mm", "1 mm"),
+        ("tracer ×4", "5 mm", "10 mm"),
+        ("tracer ×4", "100 mm", "100 mm"),
+        ("tracer ×4", "300 mm", "100 mm"),
+    ):
+        case = (bars if "bar" in what else tracers)(std, zero)
         rows = [compared(case, seed) for seed in range(_MACHINES)]
         once, found = np.array([row.linear for row in rows]), np.array([row.by_shares for row in rows])
+        points, rounds_ = np.array([row.by_points for row in rows]), np.array([row.by_rounds for row in rows])
         costs, counts = [row.cost for row in rows], [row.taken for row in rows]
-        yield (
-            f"| {std} | {np.median(once[:, 0]) * _MICRO:.3g} | {once[:, 1].mean():.1%} "
-            f"| {np.median(found[:, 0]) * _MICRO:.3g} | {found[:, 0].max() * _MICRO:.3g} | {found[:, 1].mean():.1%} "
-            f"| {found[:, 3].mean():.2f} | {min(costs):.6f} to {max(costs):.6f} | {min(counts)} to {max(counts)} |"
-        )
+        figures_of = [f"{_median(once)} | {_held(once)}", f"{_median(points)} | {_held(points)}"]
+        figures_of += [f"{_median(each)} | {_worst(each)} | {_held(each)}" for each in (rounds_, found)]
+        figures_of += [f"{found[:, 3].mean():.2f}", f"{min(costs):.6f} to {max(costs):.6f}"]
+        yield f"| {what}, {std} | {' | '.join(figures_of)} | {min(counts)} to {max(counts)} |"
+
+
+def _median(found: Array) -> str:
+    return f"{np.median(found[:, 0]) * _MICRO:.3g}"
+
+
+def _worst(found: Array) -> str:
+    return f"{found[:, 0].max() * _MICRO:.3g}"
+
+
+def _held(found: Array) -> str:
+    return f"{found[:, 1].mean():.1%}"
 
 
 def evaluation_by_evaluation() -> Iterator[str]:
@@ -71,11 +93,22 @@ def evaluation_by_evaluation() -> Iterator[str]:
         yield f"| {points} | {4 * points} | {together:.2f} | {stepwise:.2f} |"
 
 
+def turn_by_turn() -> Iterator[str]:
+    """Yield the table of four tracers in turn and at once."""
+    yield "| distances | in turn: min | promised, um | missed, um | at once: min | promised, um | missed, um |"
+    yield "|---|---|---|---|---|---|---|"
+    for points in (8, 12, 20):
+        ways = figures(tracers("5 mm", "10 mm"), 4 * points), figures(at_once("5 mm", "10 mm"), points)
+        each = [f"{s / 60:.1f} | {rms * _MICRO:.2f} | {missed * _MICRO:.2f}" for s, rms, missed in ways]
+        yield f"| {4 * points} | {' | '.join(each)} |"
+
+
 TABLES: dict[str, Callable[[], Iterator[str]]] = {
     "left out": left_out,
     "rounds": round_by_round,
     "stations": station_by_station,
     "evaluations": evaluation_by_evaluation,
+    "at-once": turn_by_turn,
 }
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.actual import deviation_of
 from axiscal.estimation.absorbed import Absorbed, absorbed
@@ -18,6 +19,7 @@ from axiscal.estimation.progressive.starts import closed_form
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator, VirtualMachine
+from benchmarks.nonlinear.other_ways import gauss_newton, sigma_points
 
 STATIONS = (("-900", "-700", "-500"), ("900", "-600", "-100"), ("-200", "900", "-600"), ("100", "100", "700"))
 _POINTS, _POSES = 45, 150
@@ -44,15 +46,48 @@ station_z = "{std}"
     return Case(campaign_from_texts(head + "".join(setups), "c.toml", text, "m"))
 
 
+def at_once(std: str, dead_path: str) -> Case:
+    """Return the same machine with all four tracers in one set-up."""
+    places = ", ".join("[" + ", ".join(f'"{each} mm"' for each in station) + "]" for station in STATIONS)
+    known = ", ".join(f'station_{axis} = "{std}"' for axis in "xyz")
+    setup = f'[[setups]]\nname = "beams"\ninstrument = "tracer"\nstations = [{places}]\napproach = "both"\n'
+    text = f'machine = "m"\n[target]\nreadings = 1\n{setup}unknowns = {{ zero = "{dead_path}", {known} }}\n'
+    return Case(campaign_from_texts(text, "c.toml", tracers(std, dead_path).description.machine.text, "m"))
+
+
+CENTRES = (("150", "150", "100"), ("350", "150", "200"), ("250", "250", "100"))
+
+
+def bars(std: str, radius: str) -> Case:
+    """Return the same machine with a ball bar about three centres.  std : of each coordinate of a centre"""
+    setups = [
+        f"""[[setups]]
+name = "centre {number}"
+instrument = "ballbar"
+length = "150 mm"
+station = [{", ".join(f'"{each} mm"' for each in centre)}]
+approach = "both"
+unknowns = {{ zero = "{radius}", station_x = "{std}", station_y = "{std}", station_z = "{std}" }}
+"""
+        for number, centre in enumerate(CENTRES, 1)
+    ]
+    text = f'machine = "m"\n[target]\nreadings = 1\n{"".join(setups)}'
+    return Case(campaign_from_texts(text, "c.toml", tracers(std, radius).description.machine.text, "m"))
+
+
 def read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
     """Return a machine with stations drawn from the prior, and readings at random poses."""
     rng = np.random.default_rng(seed)
     machine = Simulator(case.description.machine, case.description.setups).drawn(seed)
     low, high = np.array([axis.travel for axis in case.description.machine.axes]).T
     readings = []
-    for setup in case.description.setups:
+    for index, setup in enumerate(case.description.setups):
         for _ in range(_POINTS):
             pose, side = tuple(rng.uniform(low, high).tolist()), tuple(int(s) for s in rng.choice([-1, 1], len(low)))
+            if setup.length is not None:
+                poses, sides = case.lattice.of(index)
+                at = int(rng.integers(len(poses)))
+                pose, side = tuple(poses[at].tolist()), tuple(int(s) for s in sides[at])
             readings.append(Reading(setup.name, pose, side, machine.read(setup, pose, side, rng), time=0.0))
     return machine, readings
 
@@ -69,9 +104,9 @@ class Found(NamedTuple):
     nees: float
 
 
-def judged(case: Case, machine: VirtualMachine, known: Absorbed) -> Found:
+def judged(case: Case, machine: VirtualMachine, belief: Belief) -> Found:
     """Return how right an estimate is."""
-    axes, errors, belief = case.description.machine.axes, case.errors, known.knowledge.belief
+    axes, errors = case.description.machine.axes, case.errors
     low, high = np.array([axis.travel for axis in axes]).T
     poses = np.random.default_rng(7).uniform(low, high, (_POSES, len(low)))
     sides = np.ones_like(poses)
@@ -79,8 +114,10 @@ def judged(case: Case, machine: VirtualMachine, known: Absorbed) -> Found:
     left = machine.deviation(poses, sides) - deviation_of(errors, belief.mean[: errors.size], poses, sides).displacement
     std = np.sqrt(np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2))
     about = left - left.mean(axis=0)
-    truth = np.concatenate([list(machine.offsets[setup.name].values()) for setup in case.description.setups])
-    off, root = truth - belief.mean[errors.size :], belief.factor[errors.size :]
+    truth = np.zeros(case.observation.size)
+    for index, setup in enumerate(case.description.setups):
+        truth[case.observation.unknowns_of(index)] = list(machine.offsets[setup.name].values())
+    off, root = truth[errors.size :] - belief.mean[errors.size : len(truth)], belief.factor[errors.size : len(truth)]
     nees = float(off @ np.linalg.solve(root @ root.T, off)) / len(off)
     held = float(np.mean(np.abs(left) < 1.96 * std))
     return Found(float(np.sqrt(np.mean(np.sum(about**2, axis=1)))), held, float(np.abs(off).max()), nees)
@@ -90,29 +127,34 @@ class Row(NamedTuple):
     """What became of one machine; cost : of the optimum from shares, over that from closed form; taken : shares."""
 
     linear: Found
+    by_points: Found
+    by_rounds: Found
     by_shares: Found
     cost: float
     taken: int
 
 
 def compared(case: Case, seed: int) -> Row:
-    """Return a machine estimated once about the stated stations, and by shares."""
+    """Return a machine estimated once about the stated stations, by sigma points, in three rounds and by shares."""
     machine, readings = read(case, seed)
     problem = BentReadings(case, readings)
-    way = shares(problem)
-    best, other = (polished(problem, start) for start in (way[-1].point, closed_form(case, readings, case.prior.mean)))
+    taken = shares(problem)
+    best, other = (
+        polished(problem, start) for start in (taken[-1].point, closed_form(case, readings, case.prior.mean))
+    )
     linear, found = (
-        judged(case, machine, absorbed(Absorbed.nothing(each), readings, {}))
+        judged(case, machine, absorbed(Absorbed.nothing(each), readings, {}).knowledge.belief)
         for each in (case, case.linear_about(best.point))
     )
-    return Row(linear, found, best.cost / other.cost, len(way) - 1)
+    by_points, by_rounds = (judged(case, machine, way(problem)) for way in (sigma_points, gauss_newton))
+    return Row(linear, by_points, by_rounds, found, best.cost / other.cost, len(taken) - 1)
 
 
 def path(std: str, dead_path: str, seed: int) -> list[tuple[float, float, float]]:
     """Return γ, the error of the first station, and its standard deviation after each share, m."""
     case = tracers(std, dead_path)
     machine, readings = read(case, seed)
-    columns, own = list(case.station_columns(0) or ()), list(machine.offsets[case.description.setups[0].name].values())
+    columns, own = list(case.station_columns(0)[0]), list(machine.offsets[case.description.setups[0].name].values())
     names = [unknown.name for unknown in case.description.setups[0].unknowns]
     truth = np.array([own[names.index(f"station_{axis}")] for axis in "xyz"])
     problem, found = BentReadings(case, readings), []

@@ -6,7 +6,7 @@ estimates it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -21,8 +21,9 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import Deviation, actual_deviation
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.drift import MEMORY
-from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.owners import Owned
 from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
@@ -34,10 +35,12 @@ _SHORTEST = 1e-4
 Curve = Callable[[Array], Array]
 """Positions of the error's axis (m,), or of both its axes (m, 2) -> values (m,), m or rad."""
 
-Wander = Callable[[float], tuple[float, float, float]]
-"""Seconds since the campaign began -> how far the zeros (the only one, or along x, y, z) have moved, m or rad."""
+Wander = Callable[[float], Sequence[float] | Array]
+"""Seconds since the campaign began -> how far the zeros (the only one, or one for each number) have moved, m or rad."""
 
 
+_DRAWN = 3
+"""Drifts drawn for a set-up at least, so that one of one number is the same machine as one of three."""
 _CHIPS = 0.02
 """Share of the readings that a chip shifts, where chips are stated."""
 _MINUTE, _DAY = 60.0, 1440
@@ -102,7 +105,8 @@ class VirtualMachine:
         stepped = setup.base is not None
         actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
         shown = self.exactly(setup, at, actual, come)
-        moved = self.drifts.get(setup.name, _still)(seconds)
+        wander = self.drifts.get(setup.name)
+        moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
         each = (v + d + _scattered(setup, rng) for v, d in zip(shown, moved, strict=False))
         return tuple(_displayed(value, setup.resolution) for value in each)
 
@@ -113,9 +117,9 @@ class VirtualMachine:
         """
         model = model_of(setup)
         place = Nominal(self.model.machine, pose, setup.moves, approaches=approach)
-        directions = [np.array(setup.direction)] if model.values == 1 else list(np.eye(3))
+        each = [np.array(setup.direction) if along is None else along for along in directions_of(setup)]
         own = self.offsets.get(setup.name, {})
-        return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in directions]
+        return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in each]
 
     def _chord(self, setup: Setup, poses: Array) -> Actual:
         """Return by how much the way differs between the two feet of a level, per length between them."""
@@ -180,7 +184,8 @@ class Simulator:
         pairs = zip(self.setups, owned.columns, strict=True)
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
-        return offsets, {s.name: _wandering(s.drift, rng) for s in self.setups if s.drift > 0}
+        drifting = {s.name: (s.drift, max(values_of(s), _DRAWN)) for s in self.setups if s.drift > 0}
+        return offsets, {name: _wandering(*of, rng) for name, of in drifting.items()}
 
 
 def _scattered(setup: Setup, rng: np.random.Generator) -> float:
@@ -198,25 +203,20 @@ def _displayed(value: float, resolution: float) -> float:
     return round(value / resolution) * resolution if resolution else value
 
 
-def _still(_: float) -> tuple[float, float, float]:
-    return 0.0, 0.0, 0.0
-
-
-def _wandering(rate: float, rng: np.random.Generator) -> Wander:
+def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:
     """Return a drift drawn minute by minute over a day, and standing still thereafter: its rate is an
     autoregressive process.
     """
     kept = np.exp(-_MINUTE / MEMORY)
-    paces = rng.standard_normal((_DAY + 1, 3))
+    paces = rng.standard_normal((_DAY + 1, count))
     for before, now in pairwise(paces):
         now *= np.sqrt(1 - kept**2)
         now += kept * before
-    places = np.vstack([np.zeros(3), np.cumsum(rate * _MINUTE * (paces[:-1] + paces[1:]) / 2, axis=0)])
+    places = np.vstack([np.zeros(count), np.cumsum(rate * _MINUTE * (paces[:-1] + paces[1:]) / 2, axis=0)])
     minutes = _MINUTE * np.arange(_DAY + 1)
 
-    def moved(seconds: float) -> tuple[float, float, float]:
-        x, y, z = (float(np.interp(seconds, minutes, places[:, k])) for k in range(3))
-        return x, y, z
+    def moved(seconds: float) -> Array:
+        return np.array([np.interp(seconds, minutes, places[:, k]) for k in range(count)])
 
     return moved
 

@@ -1,4 +1,4 @@
-"""Planning of readings that have three values: gains, exchanges, bounds and exact lines against dense matrices."""
+"""Planning of readings that have several values: gains, exchanges, bounds and exact lines against dense matrices."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from axiscal.design.plan.task import Limits, Task
 from axiscal.design.step.best_step import best_step
 from axiscal.design.step.lines import lines_along
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Unknown
@@ -28,12 +29,23 @@ from tests.generators.designs import levered, random_poses
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
 
 
-def mixed(candidates: int = 300, three: tuple[int, ...] = (0,)) -> Task:
-    """Return the table under two slides with an R-test among its set-ups; the others are indicators."""
+STATIONS = ((0.9, -0.4, 0.3), (-0.5, 0.6, 0.1), (0.2, 0.7, 0.9), (0.1, -0.8, -0.4))
+BEAMS = tuple(Unknown(name, 1e-4) for name in ("zero", "station_x", "station_y", "station_z"))
+
+
+def mixed(candidates: int = 300, three: tuple[int, ...] = (0,), beams: dict[int, int] | None = None) -> Task:
+    """Return the table under two slides with an R-test among its set-ups; the others are indicators.
+
+    beams : by set-up how many tracers read at once in place of the R-test or indicator
+    """
     asked = levered(candidates)
     setups = tuple(
         replace(s, instrument="rtest", unknowns=ZEROS) if i in three else s
         for i, s in enumerate(asked.observation.setups)
+    )
+    setups = tuple(
+        replace(s, instrument="tracer", stations=STATIONS[:count], unknowns=of_each(BEAMS, count)) if count else s
+        for s, count in zip(setups, [(beams or {}).get(i, 0) for i in range(len(setups))], strict=True)
     )
     observation = Observation(asked.observation.errors, setups)
     belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
@@ -56,12 +68,14 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     return np.array([before - dense_value(asked, Places.joined([places, pool.lattice.at(int(i))])) for i in indices])
 
 
-@pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])
+@pytest.mark.parametrize(
+    ("three", "beams"), [((0,), {}), ((1,), {}), ((0, 1), {}), ((0,), {1: 4}), ((1,), {0: 2}), ((), {0: 2, 1: 4})]
+)
 @pytest.mark.parametrize("memory", [1e9, 0.0])
 def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
-    three: tuple[int, ...], memory: float
+    three: tuple[int, ...], beams: dict[int, int], memory: float
 ) -> None:
-    asked = mixed(120, three)
+    asked = mixed(120, three, beams)
     pool = Pool(asked.observation, asked.lattice, memory)
     scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
     looked_at = np.concatenate([np.arange(0, len(pool), 11), [3]])
@@ -69,7 +83,7 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     for index in (3, 100, 40, 41, 90):
         value, gain = scores.state.value, scores.enter(index)
         assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    scores.enter(Places.of_setup(three[0], *random_poses(asked, rng, 1)))
+    scores.enter(Places.of_setup((*three, 0)[0], *random_poses(asked, rng, 1)))
     assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-7)
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-5)
 

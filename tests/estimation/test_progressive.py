@@ -97,7 +97,7 @@ def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decide
     above = [(*pose[:2], 0.45) for pose in poses[:6]]
     more = [Reading(setup.name, p, (1, 1, 1), machine.read(setup, p, (1, 1, 1), rng), time=0.0) for p in above]
     known = concluded(case, [*flat, *more])
-    columns = list(known.case.station_columns(1) or ())
+    columns = list(known.case.station_columns(1)[0])
     truth = [machine.offsets[setup.name][name] for name in ("station_x", "station_y", "station_z")]
     assert known.knowledge.belief.mean[columns] == pytest.approx(truth, abs=2e-3)
 

@@ -257,7 +257,7 @@ def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
     park = spans.mean(axis=1)
     box = Box(Room.empty(MILL), (0, 1, 2), spans, park, (0.0, 0.0, 0.0))
     station = np.array([0.3, -1.0, 0.0])
-    chart = Sight(box, station, (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
+    chart = Sight(box, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
     rng = np.random.default_rng(6)
     poses = chart.poses(spans[:, 0] + np.ptp(spans, axis=1) * rng.uniform(size=(300, 3)))
     for pose, said in zip(poses, chart.feasible(poses), strict=True):

@@ -33,6 +33,7 @@ from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import TargetError
 from axiscal.measurement.blank_sheet import blank_sheet
 from axiscal.measurement.place import Places
+from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -142,9 +143,7 @@ class Check:
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""
         setups, axes = self.description.setups, self.description.machine.axes
-        counts = {len(row) for row in self.predicted(places)[0]}
-        values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
-        return blank_sheet(setups, axes, places, values)
+        return blank_sheet(setups, axes, places, columns_of(setups[index] for index in places.setups))
 
 
 def requests(description: CampaignDescription, places: Places) -> list[Request]:

@@ -37,7 +37,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.inference.outliers import Doubt
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
@@ -237,10 +237,13 @@ class Campaign(Closing):
         return self.state.readings[-1]
 
     def _refuse_other_count(self, setup: str, count: int) -> None:
-        instrument = INSTRUMENTS[self.description.setup(setup).instrument]
-        if count != instrument.values:
-            what = f"the {instrument.name} gives {instrument.values} value{'s' * (instrument.values > 1)}, not {count}"
-            raise ReadingError(what, "Give the values along x, y and z" if instrument.values > 1 else "Give one value")
+        mounted = self.description.setup(setup)
+        values = values_of(mounted)
+        if count == values:
+            return
+        what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
+        several = "Give one from each station in its order" if mounted.stations else "Give the values along x, y and z"
+        raise ReadingError(what, several if values > 1 else "Give one value")
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
         """Keep in mind that the reading asked for cannot be taken, and return it; it is not asked for again.

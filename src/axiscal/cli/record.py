@@ -20,7 +20,7 @@ from axiscal.exceptions import RecordError
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.units import format_quantity, parse_quantity, to_unit
@@ -166,9 +166,9 @@ def _keep(
 ) -> Reading:
 
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
-    instrument = INSTRUMENTS[campaign.description.setup(place.setup).instrument]
-    dimension = instrument.reads
-    parts = [part.strip() for part in text.split(",")] if instrument.values > 1 else [text]
+    mounted = campaign.description.setup(place.setup)
+    dimension = INSTRUMENTS[mounted.instrument].reads
+    parts = [part.strip() for part in text.split(",")] if values_of(mounted) > 1 else [text]
     value, *others = (parse_quantity(part, dimension) for part in parts)
     spread = None if std is None else parse_quantity(std, dimension)
     return campaign.record(value, spread, at=place, accepted=accept, others=tuple(others))

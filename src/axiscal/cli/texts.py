@@ -9,8 +9,7 @@ from axiscal.guide.question import coming_text, go_text, parked_text, touch_text
 from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import reads_text
 from axiscal.language.spoken import decimals
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -24,8 +23,7 @@ def micrometres(length: float) -> str:
 def question_text(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    each = ("X", "Y", "Z") if INSTRUMENTS[setup.instrument].values > 1 else ("VALUE",)
-    values = ", ".join(f"{name} {reading_unit(setup)}" for name in each)
+    values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
     words = coming_text, touch_text, parked_text, deciding_text
     coming, touch, parked, decides = (word(campaign, asked) for word in words)
     lines = [

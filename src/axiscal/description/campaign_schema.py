@@ -64,6 +64,7 @@ class SetupTable(Table):
     expansion_std: QuantityText | None = Field(None, examples=['"1 um/m/K"'])
     base: QuantityText | None = Field(None, examples=['"100 mm"'])
     station: list[QuantityText] | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
+    stations: list[list[QuantityText]] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
     moves: list[str] | None = Field(None, examples=['["X"]'])
     park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
     noise: QuantityText | None = Field(None, examples=['"0.3 um"'])

@@ -18,8 +18,8 @@ from axiscal.machine.names import parse_error_name
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.standing import off_chart
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.place_texts import reading_unit, value_columns
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -176,9 +176,10 @@ def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
 
 
 def _refuse_other_count(row: RawReading, setup: Setup) -> None:
-    values = INSTRUMENTS[setup.instrument].values
-    if 1 + len(row.others) != values:
-        remedy = "Give value_x_um, value_y_um and value_z_um" if values > 1 else "Give one value, as value_um"
+    values = values_of(setup)
+    if 1 + len(row.others) != values or (values > 1 and row.by_station != bool(setup.stations)):
+        *first, last = value_columns(setup)
+        remedy = f"Give {', '.join(first)} and {last}" if first else "Give one value, as value_um"
         raise ReadingError(f'the {setup.instrument} of "{setup.name}" gives {values} values a reading', remedy)
 
 

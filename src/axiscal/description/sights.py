@@ -46,12 +46,12 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     """
     refuse_no_sight(table, at)
     said = [key for key in _KEYS if getattr(table, key) is not None]
-    if not said or setup.station is None:
+    if not said or not setup.standing:
         return setup
     spans = np.array([setup.span(machine.axes[k], k) for k in setup.moves])
     steps = tuple(setup.raster[k] for k in setup.moves)
     box = Box(Room.empty(machine), setup.moves, spans, np.array(setup.park), steps)
-    chart = Sight(box, np.array(setup.station), _range(table, at), _faces(table, at), _cone(table, at))
+    chart = Sight(box, np.array(setup.standing), _range(table, at), _faces(table, at), _cone(table, at))
     setup = replace(setup, chart=chart)
     with at(said[0]):
         refuse_unreachable(machine, setup)

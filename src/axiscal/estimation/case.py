@@ -26,12 +26,12 @@ from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.instruments.distance import SHIFTS, shifts_of
 from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown, Vector
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.time_taken import visit_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
@@ -39,6 +39,7 @@ from axiscal.numerics.spread import even_points
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
 _MOSTLY = 0.5
+Columns = tuple[int, int, int]
 
 
 class Inherited(NamedTuple):
@@ -136,25 +137,26 @@ class Case:
         point = mean[: self.errors.size + len(self.observation.unknowns)].copy()
         return replace(self.located(mean) or self, about=About(point, bent), both=frozenset())
 
-    def station_columns(self, index: int) -> tuple[int, ...] | None:
-        """Return the columns of where a set-up's station is found, x, y, z; None where it is not to be found."""
+    def station_columns(self, index: int) -> tuple[Columns, ...]:
+        """Return the columns of where each of a set-up's stations is found, x, y, z; none where they are not to be."""
         setup, columns = self.description.setups[index], self.observation.unknowns_of(index).tolist()
         own = dict(zip((unknown.name for unknown in setup.unknowns), columns, strict=True))
         names = _located_by(setup, set(own))
         if names is None or names == TURNS or not set(names) <= set(own):
-            return None
-        return tuple(own[name] for name in names)
+            return ()
+        each = iter(names)
+        return tuple((own[x], own[y], own[z]) for x, y, z in zip(each, each, each, strict=True))
 
-    def _found(self, index: int, mean: Array) -> Vector | None:
+    def _found(self, index: int, mean: Array) -> tuple[float, ...] | None:
         setup = self.description.setups[index]
         columns = dict(zip((u.name for u in setup.unknowns), mean[self.observation.unknowns_of(index)], strict=True))
         names = _located_by(setup, set(columns))
         if names is None:
             return setup.found
-        x, y, z = (float(columns.get(name, 0.0)) for name in names)
-        before = setup.found or (0.0, 0.0, 0.0)
-        moved = max(abs(new - old) for new, old in zip((x, y, z), before, strict=True))
-        return setup.found if moved < _STAYS else (x, y, z)
+        found = tuple(float(columns.get(name, 0.0)) for name in names)
+        before = setup.found or (0.0,) * len(found)
+        moved = max(abs(new - old) for new, old in zip(found, before, strict=True))
+        return setup.found if moved < _STAYS else found
 
     @cached_property
     def errors(self) -> ErrorModel:
@@ -262,7 +264,8 @@ def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:
     The centre of a bar is where its ball is found; what touches a ball is linear in where that stands.
     """
     if setup.artefact is None:
-        return next((names for names in (SHIFTS, TURNS) if set(names) & unknowns), None)
+        several = tuple(name for number in range(len(setup.stations)) for name in shifts_of(number))
+        return next((names for names in (several or SHIFTS, TURNS) if set(names) & unknowns), None)
     if setup.length is None or setup.artefact.calibrated is not None:
         return None
     ball = setup.artefact.balls[setup.balls[0]].name

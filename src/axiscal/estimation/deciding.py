@@ -25,7 +25,7 @@ from axiscal.inference.contradiction import MOST, SIZES, SURE, Explanation, Watc
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.departures import Departure, Family, departures
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -129,7 +129,7 @@ def _candidates(case: Case, last: Reading, gaps: Sequence[Gap]) -> list[Reading]
     """Return what may be read next in the set-up that is mounted, each at the time when it could be."""
     description = case.description
     setup = description.setup(last.setup)
-    others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
+    others = (0.0,) * (values_of(setup) - 1)
     found = []
     places = spread(description.machine, (setup,), _CANDIDATES)
     for pose, sides in zip(places.poses.tolist(), places.approaches.tolist(), strict=True):

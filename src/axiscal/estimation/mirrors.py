@@ -29,31 +29,28 @@ def refuse_mirrors(known: Absorbed, readings: Sequence[Reading], implausible: Se
     case = known.case
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
     size = case.errors.size + len(case.observation.unknowns)
-    for index, setup in enumerate(case.description.setups):
-        columns = case.station_columns(index)
-        image = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
-        if columns is None or image is None:
-            continue
-        here = known.knowledge.belief.mean[list(columns)]
-        spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
-        if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
-            continue
-        problem = BentReadings(case, drawn(kept, _MOST))
-        best, other = (polished(problem, start) for start in (known.knowledge.belief.mean[:size], image))
-        apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
-        if other.cost - best.cost < _NEAR and np.any(apart):
-            raise _ambiguity(case, index, setup.name, best, other)
+    for index in range(len(case.description.setups)):
+        images = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
+        for number, (columns, image) in enumerate(zip(case.station_columns(index), images, strict=False)):
+            here = known.knowledge.belief.mean[list(columns)]
+            spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
+            if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
+                continue
+            problem = BentReadings(case, drawn(kept, _MOST))
+            best, other = (polished(problem, start) for start in (known.knowledge.belief.mean[:size], image))
+            apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
+            if other.cost - best.cost < _NEAR and np.any(apart):
+                raise _ambiguity(case, index, number, best, other)
 
 
-def _ambiguity(case: Case, index: int, name: str, best: Optimum, other: Optimum) -> AmbiguityError:
-    stated = np.array(case.description.setups[index].station or (0.0, 0.0, 0.0))
-    columns = list(case.station_columns(index) or ())
+def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimum) -> AmbiguityError:
+    setup = case.description.setups[index]
+    stated, columns = np.array(setup.standing[number]), list(case.station_columns(index)[number])
     first, second = (_text(stated + each.point[columns]) for each in (best, other))
-    pose, differ = _decisive(case, index, best.point, other.point)
-    axes = case.description.machine.axes
-    what = (
-        f'the station of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
-    )
+    pose, differ = _decisive(case, index, number, best.point, other.point)
+    axes, name = case.description.machine.axes, setup.name
+    whose = f"station {number + 1}" if setup.stations else "the station"
+    what = f'{whose} of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
     remedy = (
         f'Read "{name}" at {place_text(axes, pose)} as well: there the two differ by {to_unit(differ, "mm"):.3g} mm. '
         "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
@@ -61,10 +58,10 @@ def _ambiguity(case: Case, index: int, name: str, best: Optimum, other: Optimum)
     return AmbiguityError(what, remedy)
 
 
-def _decisive(case: Case, index: int, first: Array, second: Array) -> tuple[list[float], float]:
+def _decisive(case: Case, index: int, number: int, first: Array, second: Array) -> tuple[list[float], float]:
     """Return the place where the predictions of two optima differ the most, and by how much, m."""
     poses, sides = case.lattice.of(index)
-    one, two = (case.observation.shown(index, poses, sides, point)[:, 0] for point in (first, second))
+    one, two = (case.observation.shown(index, poses, sides, point)[:, number] for point in (first, second))
     best = int(np.argmax(np.abs(one - two)))
     return poses[best].tolist(), float(abs(one - two)[best])
 

@@ -22,8 +22,9 @@ from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import data_equation
 from axiscal.measurement.blank_sheet import blank_sheet
 from axiscal.measurement.place import Place
+from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of
+from axiscal.measurement.reading_rows import places_of
 from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
 from axiscal.numerics.threads import one_thread
@@ -86,9 +87,7 @@ class QuickCheck:
         described = self.case.description
         setups, axes = described.setups, described.machine.axes
         at = places_of(setups, [Reading(p.setup, p.pose, p.approach, 0.0) for p in places])
-        counts = set(numbers_of_setups(setups)[at.setups].tolist())
-        values = [*(["value_um"] if 1 in counts else []), *(f"value_{c}_um" for c in "xyz" if 3 in counts)]
-        return blank_sheet(setups, axes, at, values)
+        return blank_sheet(setups, axes, at, columns_of(setups[index] for index in at.setups))
 
     @one_thread()
     def judged(self, readings: Sequence[Reading], tables: bool = False) -> Checked:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from axiscal.machine.axis import Axis
 from axiscal.measurement.csv_cells import csv_text
-from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import approach_text
+from axiscal.measurement.place_texts import approach_text, columns_of
 from axiscal.measurement.setup import Setup
 
 
@@ -41,20 +40,10 @@ def listing(readings: Sequence[Listed]) -> str:
 
 def form(readings: Sequence[Listed]) -> str:
     """Return readings.csv, whose last columns are to be filled in for `axiscal estimate`; parked axes stay empty."""
-    instruments = [INSTRUMENTS[reading.setup.instrument] for reading in readings]
-    kinds = {(instrument.reads, instrument.values) for instrument in instruments}
-    values = [column for kind, columns in _VALUES.items() if kind in kinds for column in columns]
+    values = columns_of([reading.setup for reading in readings])
     header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
     rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
     return csv_text([header, *rows])
-
-
-_VALUES = {
-    ("length", 1): ("value_um",),
-    ("angle", 1): ("value_urad",),
-    ("length", 3): ("value_x_um", "value_y_um", "value_z_um"),
-}
-"""Columns for what an instrument reads and how many values a reading has."""
 
 
 def _moving(reading: Listed) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -66,7 +66,7 @@ def answer(text: str, setup: Setup) -> Value | Word:
 
 
 def _values(text: str, setup: Setup) -> Array:
-    count = INSTRUMENTS[setup.instrument].values
+    count = values_of(setup)
     parts = _SEVERAL.split(text) if count > 1 else [text]
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))

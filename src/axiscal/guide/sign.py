@@ -35,6 +35,8 @@ def reads_text(setup: Setup) -> str:
     instrument = INSTRUMENTS[setup.instrument]
     if instrument.values > 1:
         return said("x, y and z")
+    if setup.stations:
+        return said("the distances from its {count} stations, in their order", count=len(setup.stations))
     if not instrument.model.directed:
         return said("the distance from its station")
     way = direction_text(setup)

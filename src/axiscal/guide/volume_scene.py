@@ -95,5 +95,5 @@ def _balls(campaign: Campaign) -> tuple[tuple[str, Array], ...]:
     setups = campaign.description.setups
     artefacts = {setup.artefact.name: setup.artefact for setup in setups if setup.artefact is not None}
     balls = [(ball.name, np.array(ball.place)) for artefact in artefacts.values() for ball in artefact.balls]
-    stations = [setup for setup in setups if setup.station is not None and setup.artefact is None]
-    return (*balls, *((setup.name, np.array(setup.station)) for setup in stations))
+    stations = [(setup, place) for setup in setups if setup.artefact is None for place in setup.standing]
+    return (*balls, *((setup.name, np.array(place)) for setup, place in stations))

@@ -121,7 +121,9 @@ class Plausibility:
     def _bent(self, reading: Reading) -> float:
         """Return the variance by which a reading bends while its station or its turn is not found, m²."""
         setup = self._setup(reading)
-        wide, turned = (sum(u.std**2 for u in setup.unknowns if u.name in names) for names in (SHIFTS, TURNS))
+        stations = max(len(setup.stations), 1)
+        wide = sum(u.std**2 for u in setup.unknowns if u.name.startswith(SHIFTS)) / stations
+        turned = sum(u.std**2 for u in setup.unknowns if u.name in TURNS)
         if not turned:
             return float((wide / (2 * _NEAREST)) ** 2)
         place = frames(self.observation.machine, np.array([reading.pose])).tcp[0]

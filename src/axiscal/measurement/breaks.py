@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.error_model.plane import PlaneError
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.way import feet
 from axiscal.numerics import Array
@@ -40,7 +40,7 @@ def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[i
     Rows are cubic; a lever arm adds one degree along a linear axis, and sine and cosine along a rotary one. Forms
     are squares, and products of as many as a reading has numbers.
     """
-    times = INSTRUMENTS[observation.setups[setup].instrument].values
+    times = values_of(observation.setups[setup])
     if not observation.machine.axes[axis].rotary:
         angular = any(f.angular for f in observation.errors.terms)
         return times * (8 if angular else 6), 0.0

@@ -22,7 +22,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
 from axiscal.measurement.cells import Cell, CellColumns, RestEffects, add_rests, rest_effects
 from axiscal.measurement.drift import Course
-from axiscal.measurement.instrument import INSTRUMENTS, model_of
+from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.owners import Owned
 from axiscal.measurement.setup import Setup, Unknown
@@ -30,7 +30,7 @@ from axiscal.measurement.way import Way
 from axiscal.numerics import Array
 
 Zero = tuple[int, int]
-"""Index of a set-up, and the number of its zero: 0, or 0 to 2 where it reads along x, y and z."""
+"""Index of a set-up, and the number of its zero: 0, or of each number of its readings."""
 
 
 class Rows(NamedTuple):
@@ -125,7 +125,7 @@ class Observation:
     ) -> Rows:
         """Return what readings of a set-up would tell (B&H eq. 29-30).
 
-        poses, approaches : (m, q); direction : (3,) of one number of a reading that has three; None for the set-up's
+        poses, approaches : (m, q); direction : of one number of a reading that has several; None for the set-up's
         times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
         """
         levers = self._levers_along(self.setups[setup], poses, direction)
@@ -287,10 +287,10 @@ class Observation:
 
     def drifts_shown(self, setup: int, direction: Array) -> Iterator[tuple[Course, float]]:
         """Yield the drifts that a reading along a direction shows, each with its share."""
-        three = INSTRUMENTS[self.setups[setup].instrument].values > 1
+        several = values_of(self.setups[setup]) > 1
         for (owner, number), course in self.courses.items():
             if owner == setup:
-                yield course, float(direction[number]) if three else 1.0
+                yield course, float(direction[number]) if several else 1.0
 
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
@@ -336,5 +336,6 @@ class Observation:
 
 
 def directions_of(setup: Setup) -> list[Array | None]:
-    """Return the directions of the numbers of one reading: the set-up's own, or x, y and z."""
-    return list(np.eye(3)) if INSTRUMENTS[setup.instrument].values > 1 else [None]
+    """Return the directions of the numbers of one reading: the set-up's own, x, y and z, or which of stations."""
+    count = values_of(setup)
+    return list(np.eye(count)) if count > 1 else [None]

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
+
+_VALUE_COLUMNS = ("value_um", "value_urad", *(f"value_{name}_um" for name in ("x", "y", "z", *range(1, MOST + 1))))
+"""Columns for values in a file of readings, in their order."""
 
 
 def shown_coordinate(value: float, axis: Axis) -> float:
@@ -58,6 +62,24 @@ def direction_text(setup: Setup) -> str:
         if abs(component) == 1:
             return letter if component > 0 else f"-{letter}"
     return "(" + ", ".join(f"{component:.4g}" for component in setup.direction) + ")"
+
+
+def value_names(setup: Setup) -> tuple[str, ...]:
+    """Return what the numbers of a reading are told apart by: x, y, z, or those of the stations; "" of a single one."""
+    if setup.stations:
+        return tuple(str(number) for number in range(1, values_of(setup) + 1))
+    return ("x", "y", "z") if values_of(setup) > 1 else ("",)
+
+
+def value_columns(setup: Setup) -> tuple[str, ...]:
+    """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
+    return tuple(f"value{'_' * bool(name)}{name}_{reading_unit(setup)}" for name in value_names(setup))
+
+
+def columns_of(setups: Iterable[Setup]) -> list[str]:
+    """Return the columns of a file of readings for the values of set-ups, those of each kind beside each other."""
+    needed = {column for setup in setups for column in value_columns(setup)}
+    return [column for column in _VALUE_COLUMNS if column in needed]
 
 
 def reading_unit(setup: Setup) -> str:

@@ -54,9 +54,10 @@ class Setup:
     raster : (n_axes,) m or rad, positions are multiples of it; 0 is continuous
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
     station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
+    stations : of tracers that read at once, one number each; none where one instrument reads
     growth : thermal expansion of the measured material at its temperature against 20 °C, a strain
-    found : how far from there its station has been found so far, m, or by how much a tracker is turned, rad; None is
-        nowhere else
+    found : how far from there its station has been found so far, m, or by how much a tracker is turned, rad; of several
+        stations one after another; None is nowhere else
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
         are those of the middle; None where it rides on what moves
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
@@ -89,7 +90,8 @@ class Setup:
     raster: tuple[float, ...]
     approach: Approach
     station: Vector | None = None
-    found: Vector | None = None
+    stations: tuple[Vector, ...] = ()
+    found: tuple[float, ...] | None = None
     growth: float = 0.0
     base: float | None = None
     drift: float = 0.0
@@ -118,6 +120,11 @@ class Setup:
         if self.chart is None or self.chart.size == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+
+    @property
+    def standing(self) -> tuple[Vector, ...]:
+        """Where its instruments stand: one place, several that read at once, or none that is stated."""
+        return self.stations or (() if self.station is None else (self.station,))
 
     @property
     def sides_follow(self) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from axiscal.measurement.cells import Cell, RestEffects, rest_effects
 from axiscal.measurement.drift import Course
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation, Zero
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -80,7 +80,7 @@ def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cel
 def _let_wander(observation: Observation, courses: dict[Zero, Course], setup: int, time: float, size: int) -> int:
     """Follow the drift of a set-up's zeros to a time, s, in place, and return how many columns there are then."""
     mounted = observation.setups[setup]
-    for number in range(INSTRUMENTS[mounted.instrument].values):
+    for number in range(values_of(mounted)):
         before = courses.get((setup, number))
         if before is None:
             courses[setup, number] = Course.begun(mounted.drift, time, size)

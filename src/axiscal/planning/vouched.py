@@ -15,7 +15,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence, with_gaps
 from axiscal.language.spoken import counted, later, listed, said
 from axiscal.measurement.departures import Family
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Reading
 from axiscal.units import said_quantity, to_unit
 
@@ -66,7 +66,7 @@ def _planned(case: Case, plan: Plan) -> list[Reading]:
     rows = zip(plan.places.setups.tolist(), plan.places.poses.tolist(), plan.places.approaches.tolist(), strict=True)
     readings = []
     for (setup, pose, approach), planned in zip(rows, plan.readings, strict=True):
-        others = (0.0,) * (INSTRUMENTS[setups[setup].instrument].values - 1)
+        others = (0.0,) * (values_of(setups[setup]) - 1)
         side = tuple(int(each) for each in approach)
         readings.append(Reading(setups[setup].name, tuple(pose), side, 0.0, others=others, time=planned.seconds))
     return readings

@@ -10,7 +10,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.updating import blocks
 from axiscal.exceptions import PlanError
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.threads import one_thread
@@ -125,6 +125,6 @@ def _line(case: Case, setup: Setup, axis: int, count: int) -> list[Reading]:
         pose = list(middle)
         pose[axis] = low + (i + 0.5) * step
         approach = tuple((setup.sides[0] if k in setup.moves else 0) for k in range(len(pose)))
-        others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
+        others = (0.0,) * (values_of(setup) - 1)
         readings.append(Reading(setup.name, tuple(pose), approach, 0.0, others=others))
     return readings

@@ -14,8 +14,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import later, put, said
-from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
@@ -154,7 +153,7 @@ def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[Consta
     for setup in estimation.case.description.setups:
         unit = reading_unit(setup)
         for number, path in enumerate(paths(estimation, setup)):
-            name = f"{setup.name}: drift" + (f"_{'xyz'[number]}" if len(directions_of(setup)) > 1 else "")
+            name = f"{setup.name}: drift" + (f"_{value_names(setup)[number]}" if value_names(setup)[number] else "")
             first, last = path.times[0], path.times[-1]
             moved = truth.drifts.get(setup.name) if truth is not None else None
             result.append(

@@ -22,8 +22,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import SMOOTH
 from axiscal.machine.names import COMPONENTS
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
@@ -291,9 +290,9 @@ def _stated_drift(estimation: Estimation, setup: Setup) -> str:
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             found.append(
                 said(
-                    many if len(directions_of(setup)) > 1 else one,
-                    way="xyz"[number],
-                    setup=setup.name,
+                    many if value_names(setup)[0] == "x" else one,
+                    way=value_names(setup)[number],
+                    setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                     size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                     time=_lasting(float(path.times[worst] - path.times[0])),
                 )

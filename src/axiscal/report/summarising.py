@@ -27,8 +27,8 @@ from axiscal.estimation.vouching import defended
 from axiscal.language.spoken import resaid, said, speaking
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose
+from axiscal.measurement.instrument import values_of
+from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.stages import stage
@@ -277,7 +277,7 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     unit = reading_unit(setup)
     noise = said_quantity(setup.noise, unit)
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    along = "x y z" if len(directions_of(setup)) > 1 else direction_text(setup)
+    along = " ".join(value_names(setup)) if values_of(setup) > 1 else direction_text(setup)
     along = along if setup.length is None else said("the bar")
     own = setup.name, said(setup.instrument), along, moves, noise, count
     return SetupUse(*own, of.serial, of.certificate, _temperature(setup))

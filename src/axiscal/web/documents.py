@@ -21,7 +21,7 @@ from axiscal.guide.question import Question
 from axiscal.guide.sign import ways
 from axiscal.guide.taking_back import last_step
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import reading_unit, shown_coordinate
+from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.record.events import Asked
@@ -105,6 +105,7 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
         sign=question.sign,
         unit=question.unit,
         expected=_expected(question.expected, question.unit),
+        names=list(value_names(question.setup)),
     )
 
 
@@ -189,6 +190,7 @@ def _picture(drawn: Picture) -> PictureShape:
         half=[each.half for each in band],
         dots=[[_dot(dot, number, unit, position_unit) for dot in drawn.dots] for number in range(numbers)],
         next=_shown_at(drawn.next, position_unit),
+        names=list(value_names(drawn.setup)),
     )
 
 

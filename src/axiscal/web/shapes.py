@@ -49,6 +49,7 @@ class QuestionShape(Shape):
 
     ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
     again : which reading has been taken there before, in words; decides : between which causes this one decides
+    names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
     """
 
     number: int
@@ -66,6 +67,7 @@ class QuestionShape(Shape):
     turns: bool
     unit: str
     expected: list[ExpectedShape]
+    names: list[str]
 
 
 class ReadingShape(Shape):
@@ -144,7 +146,8 @@ class DotShape(Shape):
 class PictureShape(Shape):
     """What is being measured: readings along the axis that moves with the band expected there, or in their order.
 
-    at, mean, half : the band; dots : one list for each number of a reading; next : where the next one is taken
+    at, mean, half : the band; dots : one list for each number of a reading, names : of these
+    next : where the next one is taken
     """
 
     kind: Literal["along", "order"]
@@ -157,6 +160,7 @@ class PictureShape(Shape):
     half: list[float]
     dots: list[list[DotShape]]
     next: float
+    names: list[str]
 
 
 class StateShape(Shape):

@@ -18,7 +18,7 @@ from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
-from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.units import dimension_of, format_quantity, from_unit
@@ -175,7 +175,7 @@ class ExecSource:
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
         unit = self._unit(answer.get("unit"), line, request)
-        value, *others = self._numbers(answer.get("value"), unit, line, INSTRUMENTS[request.setup.instrument].values)
+        value, *others = self._numbers(answer.get("value"), unit, line, request.setup)
         if answer.get("std") is None:
             return Answer(value, others=tuple(others), live=True)
         std = self._number(answer["std"], unit, line)
@@ -190,12 +190,14 @@ class ExecSource:
             remedy = f"Give one within a factor of a million of the set-up's noise, {noise}, or none"
             raise self._failure(f"answered {_quoted(line)}, whose std is not plausible", remedy)
 
-    def _numbers(self, value: object, unit: str, line: str, count: int) -> list[float]:
-        """Return the numbers of a reading: one, or a list of those along x, y and z."""
+    def _numbers(self, value: object, unit: str, line: str, setup: Setup) -> list[float]:
+        """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""
+        count = values_of(setup)
         if count == 1:
             return [self._number(value, unit, line)]
         if not isinstance(value, list) or len(value) != count:
-            remedy = 'Answer with the values along x, y and z: {"value": [1.7, 0.2, -0.4], "unit": "um"}'
+            which = "from each station in its order" if setup.stations else "along x, y and z"
+            remedy = f'Answer with the values {which}: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
             raise self._failure(f"answered {_quoted(line)}, in which {count} numbers were expected", remedy)
         return [self._number(each, unit, line) for each in value]
 

@@ -80,7 +80,7 @@ def _why(observation: Observation, mounted: Setup) -> str:
     turning = [machine.axes[k].name for k in mounted.moves if machine.axes[k].rotary]
     if turning:
         return f"{' and '.join(turning)} {'turns' if len(turning) == 1 else 'turn'}"
-    if mounted.station is not None:
+    if mounted.standing:
         return f"a {mounted.instrument} looks another way at every place"
     together = [plane.name for plane in observation.errors.planes if set(plane.axes) <= set(mounted.moves)]
     if together and not any(term.angular for term in observation.errors.terms):

@@ -14,7 +14,7 @@ import numpy as np
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.rests_in_cells import RestsInCells
-from axiscal.design.gains.three_values import PAIRS, SharedReadings
+from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.cells import RestEffects, add_rests
 from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
@@ -137,7 +137,7 @@ class Pool:
             above[block.numbers], below[block.numbers] = n[:, every, every].ravel(), m[:, every, every].ravel()
             if len(every) > 1:
                 first = block.numbers.start + len(every) * np.arange(len(n))
-                joints.append(SharedReadings(first, n[:, *PAIRS], m[:, *PAIRS]))
+                joints.append(SharedReadings.alike(first, n, m))
         return Forms(above, below, SharedReadings.of(joints))
 
     def gains(self, above: Array, below: Array, joint: SharedReadings) -> Array:

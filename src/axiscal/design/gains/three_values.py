@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 
-PAIRS: tuple[NDArray[np.intp], NDArray[np.intp]] = (np.array([0, 0, 1]), np.array([1, 2, 2]))
-"""Which entries beside the diagonal a symmetric matrix of three has."""
+_USUAL = 3
+"""Numbers of a reading of several: along x, y and z."""
 
 
 def joint_forms(above: Array, below: Array, noise: float) -> tuple[Array, Array]:
@@ -55,28 +55,61 @@ def _gains_of_three(above: Array, below: Array) -> Array:
     return gains
 
 
+def pairs_of(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return which entries beside the diagonal a symmetric matrix of so many has."""
+    pairs: tuple[NDArray[np.intp], NDArray[np.intp]] = np.triu_indices(count, 1)
+    return pairs
+
+
 @dataclass(eq=False, slots=True)
 class SharedReadings:
-    """What the numbers of readings of three have in common.
+    """What the numbers of readings of several have in common.
 
-    first : (t,) index of the first number of each; above, below : (t, 3) entries of N and M beside the diagonal
+    first : (t,) index of the first number of each; counts : (t,) its numbers, w at most
+    above, below : (t, w (w − 1) / 2) entries of N and M beside the diagonal, nought beyond its own numbers
     """
 
     first: NDArray[np.intp]
+    counts: NDArray[np.intp]
     above: Array
     below: Array
+    numbers: NDArray[np.intp] = field(init=False, repr=False)
+    inside: NDArray[np.bool_] | None = field(init=False, repr=False)
+    _aside: tuple[NDArray[np.intp], NDArray[np.intp]] = field(init=False, repr=False)
     _pairs: tuple[NDArray[np.intp], NDArray[np.intp]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Note where both numbers of every pair stand."""
-        self._pairs = self.first[:, None] + PAIRS[0], self.first[:, None] + PAIRS[1]
+        """Note where the numbers of each stand, (t, w), which of them are its own (None: all), and every pair."""
+        every = np.arange(int(self.counts.max(initial=_USUAL)))
+        inside = every < self.counts[:, None]
+        self.inside = None if inside.all() else inside
+        self.numbers = self.first[:, None] + np.where(inside, every, 0)
+        self._aside = pairs_of(len(every))
+        self._pairs = self.numbers[:, self._aside[0]], self.numbers[:, self._aside[1]]
+
+    @classmethod
+    def alike(cls, first: NDArray[np.intp], above: Array, below: Array) -> SharedReadings:
+        """Return readings of as many numbers each.  above, below : N and M, (t, k, k)"""
+        count = above.shape[-1]
+        parts = (_padded(whole[:, *pairs_of(count)], count, max(count, _USUAL)) for whole in (above, below))
+        return cls(first, np.full(len(first), count), *parts)
 
     @classmethod
     def of(cls, parts: Sequence[SharedReadings]) -> SharedReadings:
         """Return several as one."""
         if not parts:
-            return cls(np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros((0, 3)))
-        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("first", "above", "below")))
+            return cls.alike(np.zeros(0, dtype=np.intp), *np.zeros((2, 0, _USUAL, _USUAL)))
+        width = max(part.width for part in parts)
+        sides = (
+            np.concatenate([_padded(getattr(part, name), part.width, width) for part in parts])
+            for name in ("above", "below")
+        )
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("first", "counts")), *sides)
+
+    @property
+    def width(self) -> int:
+        """w."""
+        return int(self.numbers.shape[1])
 
     def after(self, scaled: Array, half: Array, cross: Array) -> SharedReadings:
         """Return the same after a change of the covariance; the arguments, (numbers, k), are as in `Scores`."""
@@ -84,11 +117,21 @@ class SharedReadings:
         (near_a, near_b), (far_a, far_b) = self.ends(scaled), self.ends(half)
         other.above = self.above - np.einsum("tpk,tpk->tp", near_a, far_b) - np.einsum("tpk,tpk->tp", far_a, near_b)
         other.below = self.below - np.einsum("tpk,tpk->tp", near_a, self.ends(cross)[1])
+        if self.inside is not None:
+            both = self.inside[:, self._aside[1]]
+            other.above *= both
+            other.below *= both
         return other
 
     def within(self, kept: NDArray[np.intp]) -> SharedReadings:
         """Return the same of some of the readings."""
-        return SharedReadings(self.first[kept], self.above[kept], self.below[kept])
+        return SharedReadings(self.first[kept], self.counts[kept], *self._narrow(kept))
+
+    def _narrow(self, kept: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return the entries of some readings, as many as the one with the most numbers among them has."""
+        width = int(self.counts[kept].max(initial=_USUAL))
+        mine = self._aside[1] < width
+        return self.above[kept][:, mine], self.below[kept][:, mine]
 
     def copy(self) -> SharedReadings:
         """Return a copy that goes its own way."""
@@ -101,16 +144,28 @@ class SharedReadings:
         return joint_gains(*self.matrices(above, below))
 
     def matrices(self, above: Array, below: Array) -> tuple[Array, Array]:
-        """Return N and M of all readings, each (t, 3, 3).  above, below : (numbers,) their diagonals."""
-        return self._full(above, self.above), self._full(below, self.below)
+        """Return N and M of all readings, each (t, w, w), nought and one beyond its own.  above, below : (numbers,)"""
+        return self._full(above, self.above, 0.0), self._full(below, self.below, 1.0)
 
-    def _full(self, diagonal: Array, aside: Array) -> Array:
-        result = np.empty((len(self.first), 3, 3))
-        every = np.arange(3)
-        result[:, every, every] = diagonal[self.first[:, None] + every]
-        result[:, PAIRS[0], PAIRS[1]] = result[:, PAIRS[1], PAIRS[0]] = aside
+    def _full(self, diagonal: Array, aside: Array, beyond: float) -> Array:
+        every = np.arange(self.width)
+        result = np.empty((len(self.first), self.width, self.width))
+        own = diagonal[self.numbers]
+        result[:, every, every] = own if self.inside is None else np.where(self.inside, own, beyond)
+        one, two = self._aside
+        result[:, one, two] = result[:, two, one] = aside
         return result
 
     def ends(self, values: Array) -> tuple[Array, Array]:
-        """Return values (numbers, k) of the first and the second number of every pair, each (t, 3, k)."""
+        """Return values (numbers, k) of the first and the second number of every pair, each (t, pairs, k)."""
         return values.take(self._pairs[0], axis=0), values.take(self._pairs[1], axis=0)
+
+
+def _padded(aside: Array, width: int, most: int) -> Array:
+    """Return entries beside the diagonal as those of a wider matrix, (t, most (most − 1) / 2)."""
+    if width == most:
+        return aside
+    _, second = pairs_of(most)
+    padded = np.zeros((len(aside), len(second)))
+    padded[:, second < width] = aside
+    return padded

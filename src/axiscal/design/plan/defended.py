@@ -162,7 +162,7 @@ class DefendedScores(Scores):
             columns, pairs = self._goal.columns(only)
             part = _Counted(self._goal.within(only), looked.standing.within(columns, pairs), columns)
         result, several = np.empty(len(candidates)), self.pool.values[candidates] > 1
-        for which, objective in ((~several, self._with_one), (several, self._with_three)):
+        for which, objective in ((~several, self._with_one), (several, self._with_several)):
             mine = np.flatnonzero(which)
             for start in range(0, len(mine), height := max(1, _NEAR // len(part.goal.beside))):
                 block = mine[start : start + height]
@@ -175,13 +175,15 @@ class DefendedScores(Scores):
         tables = self._tables(looked, part, numbers)
         return part.goal.after_one(part.standing, looked.below[numbers], looked.above[numbers], *tables)
 
-    def _with_three(self, looked: _Looked, part: _Counted, candidates: NDArray[np.intp]) -> Array:
-        """Return the objective with each of candidates of three numbers, (m,)."""
+    def _with_several(self, looked: _Looked, part: _Counted, candidates: NDArray[np.intp]) -> Array:
+        """Return the objective with each of candidates of several numbers, (m,)."""
         joint = looked.joint.within(np.searchsorted(looked.joint.first, self.pool.first[candidates]))
         above, below = joint.matrices(looked.above, looked.below)
         inverse: Array = np.asarray(np.linalg.inv(below), dtype=np.float64)
-        numbers = (joint.first[:, None] + np.arange(3)).ravel()
-        beta, pi = (table.reshape(len(joint.first), 3, -1) for table in self._tables(looked, part, numbers))
+        tables = self._tables(looked, part, joint.numbers.ravel())
+        beta, pi = (table.reshape(*joint.numbers.shape, -1) for table in tables)
+        if joint.inside is not None:
+            beta, pi = (table * joint.inside[:, :, None] for table in (beta, pi))
         return part.goal.value(part.goal.after_several(part.standing, inverse, above, beta, pi))
 
     def _tables(self, looked: _Looked, part: _Counted, numbers: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -26,42 +26,55 @@ def closed_form(case: Case, readings: Sequence[Reading], point: Array) -> Array:
     """
     found = point.copy()
     for index, setup in enumerate(case.description.setups):
-        columns, seen_by = case.station_columns(index), [r for r in readings if r.setup == setup.name]
-        if columns is None or setup.station is None or len(seen_by) < 6:
+        seen_by = [reading for reading in readings if reading.setup == setup.name]
+        if len(seen_by) < 6:
             continue
         own = dict(zip((u.name for u in setup.unknowns), case.observation.unknowns_of(index).tolist(), strict=True))
-        stated = np.array(setup.station)
-        places = tips(case, seen_by) - stated
-        lengths = np.array([reading.value for reading in seen_by]) + np.linalg.norm(places, axis=1)
-        table = np.column_stack([-2 * places, 2 * lengths, np.ones(len(lengths))])
-        table = table if "zero" in own else np.delete(table, 3, axis=1)
-        scale = np.linalg.norm(table, axis=0)
-        if np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
-            continue
-        solved = np.linalg.lstsq(table / scale, lengths**2 - np.sum(places**2, axis=1), rcond=None)[0] / scale
-        found[list(columns)] = solved[:3]
-        if "zero" in own:
-            found[own["zero"]] = solved[3]
+        tip = tips(case, seen_by)
+        for number, (columns, stated) in enumerate(zip(case.station_columns(index), setup.standing, strict=False)):
+            zero = own.get(f"zero_{number + 1}" if setup.stations else "zero")
+            shown = np.array([reading.values[number] for reading in seen_by])
+            solved = _one_station(tip - np.array(stated), shown, with_zero=zero is not None)
+            if solved is not None:
+                found[list(columns)] = solved[:3]
+                found[[] if zero is None else [zero]] = solved[3]
     return found
 
 
-def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) -> Array | None:
-    """Return a point (k,) with the station of one set-up behind the plane that its points are nearest to.
+def _one_station(places: Array, shown: Array, *, with_zero: bool) -> Array | None:
+    """Return s, and z or something else after it, (4,); None of points in a plane.
 
-    None where it has too few points, or nothing to move.
+    places : (m, 3) from where it is stated to stand; shown : (m,) distances less nominal ones, m
     """
-    setup = case.description.setups[index]
-    columns, seen_by = case.station_columns(index), [r for r in readings if r.setup == setup.name]
-    if columns is None or setup.station is None or len(seen_by) < 4:
+    lengths = shown + np.linalg.norm(places, axis=1)
+    table = np.column_stack([-2 * places, 2 * lengths, np.ones(len(lengths))])
+    table = table if with_zero else np.delete(table, 3, axis=1)
+    scale = np.linalg.norm(table, axis=0)
+    if np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
         return None
+    solved = np.linalg.lstsq(table / scale, lengths**2 - np.sum(places**2, axis=1), rcond=None)[0] / scale
+    return np.asarray(solved[:4], dtype=float)
+
+
+def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) -> list[Array]:
+    """Return points (k,), each with one station of a set-up behind the plane that its points are nearest to.
+
+    In the order of its stations; none where it has too few points, or nothing to move.
+    """
+    setup, images = case.description.setups[index], []
+    seen_by = [reading for reading in readings if reading.setup == setup.name]
+    if len(seen_by) < 4:
+        return []
     places = tips(case, seen_by)
     middle = places.mean(axis=0)
     normal = np.linalg.svd(places - middle)[2][-1]
-    station = np.array(setup.station) + point[list(columns)]
-    image = station - 2 * float((station - middle) @ normal) * normal
-    found = point.copy()
-    found[list(columns)] = image - np.array(setup.station)
-    return found
+    for columns, stated in zip(case.station_columns(index), setup.standing, strict=False):
+        station = np.array(stated) + point[list(columns)]
+        image = station - 2 * float((station - middle) @ normal) * normal
+        found = point.copy()
+        found[list(columns)] = image - np.array(stated)
+        images.append(found)
+    return images
 
 
 def tips(case: Case, readings: Sequence[Reading]) -> Array:

@@ -1,4 +1,4 @@
-"""What a tracker or tracer sees from its station: within its range, and within the cone of its reflector."""
+"""What trackers and tracers see from their stations: within their range, and within the cone of the reflector."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ from axiscal.numerics import Array
 class Sight:
     """u : the axes that move.
 
-    box : without what cannot be seen; station : (3,) m, workpiece frame; range : from how near to how far, m
+    box : without what cannot be seen; stations : (k, 3) m, workpiece frame: all of them see the tool
+    range : from how near to how far, m
     faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
     cone : rad, half the angle in which it is seen
     """
 
     box: Box
-    station: Array
+    stations: Array
     range: tuple[float, float]
     faces: Array | None
     cone: float
@@ -50,13 +51,17 @@ class Sight:
         """Return which poses are seen."""
         found = self.box.feasible(poses)
         if found.any():
-            towards = self.station - frames(self.box.room.machine, poses[found]).tcp
-            far = np.linalg.norm(towards, axis=1)
-            seen = (far >= self.range[0]) & (far <= self.range[1])
-            if self.faces is not None:
-                seen &= within_cone(towards / np.maximum(far, 1e-12)[:, None], self.faces, self.cone)
-            found[found] = seen
+            tcp = frames(self.box.room.machine, poses[found]).tcp
+            found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
         return found
+
+    def _seen(self, towards: Array) -> NDArray[np.bool_]:
+        """Return which poses one station sees.  towards : (m, 3) from the tool to it, m"""
+        far = np.linalg.norm(towards, axis=1)
+        seen: NDArray[np.bool_] = (far >= self.range[0]) & (far <= self.range[1])
+        if self.faces is not None:
+            seen &= within_cone(towards / np.maximum(far, 1e-12)[:, None], self.faces, self.cone)
+        return seen
 
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return the straight way: where a beam is lost on it, it is found again."""

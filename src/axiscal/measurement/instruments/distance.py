@@ -3,11 +3,16 @@
 y = |p + δp + R_t tool − station − shift| − |p − station| + zero, the centre of a bar shifting with its artefact:
 linearised about the best known place of the station, so that a station that is millimetres away from where it was said
 to be does no harm once its place has been found.
+
+Tracers may read at once: one reading is the distance of the same tool point from each of their stations. What is one
+tracer's is told by its number, from 1: zero_2, station_x_2; the tool is the same for all. Which number is meant comes
+as a direction (k,), 1 for it and 0 for the others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -15,6 +20,7 @@ import numpy as np
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import (
     TOOL,
+    TOOL_READS,
     Actual,
     Nominal,
     Reads,
@@ -24,11 +30,14 @@ from axiscal.measurement.instruments.kind import (
     need_station,
     tool_part,
 )
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 
 SHIFTS = ("station_x", "station_y", "station_z")
 _UNKNOWNS: dict[str, Reads] = dict.fromkeys(("zero", *SHIFTS, *TOOL), "length")
+MOST = 4
+"""Stations; no more are known to be bought together."""
+_OWN = ("zero", *SHIFTS)
 _LEAST = 1e-3
 """m: nearer to the station a distance has no direction; nobody measures there."""
 
@@ -92,6 +101,68 @@ class Distance:
         need_station(setup, f"the {setup.instrument}'s other end")
 
 
+_ONE = Distance()
+
+
+class AtOnce:
+    """One distance from each station."""
+
+    reads: Reads = "length"
+    values = MOST
+    directed = False
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(
+        {**{f"{name}_{k + 1}": "length" for name in _OWN for k in range(MOST)}, **TOOL_READS}
+    )
+
+    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return the unit vector from its station to the TCP, (m, 3)."""
+        return _ONE.direction_of(_alone(setup, _meant(direction)), direction, nominal)
+
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+        """Return the same as of one tracer, nothing for what is another one's, (m,)."""
+        which = _meant(direction)
+        name = _own_name(unknown, which)
+        if name is None:
+            return np.zeros(nominal.count)
+        return _ONE.unknown_effect(_alone(setup, which), name, direction, nominal)
+
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+    ) -> Array:
+        """Return what this one of them would show, (m,)."""
+        which = _meant(direction)
+        named = ((_own_name(name, which), value) for name, value in unknowns.items())
+        own = {name: value for name, value in named if name is not None}
+        return _ONE.shown(_alone(setup, which), direction, nominal, actual, own)
+
+    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return what this one of them shows beside rows times unknowns, (m,)."""
+        return _ONE.nonlinear_part(_alone(setup, _meant(direction)), direction, nominal)
+
+    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
+        """Return the second derivatives by the unknowns of all of them, (m, k, k)."""
+        which = _meant(direction)
+        mine = [k for k, unknown in enumerate(setup.unknowns) if _own_name(unknown.name, which) is not None]
+        curved = np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
+        curved[:, np.array(mine)[:, None], mine] = _ONE.curvature(_alone(setup, which), direction, nominal)
+        return curved
+
+    def check(self, setup: Setup, machine: Machine) -> None:
+        """Everything makes sense: where they stand is said."""
+
+
+def shifts_of(number: int) -> tuple[str, ...]:
+    """Return the names of where the station of a number is found, x, y, z.  number : from 0"""
+    return tuple(_numbered(name, number) for name in SHIFTS)
+
+
+def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
+    """Return the unknowns of so many stations, from those of one: its own for each of them, the others once."""
+    own = [unknown for unknown in unknowns if unknown.name in _OWN]
+    each = [replace(unknown, name=_numbered(unknown.name, k)) for k in range(count) for unknown in own]
+    return (*each, *(unknown for unknown in unknowns if unknown.name not in _OWN))
+
+
 def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
     """Return what a unit of an unknown does to the line from the station to the tool, (m, 3)."""
     if unknown in TOOL:
@@ -109,3 +180,27 @@ def _stated(setup: Setup) -> Array:
 def _found(setup: Setup) -> Array:
     found: Array = _stated(setup) + np.array(setup.found or (0.0, 0.0, 0.0))
     return found
+
+
+def _alone(setup: Setup, which: int) -> Setup:
+    """Return one of the tracers as a set-up of its own."""
+    found = None if setup.found is None else setup.found[3 * which : 3 * which + 3]
+    named = ((_own_name(unknown.name, which), unknown) for unknown in setup.unknowns)
+    own = tuple(replace(unknown, name=name) for name, unknown in named if name is not None)
+    return replace(setup, station=setup.stations[which], stations=(), found=found, unknowns=own)
+
+
+def _meant(direction: Array) -> int:
+    return int(np.argmax(direction))
+
+
+def _numbered(name: str, number: int) -> str:
+    return f"{name}_{number + 1}"
+
+
+def _own_name(unknown: str, number: int) -> str | None:
+    """Return what one tracer calls an unknown of them all; None where it is another one's."""
+    if unknown in TOOL:
+        return unknown
+    stem, _, last = unknown.rpartition("_")
+    return stem if last == str(number + 1) else None

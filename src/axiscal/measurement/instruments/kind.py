@@ -75,7 +75,7 @@ class Actual:
 class Model(Protocol):
     """A kind of instrument.
 
-    reads : lengths or angles; values : numbers in one reading
+    reads : lengths or angles; values : numbers in one reading, at most
     directed : it reads along or about a direction that has to be stated
     unknown_reads : by name of each possible unknown of a set-up, whether it is a length or an angle
     """
@@ -88,7 +88,8 @@ class Model(Protocol):
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3).
 
-        direction : (3,) the set-up's, or that of one number of a reading that has three
+        direction : (3,) the set-up's, or that of one number of a reading that has three; (k,) of k stations, 1 for the
+            one that is meant
         """
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:

@@ -1,6 +1,7 @@
 """READINGS.csv: `[reading,]setup,X_mm,…,B_deg,approach,value_um[,std_um][,time]`, or the columns of an ISO 230-2 test.
 
-`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions.
+`value_x_um,value_y_um,value_z_um` for an instrument that reads three directions, `value_1_um` and so on for tracers
+that read at once.
 Positions may be left out (a parked axis); `value_urad` or `value_arcsec` for angles.  No machine is known here: who
 does know it checks the names of set-ups and axes, and whether a position lies within the travel.
 """
@@ -15,6 +16,7 @@ from typing import Literal
 from axiscal.document import shown
 from axiscal.exceptions import Faults
 from axiscal.measurement.csv_cells import unshielded
+from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
@@ -22,6 +24,7 @@ from axiscal.measurement.readers.times import read_times
 from axiscal.measurement.setup import FINEST
 
 _THREE = ("value_x", "value_y", "value_z")
+_STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 _HIGHEST = 10**6
 """Of a number of a reading: whoever writes more has slipped."""
 _LAYOUT = {
@@ -29,7 +32,7 @@ _LAYOUT = {
     "setup": TEXT,
     "approach": TEXT,
     "time": TEXT,
-    **dict.fromkeys(("value", "std", *_THREE), LENGTHS + ANGLES),
+    **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
 }
 
 
@@ -44,7 +47,9 @@ class RawReading:
     value : deviation, actual minus commanded, m or rad as `dimension` says
     std : standard deviation of the value, None if not said
     line : line of the file
-    others : the values along y and z of an instrument that reads three directions, whose first is `value`
+    others : the values along y and z of an instrument that reads three directions, whose first is `value`, or those of
+        the second station and on
+    by_station : the values are one from each station
     number : under which a program has it, None if not said
     error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
     time : s after the first reading of the file; None where it does not say
@@ -63,6 +68,7 @@ class RawReading:
     time: float | None = None
     base: float | None = None
     number: int | None = None
+    by_station: bool = False
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
@@ -72,7 +78,7 @@ def read_readings(path: str | Path) -> tuple[RawReading, ...]:
         return of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))
     setup = table.one_of("setup", "setup")
-    if not table.all_of("value") and not table.all_of("value_x"):
+    if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
         table.one_of("value", "value_um")
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
@@ -113,15 +119,27 @@ def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
 
 def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
-    column = row.only_filled([*table.all_of("value"), *table.all_of("value_x")])
+    stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
+    column = row.only_filled([*table.all_of("value"), *table.all_of("value_x"), *table.all_of("value_1")])
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not row.text(setup):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
     value, std = row.quantity(column), _std(table, row, column)
     position, approach = read_position(table, row), read_approach(table, row)
-    others = _others(row, column, three[1:]) if column is three[0] else ()
-    return RawReading(unshielded(row.text(setup)), position, approach, value, std, column.dimension, row.line, others)
+    others, by_station = _others(row, column, three[1:]) if column is three[0] else (), column is stations[0]
+    others = _of_stations(row, column, stations[1:]) if by_station else others
+    name = unshielded(row.text(setup))
+    raw = RawReading(name, position, approach, value, std, column.dimension, row.line, others)
+    return replace(raw, by_station=by_station)
+
+
+def _of_stations(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:
+    """Return the values of the second station and on, as many as are filled without a gap."""
+    filled = [column for column in columns if column is not None]
+    if columns[: len(filled)] != filled or any(column.dimension != first.dimension for column in filled):
+        raise row.fail("a station between others has no value", "fill value_1, value_2 and so on, one for each station")
+    return tuple(row.quantity(column) for column in filled)
 
 
 def _others(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:

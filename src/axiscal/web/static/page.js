@@ -92,8 +92,7 @@ function expectWords(question) {
 
 function drawStrips(values = [], surprising = false) {
   find("strips").replaceChildren();
-  const several = state.question.expected.length > 1;
-  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit, several ? "xyz"[n] : ""));
+  state.question.expected.forEach((e, n) => strip(find("strips"), e, values[n], surprising, state.question.unit, state.question.names[n]));
 }
 
 function renderQuestion() {

@@ -131,8 +131,8 @@ function inOrder(place, picture, latest, expected) {
     const shift = (dot) => ({ ...dot, value: dot.value - dot.mean, same_side: true });
     const moved = row.map(shift), widest = Math.max(row.at(-1).half, expected[number].half);
     const focus = range([...moved.slice(-_RECENT).map((dot) => dot.value), widest, -widest]), across = [0.5, Math.max(picture.next, 8) + 0.5];
-    const up = several ? `${"xyz"[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
-    const labels = { across: several && number < 2 ? "" : said("readings of this set-up, in their order"), up, whole: true, all: said("Readings of {setup} in their order", picture) };
+    const up = several ? `${picture.names[number]}, ${unitText(picture.unit)}` : unitText(picture.unit);
+    const labels = { across: several && number < picture.dots.length - 1 ? "" : said("readings of this set-up, in their order"), up, whole: true, all: said("Readings of {setup} in their order", picture) };
     const at = frame(place, several ? 150 : 280, across, focus, labels);
     const held = (v) => at.y(Math.max(focus[0], Math.min(focus[1], v)));
     const width = Math.min(18, (0.6 * (at.right - at.left)) / (across[1] - across[0]));

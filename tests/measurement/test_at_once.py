@@ -1,0 +1,155 @@
+"""Tracers that read at once: each number is that of a tracer alone, and what is said of them, filled in and refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_readings
+from axiscal.error_model.model import ErrorModel
+from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.machine import load_machine
+from axiscal.measurement.charts.sight import Sight
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place_texts import columns_of
+from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.setup import Unknown
+from axiscal.measurement.time_taken import visit_seconds
+
+PLACES = ('["-900 mm", "-700 mm", "-500 mm"]', '["900 mm", "-600 mm", "-100 mm"]', '["100 mm", "100 mm", "700 mm"]')
+UNKNOWNS = 'unknowns = { zero = "10 mm", station_x = "5 mm", station_y = "5 mm", station_z = "5 mm", tool_x = "1 mm" }'
+TOGETHER = f'[[setups]]\nname = "beams"\ninstrument = "tracer"\nstations = [{", ".join(PLACES)}]\n{UNKNOWNS}\n'
+FOUND = ((0.11, -0.2, 0.05), (-0.07, 0.02, 0.13), (0.01, 0.3, -0.2))
+
+
+def described(setups: str, machine: str = "three-axis-mill") -> CampaignDescription:
+    text = f'machine = "{machine}"\n[target]\nreadings = 4\n{setups}'
+    return campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine)
+
+
+def one(number: int) -> str:
+    place = f'name = "beam {number + 1}"\ninstrument = "tracer"\nstation = {PLACES[number]}'
+    return f"[[setups]]\n{place}\n{UNKNOWNS}\n"
+
+
+@pytest.mark.parametrize("located", [False, True])
+def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
+    together = described(TOGETHER).setups[0]
+    alone = described("".join(map(one, range(3)))).setups
+    if located:
+        together = replace(together, found=tuple(each for place in FOUND for each in place))
+        alone = tuple(replace(setup, found=place) for setup, place in zip(alone, FOUND, strict=True))
+    model, rng = ErrorModel(load_machine("three-axis-mill")), np.random.default_rng(3)
+    poses, sides = rng.uniform(0.0, 0.3, (5, 3)), np.ones((5, 3))
+    whole = Observation(model, (together,))
+    point = rng.normal(0.0, 1e-5, model.size + len(together.unknowns))
+    shown, beyond = whole.shown(0, poses, sides, point), whole.nonlinear_part(0, poses, sides)
+    rows, curved = whole.rows_each(0, poses, sides), whole.curvatures(0, poses)
+    assert (whole.numbers(0, poses, sides).rows[:, 1] == rows[1].rows).all()
+    names = [unknown.name for unknown in together.unknowns]
+    assert names[:5] == ["zero_1", "station_x_1", "station_y_1", "station_z_1", "zero_2"]
+    assert names[-1] == "tool_x"
+    for number, setup in enumerate(alone):
+        single = Observation(model, (setup,))
+        at = [names.index(u.name if u.name == "tool_x" else f"{u.name}_{number + 1}") for u in setup.unknowns]
+        columns = [*range(model.size), *(model.size + k for k in at)]
+        np.testing.assert_array_equal(rows[number].rows[:, columns], single.rows_each(0, poses, sides)[0].rows)
+        others = np.setdiff1d(np.arange(whole.size), columns)
+        assert not rows[number].rows[:, others].any()
+        np.testing.assert_array_equal(shown[:, number], single.shown(0, poses, sides, point[columns])[:, 0])
+        np.testing.assert_array_equal(beyond[:, number], single.nonlinear_part(0, poses, sides)[:, 0])
+        mine = curved[:, number]
+        np.testing.assert_array_equal(mine[:, np.array(at)[:, None], at], single.curvatures(0, poses)[:, 0])
+        assert np.count_nonzero(mine) == np.count_nonzero(single.curvatures(0, poses)[:, 0])
+
+
+def test_a_reading_of_all_takes_the_time_of_one() -> None:
+    mill, together, alone = load_machine("three-axis-mill"), described(TOGETHER).setups[0], described(one(0)).setups[0]
+    here, there = np.zeros(3), np.array([0.2, 0.1, 0.1])
+    assert visit_seconds(mill, together, here, there) == visit_seconds(mill, alone, here, there)
+
+
+def test_all_of_them_have_to_see_the_tool() -> None:
+    sight = 'range = ["0.4 m", "1.45 m"]\n'
+    chart = described(TOGETHER + sight).setups[0].chart
+    each = [described(one(number) + sight).setups[0].chart for number in range(3)]
+    poses = np.random.default_rng(0).uniform(0.0, 0.4, (300, 3))
+    assert isinstance(chart, Sight)
+    seen = np.all([single.feasible(poses) for single in each if single is not None], axis=0)
+    assert 20 < seen.sum() < 280
+    np.testing.assert_array_equal(chart.feasible(poses), seen)
+
+
+def test_readings_of_all_are_columns_in_the_order_of_the_stations(tmp_path: Path) -> None:
+    description, path = described(TOGETHER + one(0)), tmp_path / "r.csv"
+    assert columns_of(description.setups) == ["value_um", "value_1_um", "value_2_um", "value_3_um"]
+    path.write_text("setup,X_mm,Y_mm,Z_mm,value_1_um,value_2_um,value_3_um\nbeams,100,200,50,1,-2,3\n")
+    (reading,) = placed_readings(read_readings(path), description, path)
+    assert reading.values == pytest.approx((1e-6, -2e-6, 3e-6), rel=1e-12)
+    (blank,) = blank_readings(description.setups[:1], [reading.place])
+    assert len(blank.values) == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("setup,X_mm,value_1_um,value_3_um\nbeams,100,1,2", "a station between others has no value"),
+        ("setup,X_mm,value_1_um,value_2_um\nbeams,100,1,2", "value_1_um, value_2_um and value_3_um"),
+        ("setup,X_mm,value_x_um,value_y_um,value_z_um\nbeams,100,1,2,3", "value_1_um, value_2_um and value_3_um"),
+        ("setup,X_mm,value_um\nbeams,100,1", "value_1_um, value_2_um and value_3_um"),
+    ],
+)
+def test_readings_of_another_form_are_refused(tmp_path: Path, line: str, said: str) -> None:
+    path = tmp_path / "r.csv"
+    path.write_text(line + "\n")
+    with pytest.raises(ReadingError, match=said) as failure:
+        placed_readings(read_readings(path), described(TOGETHER), path)
+    assert failure.value.line == 2
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (
+            TOGETHER.replace('"tracer"', '"tracker"'),
+            "by length-only tracers, and this set-up has a tracker",
+        ),
+        (TOGETHER.replace('"tracer"', '"ballbar"'), "by length-only tracers, and this set-up has a ballbar"),
+        (TOGETHER + f"station = {PLACES[0]}\n", "said twice where it stands"),
+        (TOGETHER.replace(", ".join(PLACES), PLACES[0]), "1 station cannot be read at once"),
+        (TOGETHER.replace(PLACES[1], PLACES[0]), "two of the stations are the same place"),
+        (TOGETHER.replace("tool_x", "zero_1"), "is not an unknown of a set-up with a tracer"),
+    ],
+)
+def test_what_cannot_be_read_at_once_is_refused(lines: str, said: str) -> None:
+    with pytest.raises(DescriptionError, match=said) as failure:
+        described(lines)
+    assert failure.value.line is not None
+
+
+def test_one_question_one_answer_with_a_value_from_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, record = tmp_path / "c.toml", tmp_path / "c.axiscal"
+    file.write_text(f'machine = "three-axis-mill"\n[target]\nreadings = 4\n{TOGETHER}')
+    assert run(["start", str(file), str(record)]) == 0
+    assert run(["next", str(record)]) == 0
+    said = capsys.readouterr().out
+    assert '"1 um, 2 um, 3 um"' in said
+    assert "reads the distances from its 3 stations, in their order" in said
+    assert run(["record", str(record), "1 um, 2 um"]) == 1
+    assert "from each station in its order" in " ".join(capsys.readouterr().err.split())
+    assert run(["record", str(record), "1 um, 2 um, -3 um"]) == 0
+    with Campaign.open(record) as campaign:
+        assert campaign.state.readings[0].values == pytest.approx((1e-6, 2e-6, -3e-6))
+
+
+def test_what_nobody_says_is_that_of_each_tracer() -> None:
+    unknowns = described(TOGETHER.replace(UNKNOWNS, "")).setups[0].unknowns
+    assert Unknown("station_y_2", 5e-3) in unknowns
+    assert len(unknowns) == 12
