@@ -15,6 +15,7 @@ from axiscal.description.reachable import refuse_short_stroke, refuse_unreachabl
 from axiscal.description.sights import refuse_no_sight, seen
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.squares import on_square
+from axiscal.description.stations import stations_of
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
@@ -22,7 +23,7 @@ from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
-from axiscal.measurement.instruments.distance import MOST, of_each
+from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
@@ -103,7 +104,7 @@ class _Reader:
         with self._at("station"):
             station = self._station() if site is None or site.station is None else site.station
         with self._at("stations"):
-            stations = self._stations(usual)
+            stations = stations_of(table, usual)
         with self._at("moves"):
             moves = self._moves() if site is None else site.moves
         with self._at("noise"):
@@ -243,25 +244,6 @@ class _Reader:
 
     def _station(self) -> Vector | None:
         return None if self._table.station is None else spot(self._table.station)
-
-    def _stations(self, usual: Instrument) -> tuple[Vector, ...]:
-        """Return where tracers stand that read at once; none where one instrument reads."""
-        said = self._table.stations
-        if said is None:
-            return ()
-        if usual.name != "tracer":
-            what = f"several stations are read at once by length-only tracers, and this set-up has a {usual.name}"
-            raise DescriptionError(what, 'Write instrument = "tracer", or a set-up for each of the others')
-        if self._table.station is not None:
-            what = "it is said twice where it stands, by station and by stations"
-            raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
-        if not 2 <= len(said) <= MOST:
-            what = f"{len(said)} {'station' if len(said) == 1 else 'stations'} cannot be read at once here"
-            raise DescriptionError(what, f"Name two to {MOST}; one alone is station, more are set-ups of their own")
-        stations = tuple(spot(each) for each in said)
-        if len(set(stations)) < len(stations):
-            raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
-        return stations
 
     @contextmanager
     def _at(self, *keys: str | int) -> Iterator[None]:

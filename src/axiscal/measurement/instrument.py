@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.distance import SHIFTS, AtOnce, Distance
+from axiscal.measurement.instruments.distance import SHIFTS, Distance, Distances
 from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.rotation import Rotation
@@ -98,7 +98,7 @@ after, an assumption, as ISO 230-3 and ISO/TR 16015 define a test and give no nu
 PRINTER_PROBE = replace(INSTRUMENTS["probe"], noise=5e-6, setup_time=60.0)
 """The probe of a 3D printer, which is there already. What owners have shown of Klipper's PROBE_ACCURACY, a standard
 deviation of ten readings, goes from 0.8 um (docked microswitches) to 13 um (inductive ones); 5 um is an assumption."""
-_STEPPED, _AT_ONCE = Stepped(), AtOnce()
+_STEPPED, _AT_ONCE = Stepped(), Distances()
 
 
 def model_of(setup: Setup) -> Model:

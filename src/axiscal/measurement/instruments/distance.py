@@ -104,7 +104,7 @@ class Distance:
 _ONE = Distance()
 
 
-class AtOnce:
+class Distances:
     """One distance from each station."""
 
     reads: Reads = "length"

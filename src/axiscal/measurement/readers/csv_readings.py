@@ -25,6 +25,7 @@ from axiscal.measurement.setup import FINEST
 
 _THREE = ("value_x", "value_y", "value_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
+"""Columns of tracers that read at once."""
 _HIGHEST = 10**6
 """Of a number of a reading: whoever writes more has slipped."""
 _LAYOUT = {

@@ -38,6 +38,7 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
     return (
         f"Before loading {CEC}: MD18342 MM_CEC_MAX_POINTS must be at least {points}; setting it clears the memory.",
         *small,
+        *_together(blocks),
         "To load CEC: MD32710 CEC_ENABLE = 0, load, set it to 1 and SD41300 CEC_TABLE_ENABLE = 1 for each table. CEC "
         "is a licensed option.",
         f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
@@ -45,6 +46,20 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
         f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
         "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP. Check one point with a dial "
         "gauge, and export with --flip if the axis goes the wrong way.",
+    )
+
+
+def _together(blocks: Sequence[TableBlock]) -> tuple[str, ...]:
+    """Return what to know of tables that are multiplied by each other; nothing where none are."""
+    twins = [number for number, block in enumerate(blocks) if block.times is not None or block.factor]
+    if not twins:
+        return ()
+    largest = max(float(np.max(np.abs(blocks[number].values))) for number in twins)
+    return (
+        f"Tables {twins[0]} to {twins[-1]} are what two axes do together, as products: each table comes with its "
+        "negative, so that they cancel where a control adds the factors themselves as well (Siemens' texts differ), "
+        "and the products are left. Load and enable all of them or none: one alone moves its axis by up to "
+        f"{to_unit(largest, 'mm'):.3f} mm.",
     )
 
 
@@ -61,13 +76,13 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
 
 
 def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    sums = _by_axis(blocks, [float(np.max(np.abs(block.values))) for block in blocks])
+    sums = _by_axis(blocks, [block.size for block in blocks])
     units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
     return ", ".join(f"{to_unit(size, units[axis]):.4f} {units[axis]} ({names[axis]})" for axis, size in sums.items())
 
 
 def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    steepest = [float(np.max(np.abs(np.diff(b.values) / np.diff(b.table.positions)))) for b in blocks]
+    steepest = [block.slope for block in blocks]
     return ", ".join(f"{100 * slope:.3g} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items())
 
 

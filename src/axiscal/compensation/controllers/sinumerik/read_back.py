@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.compensation.controllers.sinumerik.surfaces import PER_METRE
+from axiscal.compensation.effect import Control
 from axiscal.compensation.lookup import Lookup
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
@@ -21,6 +24,32 @@ _MOST_POINTS = 100_000
 """Of a table; controls hold a few thousand."""
 
 
+class Multiplied(NamedTuple):
+    """A CEC table times another one: what the product adds, beside what the tables do, is that of numbers in mm."""
+
+    first: Lookup
+    second: Lookup
+    sign: float
+
+    def at(self, one: Array, other: Array) -> Array:
+        """Return what is added at positions (m,) of both axes that are looked up."""
+        sides = np.zeros_like(one)
+        return self.sign * PER_METRE * self.first.at(one, sides) * self.second.at(other, sides)
+
+
+def multiplied_control(machine: Machine, found: Sequence[Multiplied]) -> Control:
+    """Return the control that adds the products alone."""
+
+    def control(poses: Array, approaches: Array) -> Array:
+        added = np.zeros_like(poses)
+        for each in found:
+            over = [machine.index(lookup.over) for lookup in (each.first, each.second)]
+            added[:, machine.index(each.first.axis)] += each.at(poses[:, over[0]], poses[:, over[1]])
+        return added
+
+    return control
+
+
 def read(
     texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
 ) -> list[Lookup]:
@@ -28,8 +57,19 @@ def read(
 
     flip : CEC values are added as they are, instead of taken away as encoder compensation is
     encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
-    Raises TableError for a line that is none, and for tables that are not whole.
+    Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
     """
+    lookups, products = read_all(texts, names, machine, flip, encoder)
+    if products:
+        what = f"a CEC table of {products[0].first.axis} is multiplied by another one"
+        raise TableError(what, "leave MULT_BY_TABLE at 0")
+    return lookups
+
+
+def read_all(
+    texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
+) -> tuple[list[Lookup], list[Multiplied]]:
+    """Return what the tables do by themselves, and their products; arguments and failures as for `read`."""
     own = {f"{name}1": name for name in names} | {name: name for name in names}
     axes = own | {identifier: name for name, identifier in names.items()}
     tables: dict[tuple[str, ...], dict[str, str]] = {}
@@ -46,8 +86,17 @@ def read(
             place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
             index = key or f"#{second}"
             tables.setdefault(place, {})[index] = value
-    found_all = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
-    return [lookup for lookup in found_all if lookup is not None]
+    found_all = {place: _understood(place, values, axes, machine, flip) for place, values in tables.items()}
+    products = []
+    for where, first in found_all.items():
+        times = int(tables[where].get("MULT_BY_TABLE", "0"))
+        second = found_all.get(("CEC", str(times - 1))) if times and first is not None else None
+        if first is not None and second is not None:
+            products.append(Multiplied(first, second, 1.0 if flip else -1.0))
+        elif times and first is not None:
+            what = f"a CEC table of {first.axis} is multiplied by table {times}, which is not there"
+            raise TableError(what, "give all the tables that belong together")
+    return [lookup for lookup in found_all.values() if lookup is not None], products
 
 
 def _understood(
@@ -59,8 +108,6 @@ def _understood(
     low, high, step = (_number(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
     if over is None or moved is None or step <= 0:
         return None
-    if int(values.get("MULT_BY_TABLE", "0")):
-        raise TableError(f"a CEC table of {moved} is multiplied by another one", "leave MULT_BY_TABLE at 0")
     count = (high - low) / step + 1
     if count > _MOST_POINTS:
         raise TableError(f"the table of {moved} has {count:g} points between its ends", "write a larger STEP")
