@@ -238,12 +238,10 @@ class Campaign(Closing):
 
     def _refuse_other_count(self, setup: str, count: int) -> None:
         mounted = self.description.setup(setup)
-        values = values_of(mounted)
-        if count == values:
-            return
-        what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
-        several = "Give one from each station in its order" if mounted.stations else "Give the values along x, y and z"
-        raise ReadingError(what, several if values > 1 else "Give one value")
+        if count != (values := values_of(mounted)):
+            what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
+            usual = "Give the values along x, y and z" if values > 1 else "Give one value"
+            raise ReadingError(what, "Give one from each station in its order" if mounted.stations else usual)
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
         """Keep in mind that the reading asked for cannot be taken, and return it; it is not asked for again.
