@@ -127,6 +127,11 @@ def test_of_two_that_went_on_differently_one_counts(folder: Path, server: Runnin
     assert "went on differently from event 8" in left[0].left_out
     remarks = {each.file.name: each.remark for each in shop_list(STORE).listed}
     assert remarks["store:mine"] == f"it and store:{branch} went on differently from event 8"
+    assert run(["adopt", "store:mine", f"store:{branch}", "--same-mounting"]) == 0
+    found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
+    assert [record.file.name for record in found] == ["store:mine"]
+    assert len(found[0].readings) == 6 + 1 + 4
+    assert [each.file for each in left] == [f"store:{branch}"]
     with Campaign.open(other) as campaign:  # nothing of it is new to whoever has the whole
         campaign.adopt(tuple(read_on(6)[12:]))
     with Record.open(other, write=False) as record:
