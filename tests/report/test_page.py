@@ -359,23 +359,46 @@ def test_the_browser_check_notices_a_broken_page(page: str, tmp_path: Path) -> N
 @pytest.mark.parametrize("width", [1400, 768, 390])
 def test_nothing_is_cut_and_no_words_lie_on_each_other(page: str, tmp_path: Path, width: int) -> None:
     found = _laid_out(page, tmp_path, width)
-    assert found == {"width": width, "beyond": [], "overlapping": [], "cut": []}
+    assert found == {"width": width, "beyond": [], "overlapping": [], "cut": [], "holes": []}
 
 
 @pytest.mark.chromium
 def test_the_layout_check_notices_what_is_wrong(page: str, tmp_path: Path) -> None:
-    broken = page.replace("</main>", '<div style="width: 3000px">x</div></main>')
+    broken = page.replace("</main>", '<div style="width: 3000px; margin-top: 300px">x</div></main>')
     tick = re.search(r'<text x="[^"]*" y="[^"]*"', page)
     assert tick is not None
     twice = broken.replace(tick[0], f"{tick[0]}>lies on the other</text>{tick[0]}", 1)
     found = _laid_out(twice, tmp_path, 1400)
     assert found["beyond"]
     assert found["overlapping"]
+    assert found["holes"]
 
 
 _MEASURE = """
+// Strips of the page, as wide as it is and higher than a heading with the room around it, where nothing stands.
+function holes() {
+  const seen = (each) => each.checkVisibility(), words = [];
+  const drawn = [...document.querySelectorAll("main svg, main canvas, main table, main button")].filter(seen);
+  const walk = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const range = document.createRange();
+    const node = walk.currentNode;
+    range.selectNodeContents(node);
+    if (node.textContent.trim() && seen(node.parentElement)) words.push(...range.getClientRects());
+  }
+  const boxes = [...drawn.map((each) => each.getBoundingClientRect()), ...words].filter((box) => box.height > 0);
+  boxes.sort((one, other) => one.top - other.top);
+  const found = [];
+  let below = boxes[0].bottom;
+  for (const box of boxes) {
+    if (box.top - below > 120) found.push(Math.round(below) + " to " + Math.round(box.top));
+    below = Math.max(below, box.bottom);
+  }
+  return found;
+}
 window.addEventListener("load", () => {
   const inner = document.documentElement.clientWidth, found = {width: innerWidth, beyond: [], overlapping: [], cut: []};
+  found.holes = holes();
   for (const each of document.querySelectorAll("main *")) {
     const box = each.getBoundingClientRect();
     if (each.closest(".scroll") && !each.matches(".scroll")) continue;

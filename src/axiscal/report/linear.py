@@ -15,7 +15,8 @@ def linear_of(found: Linearity) -> Linear:
     """Return the same for people."""
     bound = to_unit(found.bound, "um")
     words = "Linear to {size}: by no more the first order is off at the tool for a machine within these bands."
-    return Linear(bound, found.largest, said(words, size=said_quantity(found.bound, "um", 2)))
+    digits = 2 if bound < 99.5 else 3  # two digits of a hundred are written with a power of ten
+    return Linear(bound, found.largest, said(words, size=said_quantity(found.bound, "um", digits)))
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:
