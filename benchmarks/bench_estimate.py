@@ -51,7 +51,8 @@ def write_readings(path: Path, description: CampaignDescription, count: int) -> 
     rng = np.random.default_rng(count)
     machine = Simulator(description.machine, description.setups).drawn(count)
     low, high = np.array([axis.travel for axis in description.machine.axes]).T
-    lines = ["setup,X_mm,Y_mm,Z_mm,approach,value_um"]
+    named = ",".join(f"{axis.name}_mm" for axis in description.machine.axes)
+    lines = [f"setup,{named},approach,value_um"]
     for pose in np.round(low + (high - low) * rng.random((count, len(low))), 6):
         setup = description.setups[rng.integers(len(description.setups))]
         sides = rng.choice([-1, 1], len(low))

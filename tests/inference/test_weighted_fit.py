@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.history import path
@@ -81,3 +84,71 @@ def test_the_history_ends_where_the_estimate_does() -> None:
     assert moments[5].accuracy.rms == pytest.approx(moments[4].accuracy.rms, rel=1e-9)
     assert moments[-1].accuracy.rms == pytest.approx(known.accuracy.rms, rel=1e-9)
     assert moments[-1].seconds == pytest.approx(known.seconds)
+
+
+def test_readings_taken_out_one_after_the_other_leave_what_conditioning_on_the_others_says() -> None:
+    """In any order, and whichever of them was asked for before: what one column becomes follows from the way here."""
+    problem = mixed()
+    readings = [r for r in drawn(problem) if r.setup == "probe"]
+    fitted = Fitted.of(problem.observation, readings)
+    fitted.weigh(np.ones(len(readings)))
+    fitted.without(11)
+    less = fitted.without(0).without(5)
+    less.without(3)
+    weights = np.ones(len(readings))
+    weights[[0, 5, 11]] = 1e-12
+    left, spread = _conditioned(problem, readings, weights)
+    for without in (less.without(11), fitted.without(11).without(5).without(0)):
+        others = weights == 1.0
+        assert without.left[others] == pytest.approx(left[others], abs=1e-11)
+        assert without.spread[others] == pytest.approx(spread[others], rel=1e-4)
+
+
+def test_numbers_with_nothing_in_common_are_estimated_as_if_they_had() -> None:
+    """Three blocks against the same features turned, which leaves no nought: one block, and the same products."""
+    rng = np.random.default_rng(3)
+    features = np.zeros((60, 12))
+    for numbers, unknowns in ((slice(0, 25), [0, 3, 7]), (slice(25, 45), [1, 2, 8, 11]), (slice(45, 58), [4, 5, 9])):
+        features[numbers, unknowns] = rng.standard_normal((numbers.stop - numbers.start, len(unknowns)))
+    order, noise, values = rng.permutation(60), rng.uniform(0.5, 2.0, 60), rng.standard_normal(60)
+    turned = features @ np.linalg.qr(rng.standard_normal((12, 12)))[0]
+    weights = rng.uniform(0.1, 1.0, 60)
+    apart, whole = (Fitted(each[order], noise, values, np.arange(60)) for each in (features, turned))
+    for each in (apart, whole):
+        each.weigh(weights)
+    assert apart.left == pytest.approx(whole.left, rel=1e-10, abs=1e-12)
+    assert apart.spread == pytest.approx(whole.spread, rel=1e-10, abs=1e-14)
+    assert apart.without(4).without(9).surprise == pytest.approx(whole.without(4).without(9).surprise, rel=1e-9)
+
+
+_MANY = """chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", knots = 100 }
+"""
+_LASER = """machine = "many.machine.toml"
+[target]
+readings = 1
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
+
+
+def test_many_bad_readings_are_found_in_less_memory_than_a_table_of_all_pairs(tmp_path: Path) -> None:
+    """Explanations once held an inverse of the unknowns each: gigabytes with 1,000 unknowns and 10,000 readings."""
+    (tmp_path / "many.machine.toml").write_text(_MANY, encoding="utf-8")
+    (tmp_path / "many.toml").write_text(_LASER, encoding="utf-8")
+    case, rng, count = Case(read_campaign(tmp_path / "many.toml")), np.random.default_rng(7), 1800
+    at, bad = rng.random(count).tolist(), set(range(0, count, 50))
+    shown = [(6e-6 * np.sin(9 * x) + 0.5e-6 * rng.standard_normal() + 40e-6 * (i in bad)) for i, x in enumerate(at)]
+    readings = [Reading("laser", (x,), (1,), float(value)) for x, value in zip(at, shown, strict=True)]
+    tracemalloc.start()
+    found = verdict(case.observation, readings)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert {doubt.reading for doubt in found.doubts if doubt.rejected} == bad
+    assert peak < 8 * count**2

@@ -252,13 +252,22 @@ def _joint_field(yardstick: Yardstick, place: float, index: int, pair: tuple[int
 @remembered
 def _field(yardstick: Yardstick, family: Family, place: float, index: int) -> tuple[Array, float]:
     function = yardstick.errors.functions[index]
-    axis, (low, high) = yardstick.errors.machine.axes[function.axis], yardstick.box[function.axis]
-    at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
-    values, rows = shape(family, place, function, axis, at), function.basis.rows(at)
-    followed = np.linalg.lstsq(rows, values, rcond=None)[0]
+    at, rows, nearest = _spline(yardstick, index)
+    values = shape(family, place, function, yardstick.errors.machine.axes[function.axis], at)
+    followed = nearest @ values
     lever = yardstick.moments.gram[function.columns, function.columns].sum()
     beside = float(lever * np.sum(np.mean((values - rows @ followed) ** 2, axis=0)))
     return yardstick.root.matrix[:, function.columns] @ followed, beside
+
+
+@remembered
+def _spline(yardstick: Yardstick, index: int) -> tuple[Array, Array, Array]:
+    """Return even points of an error over the volume (p,), its rows there (p, k), and their pseudo-inverse (k, p)."""
+    function = yardstick.errors.functions[index]
+    low, high = yardstick.box[function.axis]
+    at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
+    rows = function.basis.rows(at)
+    return at, rows, np.linalg.pinv(rows, rcond=max(rows.shape) * np.finfo(float).eps)
 
 
 def largest(errors: ErrorModel, departure: Departure) -> float:

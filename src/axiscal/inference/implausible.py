@@ -25,7 +25,7 @@ from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import Seen, seen
+from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
@@ -87,35 +87,35 @@ class Plausibility:
         return cls(observation, mean, slack**2 * covariance, unknowns, {})
 
     def after(self, readings: Sequence[Reading]) -> Plausibility:
-        """Return what readings may be after these, how far away each was, and what they say of set-ups' unknowns."""
-        known, numbers = self, seen(self.observation, readings)
-        first = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
-        for reading, ends in zip(readings, pairwise(first), strict=True):
-            known = known._after(reading, numbers, slice(*ends))
-        return known
+        """Return what readings may be after these, how far away each was, and what they say of set-ups' unknowns.
 
-    def _after(self, reading: Reading, numbers: Seen, mine: slice) -> Plausibility:
-        rows, own = np.split(numbers.rows[mine], [len(self.mean)], axis=1)
-        variances = numbers.variances[mine] + np.einsum("mi,ij,mj->m", rows, self.covariance, rows)
-        variances += self._bent(reading) + self._drifted(reading)
-        values, unknowns = numbers.values[mine] - rows @ self.mean, self.unknowns
-        expected, spread = np.zeros(len(values)), variances
-        if unknowns is not None:
-            own = own[:, : unknowns.size]
-            known = unknowns.predict(own)
-            expected, spread = known.mean, variances + known.std**2
-        size = float(np.max(np.abs(values - expected) / np.sqrt(spread)))
-        if unknowns is not None and (reading.accepted or size <= IMPLAUSIBLE * _WIDEST):
-            unknowns = unknowns.update(own, values, variances)
-        first = self.first if reading.time is None else {reading.setup: reading.time, **self.first}
-        return replace(self, unknowns=unknowns, first=first, sizes=(*self.sizes, size))
+        Their rows meet the covariance of the errors once for all of them: as fast as it can be read.
+        """
+        numbers = seen(self.observation, readings)
+        rows, own = np.split(numbers.rows, [len(self.mean)], axis=1)
+        scatter = numbers.variances + np.einsum("mi,mi->m", rows @ self.covariance, rows)
+        values, unknowns, sizes = numbers.values - rows @ self.mean, self.unknowns, list(self.sizes)
+        own, first = own[:, : 0 if unknowns is None else unknowns.size], dict(self.first)
+        ends = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
+        for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
+            variances = scatter[mine] + self._bent(reading) + self._drifted(reading, first)
+            expected, spread = np.zeros(len(variances)), variances
+            if unknowns is not None:
+                known = unknowns.predict(own[mine])
+                expected, spread = known.mean, variances + known.std**2
+            sizes.append(float(np.max(np.abs(values[mine] - expected) / np.sqrt(spread))))
+            if unknowns is not None and (reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST):
+                unknowns = unknowns.update(own[mine], values[mine], variances)
+            if reading.time is not None:
+                first.setdefault(reading.setup, reading.time)
+        return replace(self, unknowns=unknowns, first=first, sizes=tuple(sizes))
 
-    def _drifted(self, reading: Reading) -> float:
+    def _drifted(self, reading: Reading, first: Mapping[str, float]) -> float:
         """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
         setup = self._setup(reading)
         if setup.drift == 0 or reading.time is None:
             return 0.0
-        apart = abs(reading.time - self.first.get(setup.name, reading.time))
+        apart = abs(reading.time - first.get(setup.name, reading.time))
         return float(wandering(setup.drift, [apart])[0, 0])
 
     def _bent(self, reading: Reading) -> float:

@@ -89,22 +89,22 @@ def verdict(observation: Observation, readings: Sequence[Reading], prior: tuple[
 
 
 class _Explanation(NamedTuple):
-    """refused : readings and how far each stood out, in σ; fitted : the estimate without them; usual : how far readings
-    then usually are from what the others predict, in σ
+    """refused : readings and how far each stood out, in σ, as they were taken out
+    usual : how far readings then usually are from what the others predict, in σ
+    squares : what the readings that stay gain in likelihood, times two
     """
 
     refused: Mapping[int, float]
-    fitted: Fitted
     usual: float
-
-    @property
-    def squares(self) -> float:
-        """What the readings that stay gain in likelihood, times two."""
-        return sum(size**2 for size in self.refused.values())
+    squares: float = 0.0
 
     def explains(self, usual: float) -> float:
         """Return the same where readings scatter so many σ, less what refusals cost."""
         return self.squares / usual**2 - STANDS_OUT**2 * len(self.refused)
+
+
+_End = tuple[_Explanation, Fitted]
+"""An explanation, and the estimate without what it refuses."""
 
 
 class _OutlierSearch:
@@ -134,7 +134,10 @@ class _OutlierSearch:
             each for each in found if each.explains(usual) > enough and not each.refused.keys() <= best.refused.keys()
         ]
         refused = set(best.refused).intersection(*(each.refused for each in near))
-        facts = self._neighbours.agreeing({index: self._side(best.fitted, index) for index in best.refused})
+        fitted = self._fitted
+        for reading in best.refused:
+            fitted = fitted.without(reading)
+        facts = self._neighbours.agreeing({index: self._side(fitted, index) for index in best.refused})
         self._free[list(facts)] = False
         for reading in refused - facts:
             self._refused[reading], self._weights[reading] = best.refused[reading] / usual, NOTHING
@@ -147,27 +150,34 @@ class _OutlierSearch:
         return float(left[np.argmax(np.abs(left))])
 
     def _explanations(self) -> list[_Explanation]:
-        """Return what may be wrong: nothing, or readings taken out as long as that explains more."""
+        """Return what may be wrong: nothing, or readings taken out as long as that explains more.
+
+        Only the explanations at the ends hold their estimates: all of them would be as large as the readings squared.
+        """
         usual = _usual(self._fitted)
-        ends = [_Explanation({}, self._fitted, usual)]
-        found, idle = list(ends), 0
-        while ends and idle < _AHEAD and len(ends[0].refused) + 1 <= _MOST_PART * len(self._weights):
-            longer = {frozenset(one.refused): one for each in ends for one in self._longer(each, usual)}
-            ends = sorted(longer.values(), key=lambda one: -one.squares)[:_BRANCHES]
-            found += ends
+        ends = [(_Explanation({}, usual), self._fitted)]
+        found, idle = [ends[0][0]], 0
+        while ends and idle < _AHEAD and len(ends[0][0].refused) + 1 <= _MOST_PART * len(self._weights):
+            ends = sorted(self._longer(ends, usual), key=lambda end: -end[0].squares)[:_BRANCHES]
+            added = [each for each, _ in ends]
+            found += added
             least = min(each.usual for each in found)
             best = max(found, key=lambda each: each.explains(least))
-            idle = 0 if any(each is best for each in ends) else idle + 1
+            idle = 0 if any(each is best for each in added) else idle + 1
         return found
 
-    def _longer(self, explanation: _Explanation, usual: float) -> Iterator[_Explanation]:
-        """Yield the explanations that refuse one more of the readings that stand out the most."""
-        sizes = self._surprises(explanation.fitted, explanation.refused)
-        for reading in np.argsort(-sizes)[:_WORST].tolist():
-            if sizes[reading] > STANDS_OUT:
-                without = explanation.fitted.without(reading)
-                refused = {**explanation.refused, reading: float(sizes[reading])}
-                yield _Explanation(refused, without, min(usual, _WIDENED * _usual(without)))
+    def _longer(self, ends: Sequence[_End], usual: float) -> Iterator[_End]:
+        """Yield the explanations that refuse one more of the readings that stand out the most, each once."""
+        further = dict[frozenset[int], tuple[Fitted, dict[int, float], float]]()
+        for explanation, fitted in ends:
+            sizes = self._surprises(fitted, explanation.refused)
+            for reading in np.argsort(-sizes)[:_WORST].tolist():
+                if sizes[reading] > STANDS_OUT:
+                    refused = {**explanation.refused, reading: float(sizes[reading])}
+                    further[frozenset(refused)] = fitted, refused, explanation.squares + refused[reading] ** 2
+        for fitted, refused, squares in further.values():
+            without = fitted.without(next(reversed(refused)))
+            yield _Explanation(refused, min(usual, _WIDENED * _usual(without)), squares), without
 
     def _settle(self, usual: float) -> None:
         """Bring weights and estimate into agreement.  usual : so many σ the readings scatter, whatever the reason."""

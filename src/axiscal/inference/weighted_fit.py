@@ -1,14 +1,21 @@
 """The estimate of all numbers of all readings at once, when each reading has a weight.
 
 y = Φ z + v, z ~ N(0, 1), v ~ N(0, σ²/w):  with D = diag(w/σ²) and M = 1 + Φᵀ D Φ the estimate of Φ z is Φ M⁻¹ Φᵀ D y,
-its variance v = diag(Φ M⁻¹ Φᵀ). With M = L Lᵀ both come from X = L⁻¹ Φᵀ: 2 m r² + r³/3 operations, 16 m r bytes.
-M⁻¹ is formed only where readings are taken out one by one.
+its variance v = diag(Φ M⁻¹ Φᵀ). With M = L Lᵀ both come from X = L⁻¹ Φᵀ: 2 m r² + r³/3 operations, 16 m r bytes, each
+block of numbers and unknowns that have nothing in common with the others apart.
+
+A number i that is taken out moves all by its column c = Φ M⁻¹ φ_i, with f = w_i/(1 − w_i v_i), w in units of 1/σ²:
+
+    left + f left_i c,    v + f c²,    and the column of another one, k, becomes c_k + f c_k[i] c
+
+so neither M⁻¹ nor its change is formed: 8 m bytes and 2 m operations for each number, not 8 r² and 4 r² + 2 m r.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +24,23 @@ from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import inverse_of_product, solution
+from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root
+
+
+class _TakenOut(NamedTuple):
+    """The estimate before a number was taken out, and what that did: f (), its column c (m,)."""
+
+    before: Fitted
+    factor: float
+    column: Array
+
+
+class _Block(NamedTuple):
+    """Numbers, and the unknowns that they alone depend on."""
+
+    numbers: NDArray[np.intp]
+    unknowns: NDArray[np.intp]
 
 
 class Fitted:
@@ -30,8 +52,10 @@ class Fitted:
 
     def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
         self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
-        self._lower: Array = np.eye(self._features.shape[1])
-        self._inverse: Array | None = None
+        self._half: Array = self._features.T
+        self._apart: list[_Block] | None = None
+        self._taken: _TakenOut | None = None
+        self._columns = dict[int, Array]()
         self._trust = 1.0 / noise
         self.left, self.spread = values.copy(), np.sum(self._features**2, axis=1)
 
@@ -60,30 +84,48 @@ class Fitted:
     def weigh(self, weights: Array) -> None:
         """Estimate with a weight for each reading, (readings,)."""
         self._trust = weights[self.reading] / self.noise
-        scaled = self._features * np.sqrt(self._trust)[:, None]
-        self._lower, self._inverse = lower_root(np.eye(scaled.shape[1]) + scaled.T @ scaled), None
-        half = solution(self._lower, self._features.T)
+        if self._apart is None:
+            self._apart = list(_blocks(self._features))
+        self._half = half = np.zeros_like(self._features.T)
+        for numbers, unknowns in self._apart:
+            part = self._features[np.ix_(numbers, unknowns)]
+            scaled = part * np.sqrt(self._trust[numbers])[:, None]
+            lower = lower_root(np.eye(len(unknowns)) + scaled.T @ scaled)
+            half[np.ix_(unknowns, numbers)] = solution(lower, part.T)
+        self._taken, self._columns = None, {}
         self.left = self.values - (half @ (self._trust * self.values)) @ half
         self.spread = np.einsum("rm,rm->m", half, half)
 
     def without(self, reading: int) -> Fitted:
         """Return the estimate without one reading, by a correction of rank one for each of its numbers."""
-        if self._inverse is None:
-            self._inverse = inverse_of_product(self._lower)
-        other, inverse = copy(self), self._inverse.copy()
-        other._inverse, other._trust = inverse, self._trust.copy()
-        for number in np.flatnonzero(self.reading == reading):
-            other._drop(int(number), inverse)
+        other = self
+        for number in np.flatnonzero(self.reading == reading).tolist():
+            other = other._dropped(number)
         return other
 
-    def _drop(self, number: int, inverse: Array) -> None:
-        gain = inverse @ self._features[number]
-        along = self._features @ gain
+    def _dropped(self, number: int) -> Fitted:
+        column, other = self._column(number), copy(self)
         factor = self._trust[number] / (1.0 - self._trust[number] * self.spread[number])
-        inverse += factor * np.outer(gain, gain)
-        self.left = self.left + factor * self.left[number] * along
-        self.spread = self.spread + factor * along**2
-        self._trust[number] = 0.0
+        other._taken, other._columns = _TakenOut(self, factor, column), {}
+        other.left = self.left + factor * self.left[number] * column
+        other.spread = self.spread + factor * column**2
+        other._trust = self._trust.copy()
+        other._trust[number] = 0.0
+        return other
+
+    def _column(self, number: int) -> Array:
+        """Return Φ M⁻¹ φ of a number, (m,), from the last estimate on the way here that was asked for it."""
+        way, at = list[_TakenOut](), self
+        while number not in at._columns and at._taken is not None:
+            way.append(at._taken)
+            at = at._taken.before
+        if number not in at._columns:
+            at._columns[number] = at._half.T @ at._half[:, number]
+        found = at._columns[number]
+        for _, factor, column in reversed(way):
+            found = found + factor * column[number] * column
+        self._columns[number] = found
+        return found
 
     @property
     def surprise(self) -> Array:
@@ -91,6 +133,21 @@ class Fitted:
         open_part = np.maximum(1.0 - self.spread * self._trust, 1e-12)
         surprise: Array = self.left / open_part / np.sqrt(self.spread / open_part + self.noise)
         return surprise
+
+
+def _blocks(features: Array) -> Iterator[_Block]:
+    """Yield numbers and unknowns that have nothing in common with the others.  features : (m, r)"""
+    felt = features != 0
+    left = felt.any(axis=0)
+    while left.any():
+        unknowns = np.zeros_like(left)
+        further = np.arange(len(left)) == np.argmax(left)
+        while np.any(further & ~unknowns):
+            unknowns = further
+            numbers = felt[:, unknowns].any(axis=1)
+            further = felt[numbers].any(axis=0)
+        yield _Block(np.flatnonzero(numbers), np.flatnonzero(unknowns))
+        left &= ~unknowns
 
 
 def _short(features: Array) -> Array:
