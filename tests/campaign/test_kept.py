@@ -13,12 +13,14 @@ import pytest
 
 from axiscal.campaign import kept
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import standing
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation import estimate
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
+from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.record import durable
@@ -200,3 +202,27 @@ def test_few_readings_leave_no_file(tmp_path: Path) -> None:
         campaign.adopt(_readings(description, kept.FEWEST - 1))
         campaign.known()
     assert not kept.kept_beside(path).exists()
+
+
+def test_the_verdict_is_kept_and_is_the_one_that_is_found(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Campaign.open(record, write=False) as campaign:
+        first = campaign.standing(), campaign.watched()
+        assert first == (standing(campaign.description.target, campaign.known()), watched_so_far(campaign.known()))
+    for name in ("standing", "watched_so_far"):
+        monkeypatch.setattr(kept, name, None)  # nothing is found anew
+    with Campaign.open(record) as campaign:
+        assert (campaign.standing(), campaign.watched()) == first
+        campaign.undo()
+        with pytest.raises(TypeError):  # of other readings it says nothing
+            campaign.standing()
+
+
+@pytest.mark.parametrize("damage", ["cut", "emptied", "an estimation"])
+def test_a_damaged_verdict_is_found_again(record: Path, damage: str) -> None:
+    with Campaign.open(record, write=False) as campaign:
+        expected = campaign.standing(), campaign.watched()
+    beside = kept.answers_beside(record)
+    content = {"cut": beside.read_bytes()[:-9], "emptied": b"", "an estimation": kept.kept_beside(record).read_bytes()}
+    beside.write_bytes(content[damage])
+    with Campaign.open(record, write=False) as campaign:
+        assert (campaign.standing(), campaign.watched()) == expected

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
-from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach, standing
+from axiscal.campaign.ending import BUDGET, Attained, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.milestones import Milestone, Status
@@ -36,6 +36,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
+from axiscal.inference.contradiction import Watched
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
@@ -281,9 +282,16 @@ class Campaign(Closing):
         target = self.description.target
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
-        if target.accurate:
-            said = standing(target, self.known()).reached
+        said = self.standing().reached if target.accurate else None
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
+
+    def standing(self) -> Attained:
+        """Return whether an accuracy is reached, by the verdict on the readings so far."""
+        return self._kept.standing(self.description.target, self.state.readings, self.known)
+
+    def watched(self) -> Watched:
+        """Return the e-value after the readings so far, and what explains them best."""
+        return self._kept.watched(self.state.readings, self.known)
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
@@ -327,9 +335,8 @@ class Campaign(Closing):
         watch : called with the beginning and with every reading that is kept
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
-        path = [self._milestone()]
+        path, in_a_row = [self._milestone()], 0
         watch(path[0])
-        in_a_row = 0
         with noted_interrupts() as interrupts:
             while not isinstance(asked := self._next_of_run(path), Ended):
                 with interrupts.waiting():
@@ -348,8 +355,7 @@ class Campaign(Closing):
             return self.finish(asked.because)
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
-        accuracies = [milestone.accuracy for milestone in path]
-        hopeless = out_of_reach(self.description.target, self.known(), accuracies)
+        hopeless = out_of_reach(self.description.target, self.known(), [milestone.accuracy for milestone in path])
         return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
@@ -369,6 +375,7 @@ class Campaign(Closing):
 
     def close(self) -> None:
         """Close the record."""
+        self._kept.close()
         self._record.close()
 
     def _append(self, *events: Event) -> None:
@@ -390,9 +397,8 @@ class Campaign(Closing):
         return budget is not None and seconds > budget
 
     def _milestone(self) -> Milestone:
-        readings = self.state.readings
-        last = readings[-1] if readings else None
-        return Milestone(len(readings), last, self.known().accuracy, self._times().seconds)
+        count, last = len(self.state.readings), next(reversed(self.state.readings), None)
+        return Milestone(count, last, self.known().accuracy, self._times().seconds)
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

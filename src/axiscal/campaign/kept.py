@@ -3,6 +3,8 @@
     kept = Kept(path, first_event)
     known = kept.recalled(readings)
     kept.keep(known)
+    verdict = kept.standing(target, readings, known)
+    kept.close()
 
 It is never needed: what cannot be read, does not belong to this campaign, or was made by other programs is not there,
 and what is recalled is only what the first readings of the record made known, while others are to follow: what is
@@ -10,6 +12,8 @@ concluded, and signed, is found from the record alone. Only classes of the rooms
 and arrays: nothing in it can be called.
 
     file = a title, "key SHA-256-of-the-rest", the rest; key: the campaign's description, the programs, their files
+
+The verdict on exactly these readings has a small file of its own, whose key holds them, written when all is closed.
 """
 
 from __future__ import annotations
@@ -19,15 +23,20 @@ import hashlib
 import io
 import json
 import pickle
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import astuple
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
+from axiscal.campaign.ending import Attained, standing
 from axiscal.campaign.versions import versions
+from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.watching import watched_so_far
+from axiscal.inference.contradiction import Watched
 from axiscal.measurement.reading import Reading
 from axiscal.record.durable import write_whole
 from axiscal.record.events import Event, Stored
@@ -38,6 +47,7 @@ FEWEST = 64
 _EVERY = 32
 """So many readings later it is kept anew: taking them in again is quick."""
 _TITLE = b"axiscal known 1\n"
+Answer = TypeVar("Answer")
 _ROOMS = {
     "accuracy",
     "belief",
@@ -81,13 +91,16 @@ class Kept:
 
     def __init__(self, record: Path, first: Stored) -> None:
         self._record, self._first, self._count = record, first, 0
+        self._answers: dict[str, object] | None = None
+        self._readings: tuple[Reading, ...] = ()
+        self._found = False
 
     def recalled(self, readings: Sequence[Reading]) -> Estimation | None:
         """Return what the first of the readings made known; None where nothing was kept, or of other readings."""
         if len(readings) < FEWEST:
             return None
         found = _read(kept_beside(self._record), _key(self._first.event))
-        if found is None or not found.stages.timed.begins(readings):
+        if not isinstance(found, Estimation) or not found.stages.timed.begins(readings):
             return None
         self._count = len(found.readings)
         return found
@@ -101,13 +114,50 @@ class Kept:
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
             _write(kept_beside(self._record), _key(self._first.event), known)
 
+    def standing(self, target: Target, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Attained:
+        """Return whether an accuracy is reached by exactly these readings.  known : by them, where it is not kept"""
+        return Attained(*self._answered("standing", readings, lambda: astuple(standing(target, known()))))
+
+    def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Watched:
+        """Return the e-value after exactly these readings.  known : as of `standing`"""
+        return self._answered("watched", readings, lambda: watched_so_far(known()))
+
+    def _answered(self, name: str, readings: tuple[Reading, ...], find: Callable[[], Answer]) -> Answer:
+        if self._answers is None or self._readings != readings:
+            self._answers, self._readings, self._found = self._recalled_answers(readings), readings, False
+        if name not in self._answers:
+            self._answers[name], self._found = find(), True
+        found: Answer = self._answers[name]  # type: ignore[assignment]
+        return found
+
+    def _recalled_answers(self, readings: tuple[Reading, ...]) -> dict[str, object]:
+        if len(readings) < FEWEST:
+            return {}
+        found = _read(answers_beside(self._record), self._key_of(readings))
+        return found if isinstance(found, dict) else {}
+
+    def close(self) -> None:
+        """Write the answers where new ones were found."""
+        if self._answers and self._found and len(self._readings) >= FEWEST and self._record.exists():
+            self._found = False
+            with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
+                _write(answers_beside(self._record), self._key_of(self._readings), self._answers)
+
+    def _key_of(self, readings: tuple[Reading, ...]) -> str:
+        return hashlib.sha256(f"{_key(self._first.event)} {readings!r}".encode()).hexdigest()
+
 
 def kept_beside(record: Path) -> Path:
     """Return the file in which it is kept."""
     return record.with_name(f".{record.name}.known")
 
 
-def _write(path: Path, key: str, known: Estimation) -> None:
+def answers_beside(record: Path) -> Path:
+    """Return the file in which answers about all its readings are kept."""
+    return record.with_name(f".{record.name}.answers")
+
+
+def _write(path: Path, key: str, known: Estimation | dict[str, object]) -> None:
     """Write a file in the place of an earlier one; raises OSError."""
     buffer = io.BytesIO()
     _KnownWriter(buffer, protocol=5).dump(known)
@@ -115,7 +165,7 @@ def _write(path: Path, key: str, known: Estimation) -> None:
     write_whole(path, _TITLE + f"{key} {hashlib.sha256(content).hexdigest()}\n".encode() + content)
 
 
-def _read(path: Path, key: str) -> Estimation | None:
+def _read(path: Path, key: str) -> object:
     """Return what a file holds; None where it is not whole, or was kept under another key."""
     try:
         title, said, body = path.read_bytes().split(b"\n", 2)
@@ -124,10 +174,9 @@ def _read(path: Path, key: str) -> Estimation | None:
     if title + b"\n" != _TITLE or said != f"{key} {hashlib.sha256(body).hexdigest()}".encode():
         return None
     try:
-        found = _KnownReader(io.BytesIO(body)).load()
+        return _KnownReader(io.BytesIO(body)).load()
     except _DAMAGE:
         return None
-    return found if isinstance(found, Estimation) else None
 
 
 def _key(created: Event) -> str:

@@ -15,7 +15,6 @@ from axiscal.cli.placed_log import placed_log
 from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
-from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import RecordError
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
@@ -94,7 +93,7 @@ def record(
             said += standing_words(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
-            evalue = watched_so_far(campaign.known()).evalue
+            evalue = campaign.watched().evalue
             document = _kept_document(campaign, kept) | {"evalue": evalue} | {"surprise": surprise, "mind": minded}
         question = campaign.next() if then_next else None
         if question is not None:

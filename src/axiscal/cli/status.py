@@ -7,7 +7,6 @@ from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
 from axiscal.estimation.membership_words import membership_words
-from axiscal.estimation.watching import watched_so_far
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.inference.contradiction import SURE
@@ -38,7 +37,7 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
-        f"odds against the model {watched_so_far(campaign.known()).evalue:.2g} to 1 (contradicted from {SURE:.0f})",
+        f"odds against the model {campaign.watched().evalue:.2g} to 1 (contradicted from {SURE:.0f})",
     ]
     if sisters := membership_words(campaign.known()):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
@@ -71,7 +70,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "reached": status.reached,
         "finished": state.finished,
         "mind": standing_words(campaign),
-        "evalue": watched_so_far(campaign.known()).evalue,
+        "evalue": campaign.watched().evalue,
         "sisters": membership_words(campaign.known()) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],

@@ -267,7 +267,8 @@ def _spline(yardstick: Yardstick, index: int) -> tuple[Array, Array, Array]:
     low, high = yardstick.box[function.axis]
     at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
     rows = function.basis.rows(at)
-    return at, rows, np.linalg.pinv(rows, rcond=max(rows.shape) * np.finfo(float).eps)
+    nearest: Array = np.asarray(np.linalg.pinv(rows, rcond=max(rows.shape) * np.finfo(float).eps), dtype=float)
+    return at, rows, nearest
 
 
 def largest(errors: ErrorModel, departure: Departure) -> float:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import standing
-from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.contradiction import SURE, Explanation
 from axiscal.language.spoken import said
 from axiscal.units import to_unit
@@ -21,7 +19,7 @@ def standing_words(campaign: Campaign) -> list[str]:
 
 
 def _not_vouched(campaign: Campaign) -> list[str]:
-    found = standing(campaign.description.target, campaign.known())
+    found = campaign.standing()
     if found.promised is None:
         return []
     short = (
@@ -33,7 +31,7 @@ def _not_vouched(campaign: Campaign) -> list[str]:
 
 def _contradicted(campaign: Campaign) -> list[str]:
     """Return by which odds readings contradict the model at whatever time one looks, and what explains them best."""
-    found = watched_so_far(campaign.known())
+    found = campaign.watched()
     if found.highest < SURE:
         return []
     power = min(math.floor(math.log10(found.highest)), _MOST)
