@@ -265,16 +265,14 @@ class Campaign(Closing):
         """Take back the last reading, skip or finish, and return it; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
-        step = self.state.undo[-1]
-        self._append(Undone(step.number))
+        self._append(Undone((step := self.state.undo[-1]).number))
         return step
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached unless said otherwise."""
         if self.state.finished is not None:
             return self.state.finished
-        reason = because or self.reached() or "ended by the operator"
-        self._append(Finished(reason))
+        self._append(Finished(reason := because or self.reached() or "ended by the operator"))
         return reason
 
     def reached(self) -> str | None:
@@ -361,9 +359,8 @@ class Campaign(Closing):
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
         setup = self.description.setup(asked.place.setup)
-        place = self.description.machine.axes, asked.place.pose, asked.place.approach
-        seconds = self.seconds([asked.place]) if setup.drift > 0 else 0.0
-        return Request(asked.reading, setup, *place, seconds)
+        seconds, place = self.seconds([asked.place]) if setup.drift > 0 else 0.0, asked.place
+        return Request(asked.reading, setup, self.description.machine.axes, place.pose, place.approach, seconds)
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
@@ -389,12 +386,10 @@ class Campaign(Closing):
         return max([0.0, round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _times(self) -> Timed:
-        before = Timed() if self._known is None else self._known.stages.timed
-        return timed(self.case(), self.state.readings, before)
+        return timed(self.case(), self.state.readings, self._known.stages.timed if self._known else Timed())
 
     def _over_budget(self, seconds: float) -> bool:
-        budget = self.description.target.budget
-        return budget is not None and seconds > budget
+        return seconds > (self.description.target.budget or math.inf)
 
     def _milestone(self) -> Milestone:
         count, last = len(self.state.readings), next(reversed(self.state.readings), None)
