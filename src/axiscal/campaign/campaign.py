@@ -278,9 +278,8 @@ class Campaign(Closing):
     def reached(self) -> str | None:
         """Return the target that is reached, in words; None if there is none."""
         target = self.description.target
-        if (said := count_reached(target, len(self.state.readings))) is not None:
-            return said
-        said = self.standing().reached if target.accurate else None
+        said = count_reached(target, len(self.state.readings))
+        said = said or (self.standing().reached if target.accurate else None)
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
     def standing(self) -> Attained:
@@ -392,8 +391,8 @@ class Campaign(Closing):
         return seconds > (self.description.target.budget or math.inf)
 
     def _milestone(self) -> Milestone:
-        count, last = len(self.state.readings), next(reversed(self.state.readings), None)
-        return Milestone(count, last, self.known().accuracy, self._times().seconds)
+        taken = self.state.readings
+        return Milestone(len(taken), taken[-1] if taken else None, self.known().accuracy, self._times().seconds)
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

@@ -36,7 +36,7 @@ class _TakenOut(NamedTuple):
     column: Array
 
 
-class _Block(NamedTuple):
+class _SharedUnknowns(NamedTuple):
     """Numbers, and the unknowns that they alone depend on."""
 
     numbers: NDArray[np.intp]
@@ -53,7 +53,7 @@ class Fitted:
     def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
         self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
         self._half: Array = self._features.T
-        self._apart: list[_Block] | None = None
+        self._apart: list[_SharedUnknowns] | None = None
         self._taken: _TakenOut | None = None
         self._columns = dict[int, Array]()
         self._trust = 1.0 / noise
@@ -135,7 +135,7 @@ class Fitted:
         return surprise
 
 
-def _blocks(features: Array) -> Iterator[_Block]:
+def _blocks(features: Array) -> Iterator[_SharedUnknowns]:
     """Yield numbers and unknowns that have nothing in common with the others.  features : (m, r)"""
     felt = features != 0
     left = felt.any(axis=0)
@@ -146,7 +146,7 @@ def _blocks(features: Array) -> Iterator[_Block]:
             unknowns = further
             numbers = felt[:, unknowns].any(axis=1)
             further = felt[numbers].any(axis=0)
-        yield _Block(np.flatnonzero(numbers), np.flatnonzero(unknowns))
+        yield _SharedUnknowns(np.flatnonzero(numbers), np.flatnonzero(unknowns))
         left &= ~unknowns
 
 
