@@ -189,7 +189,7 @@ def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
     def ambiguous(_case: object, _readings: Sequence[Reading]) -> Estimation:
         raise AmbiguityError("the station fits in two places", "read where they differ")
 
-    monkeypatch.setattr("axiscal.campaign.campaign.concluded", ambiguous)
+    monkeypatch.setattr("axiscal.campaign.knowing.concluded", ambiguous)
     with Campaign.open(record, write=False) as campaign:
         assert campaign.believed() is campaign.known() or campaign.believed().readings == campaign.state.readings
         with pytest.raises(AmbiguityError):

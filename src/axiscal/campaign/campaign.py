@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import cached_property
 from pathlib import Path
 from typing import Self
 
@@ -22,6 +21,7 @@ from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, Attained, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
+from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import described, refuse_absurd
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
@@ -29,19 +29,16 @@ from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
-from axiscal.estimation.deciding import Contest, contest
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.deciding import Contest
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.timed import Timed, elapsed, timed
+from axiscal.estimation.timed import Timed, elapsed
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.inference.contradiction import Watched
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.planning.plan_basis import plan_basis
 from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
@@ -79,12 +76,8 @@ class Campaign(Closing):
     def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = plan_ahead) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
-        self._case: Case | None = None
-        self._known: Estimation | None = None
-        self._concluded: Estimation | None = None
-        self._contest: tuple[object, Contest | None] = (None, None)
         self._first = record.events()[0]
-        self._kept = Kept(record.path, self._first)
+        self._knowing = Knowing(description, Kept(record.path, self._first))
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -113,23 +106,13 @@ class Campaign(Closing):
         """When the record was begun: ISO 8601, UTC."""
         return self._first.at
 
-    @cached_property
-    def _stated(self) -> Case:
-        """What the record's description makes of the mathematics."""
-        return case_of(self.description)
-
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
-        if self._case is None:
-            self._known = self._kept.recalled(self.state.readings)
-            self._case = self._stated if self._known is None else self._known.stated
-        return self._case
+        return self._knowing.case(self.state.readings)
 
     def known(self) -> Estimation:
         """Return what the readings make known while others are to follow."""
-        self._known = estimated(self.case(), self.state.readings, self._known)  # case() first: it recalls
-        self._kept.keep(self._known)
-        return self._known
+        return self._knowing.known(self.state.readings)
 
     def believed(self) -> Estimation:
         """Return by what a new reading is judged; a station that fits two places does not stop what would decide."""
@@ -140,9 +123,7 @@ class Campaign(Closing):
 
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
-        if self._concluded is None or self._concluded.stages.timed.given != self.state.readings:
-            self._concluded = concluded(self._stated, self.state.readings)
-        return self._concluded
+        return self._knowing.concluded(self.state.readings)
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
@@ -182,21 +163,13 @@ class Campaign(Closing):
 
     def contest(self) -> Contest | None:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
-        now = self.state.readings, self.state.skipped
-        if self._contest[0] != now:
-            self._contest = now, contest(self.known(), self.state.skipped)
-        return self._contest[1]
+        return self._knowing.contest(self.state.readings, self.state.skipped)
 
     def _plan_stands(self) -> bool:
         return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
-        known, found = self.known(), self.contest()
-        basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
-        if found is None:
-            return basis
-        rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
-        return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"
+        return self._knowing.plan_basis(self.state.readings, self.state.skipped)
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -239,10 +212,12 @@ class Campaign(Closing):
 
     def _refuse_other_count(self, setup: str, count: int) -> None:
         mounted = self.description.setup(setup)
-        if count != (values := values_of(mounted)):
-            what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
-            usual = "Give the values along x, y and z" if values > 1 else "Give one value"
-            raise ReadingError(what, "Give one from each station in its order" if mounted.stations else usual)
+        values = values_of(mounted)
+        if count == values:
+            return
+        what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
+        several = "Give one from each station in its order" if mounted.stations else "Give the values along x, y and z"
+        raise ReadingError(what, several if values > 1 else "Give one value")
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
         """Keep in mind that the reading asked for cannot be taken, and return it; it is not asked for again.
@@ -265,30 +240,34 @@ class Campaign(Closing):
         """Take back the last reading, skip or finish, and return it; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
-        self._append(Undone((step := self.state.undo[-1]).number))
+        step = self.state.undo[-1]
+        self._append(Undone(step.number))
         return step
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached unless said otherwise."""
         if self.state.finished is not None:
             return self.state.finished
-        self._append(Finished(reason := because or self.reached() or "ended by the operator"))
+        reason = because or self.reached() or "ended by the operator"
+        self._append(Finished(reason))
         return reason
 
     def reached(self) -> str | None:
         """Return the target that is reached, in words; None if there is none."""
         target = self.description.target
-        said = count_reached(target, len(self.state.readings))
-        said = said or (self.standing().reached if target.accurate else None)
+        if (said := count_reached(target, len(self.state.readings))) is not None:
+            return said
+        if target.accurate:
+            said = self.standing().reached
         return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
     def standing(self) -> Attained:
         """Return whether an accuracy is reached, by the verdict on the readings so far."""
-        return self._kept.standing(self.description.target, self.state.readings, self.known)
+        return self._knowing.standing(self.state.readings)
 
     def watched(self) -> Watched:
         """Return the e-value after the readings so far, and what explains them best."""
-        return self._kept.watched(self.state.readings, self.known)
+        return self._knowing.watched(self.state.readings)
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
@@ -306,12 +285,7 @@ class Campaign(Closing):
 
     def history(self) -> tuple[Milestone, ...]:
         """Return how well the machine was known after each reading, from the first one on."""
-        readings, known = self.state.readings, estimated(self.case(), ())
-        milestones = [Milestone(0, None, known.accuracy, 0.0)]
-        for taken, reading in enumerate(readings, start=1):
-            known = estimated(self.case(), readings[:taken], known)
-            milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
-        return tuple(milestones)
+        return self._knowing.history(self.state.readings)
 
     def adopt(self, readings: tuple[Reading, ...], note: str = "") -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
@@ -332,8 +306,9 @@ class Campaign(Closing):
         watch : called with the beginning and with every reading that is kept
         Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
         """
-        path, in_a_row = [self._milestone()], 0
+        path = [self._milestone()]
         watch(path[0])
+        in_a_row = 0
         with noted_interrupts() as interrupts:
             while not isinstance(asked := self._next_of_run(path), Ended):
                 with interrupts.waiting():
@@ -352,14 +327,16 @@ class Campaign(Closing):
             return self.finish(asked.because)
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
-        hopeless = out_of_reach(self.description.target, self.known(), [milestone.accuracy for milestone in path])
+        accuracies = [milestone.accuracy for milestone in path]
+        hopeless = out_of_reach(self.description.target, self.known(), accuracies)
         return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
         setup = self.description.setup(asked.place.setup)
-        seconds, place = self.seconds([asked.place]) if setup.drift > 0 else 0.0, asked.place
-        return Request(asked.reading, setup, self.description.machine.axes, place.pose, place.approach, seconds)
+        axes, place = self.description.machine.axes, asked.place
+        seconds = self.seconds([place]) if setup.drift > 0 else 0.0
+        return Request(asked.reading, setup, axes, place.pose, place.approach, seconds)
 
     def copy(self, path: Path) -> None:
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
@@ -371,7 +348,7 @@ class Campaign(Closing):
 
     def close(self) -> None:
         """Close the record."""
-        self._kept.close()
+        self._knowing.close()
         self._record.close()
 
     def _append(self, *events: Event) -> None:
@@ -385,14 +362,14 @@ class Campaign(Closing):
         return max([0.0, round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _times(self) -> Timed:
-        return timed(self.case(), self.state.readings, self._known.stages.timed if self._known else Timed())
+        return self._knowing.timed(self.state.readings)
 
     def _over_budget(self, seconds: float) -> bool:
-        return seconds > (self.description.target.budget or math.inf)
+        budget = self.description.target.budget
+        return budget is not None and seconds > budget
 
     def _milestone(self) -> Milestone:
-        taken = self.state.readings
-        return Milestone(len(taken), taken[-1] if taken else None, self.known().accuracy, self._times().seconds)
+        return self._knowing.milestone(self.state.readings)
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

@@ -1,0 +1,114 @@
+"""What the readings of a campaign make known, each answer found once for the same readings.
+
+knowing = Knowing(description, Kept(path, first_event))
+known = knowing.known(readings)
+rivals = knowing.contest(readings, skipped)
+knowing.close()
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from axiscal.campaign.ending import Attained
+from axiscal.campaign.kept import Kept
+from axiscal.campaign.milestones import Milestone
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.case import Case
+from axiscal.estimation.deciding import Contest, contest
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.timed import Timed, timed
+from axiscal.inference.contradiction import Watched
+from axiscal.measurement.reading import Reading
+from axiscal.planning.plan_basis import plan_basis
+from axiscal.record.events import Gap
+
+Readings = tuple[Reading, ...]
+
+
+class Knowing:
+    """What readings make known of the machine that a campaign describes.  kept : what earlier commands left"""
+
+    def __init__(self, description: CampaignDescription, kept: Kept) -> None:
+        self._description, self._kept = description, kept
+        self._case: Case | None = None
+        self._known: Estimation | None = None
+        self._concluded: Estimation | None = None
+        self._contest: tuple[object, Contest | None] = (None, None)
+
+    @cached_property
+    def _stated(self) -> Case:
+        """What the description makes of the mathematics."""
+        return case_of(self._description)
+
+    def case(self, readings: Readings) -> Case:
+        """Return what the description makes of the mathematics.  readings : what was kept must belong to them"""
+        if self._case is None:
+            self._known = self._kept.recalled(readings)
+            self._case = self._stated if self._known is None else self._known.stated
+        return self._case
+
+    def known(self, readings: Readings) -> Estimation:
+        """Return what the readings make known while others are to follow."""
+        case = self.case(readings)  # first: it recalls what is known
+        self._known = estimated(case, readings, self._known)
+        self._kept.keep(self._known)
+        return self._known
+
+    def concluded(self, readings: Readings) -> Estimation:
+        """Return what the readings make known if they are all: found from them alone, and nothing that was kept."""
+        if self._concluded is None or self._concluded.stages.timed.given != readings:
+            self._concluded = concluded(self._stated, readings)
+        return self._concluded
+
+    def contest(self, readings: Readings, skipped: Sequence[Gap]) -> Contest | None:
+        """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
+        now = readings, skipped
+        if self._contest[0] != now:
+            self._contest = now, contest(self.known(readings), skipped)
+        return self._contest[1]
+
+    def plan_basis(self, readings: Readings, skipped: Sequence[Gap]) -> str:
+        """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
+        known, found = self.known(readings), self.contest(readings, skipped)
+        basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
+        if found is None:
+            return basis
+        rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
+        return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"
+
+    def standing(self, readings: Readings) -> Attained:
+        """Return whether an accuracy is reached, by the verdict on the readings."""
+        return self._kept.standing(self._description.target, readings, lambda: self.known(readings))
+
+    def watched(self, readings: Readings) -> Watched:
+        """Return the e-value after the readings, and what explains them best."""
+        return self._kept.watched(readings, lambda: self.known(readings))
+
+    def timed(self, readings: Readings) -> Timed:
+        """Return the readings with their times."""
+        case = self.case(readings)  # first: it recalls what is known
+        before = Timed() if self._known is None else self._known.stages.timed
+        return timed(case, readings, before)
+
+    def milestone(self, readings: Readings) -> Milestone:
+        """Return where a campaign stands after its last reading."""
+        last = readings[-1] if readings else None
+        return Milestone(len(readings), last, self.known(readings).accuracy, self.timed(readings).seconds)
+
+    def history(self, readings: Readings) -> tuple[Milestone, ...]:
+        """Return how well the machine was known after each reading, from the first one on."""
+        case = self.case(readings)
+        known = estimated(case, ())
+        milestones = [Milestone(0, None, known.accuracy, 0.0)]
+        for taken, reading in enumerate(readings, start=1):
+            known = estimated(case, readings[:taken], known)
+            milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
+        return tuple(milestones)
+
+    def close(self) -> None:
+        """Leave for the next command what was found."""
+        self._kept.close()
