@@ -87,6 +87,35 @@ def test_what_two_have_read_with_one_set_up_is_a_question_for_a_person(
     assert len(values(main)) == 9
 
 
+@pytest.mark.parametrize("question", [[], ["--same-mounting"]])
+def test_readings_that_come_back_are_not_counted_twice(
+    main: Path, branch: Path, question: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    read(branch, read_on(1)[8:11])
+    own = values(branch)
+    third = branch.with_name("third.axiscal")
+    third.write_bytes(branch.read_bytes())
+    read(third, read_on(1)[11:12], "laser")
+    assert run(["adopt", str(main), str(branch)]) == 0
+    assert run(["adopt", str(branch), str(main), *question]) == 0
+    assert "has no reading that is not here" in " ".join(capsys.readouterr().out.split())
+    assert values(branch) == own
+    assert run(["adopt", str(main), str(third), "--same-mounting"]) == 0  # which began with those of the branch
+    assert values(main) == own + values(third)[9:]
+
+
+def test_of_two_that_left_one_branch_nothing_is_lost_and_nothing_counts_twice(main: Path, branch: Path) -> None:
+    before = values(main)
+    read(branch, read_on(1)[8:11])
+    third = branch.with_name("third.axiscal")
+    third.write_bytes(branch.read_bytes())
+    read(branch, read_on(1)[11:13])
+    read(third, read_on(1)[13:16])
+    assert run(["adopt", str(main), str(branch)]) == 0
+    assert run(["adopt", str(main), str(third), "--same-mounting"]) == 0
+    assert values(main) == before + values(branch)[6:] + values(third)[9:]
+
+
 def test_another_campaign_a_copy_and_an_ended_one_are_sentences(
     main: Path, branch: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

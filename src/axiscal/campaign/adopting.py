@@ -1,27 +1,30 @@
 """Readings of a branch taken over into the campaign that it left: a person says so, no machine merges.
 
 Both logs begin alike up to the event where they parted. What the branch has read since goes behind what the campaign
-has, as readings that were given; a note keeps up to which event, so that a second time takes only what is new.
+has, as readings that were given; a note keeps up to which event, so that a second time takes only what is new. What
+stands here already, because it came from here or by way of another branch, is not taken again: twice it would count
+as two readings.
 A set-up that both have read has one zero in the model: whether it stayed mounted is for a person to say.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import State, fold
-from axiscal.record.log import EventLog, campaign_of, shared_events
+from axiscal.record.log import ChainedText, EventLog, campaign_of, shared_events
 
 _NOTE = "readings of the branch {branch} taken over, up to its event {last}"
 _NOTED = re.compile(r"^readings of the branch (?P<branch>[0-9a-f]{13}) taken over, up to its event (?P<last>\d+)$")
 _SHOWN = 13
-"""Digits of the hash of a branch's first event by which it is known again."""
+"""Digits of the chain behind the last event taken over, by which what was taken over is known again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +50,41 @@ def adopted(campaign: Campaign, own: EventLog, branch: EventLog, same_mounting: 
     undone = {reading.number or 0 for reading in set(before.readings) - set(now.readings)}
     if shared == len(theirs):
         return Adopted(0, shared, ())
-    known_by = theirs[shared].chain[:_SHOWN]
-    since = _taken_until(campaign.state, known_by) or shared
+    since = _taken_until(campaign.state, theirs) or shared
     there = fold(branch.events()[:since])
-    new = tuple(reading for reading in now.readings if reading not in set(there.readings))  # numbers are given again
+    here = _without(campaign.state.readings, before.readings)
+    new = _not_among(_without(now.readings, there.readings), here)
     if not same_mounting:
         said = {reading.setup for reading in set(there.readings) - set(before.readings)}
         _refuse_shared(campaign.state.readings, [each for each in new if each.setup not in said], branch.path)
     if new:
-        campaign.adopt(new, _NOTE.format(branch=known_by, last=len(theirs)))
+        campaign.adopt(new, _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs)))
     return Adopted(len(new), shared, tuple(sorted(undone)))
 
 
-def _taken_until(state: State, branch: str) -> int | None:
-    found = [_NOTED.match(note.text) for note in state.notes]
-    return max((int(each["last"]) for each in found if each and each["branch"] == branch), default=None)
+def _without(readings: Iterable[Reading], others: Iterable[Reading]) -> list[Reading]:
+    """Return readings but those of another time of the same log, where a number may have been given again."""
+    gone = set(others)
+    return [reading for reading in readings if reading not in gone]
+
+
+def _not_among(readings: Iterable[Reading], here: Iterable[Reading]) -> tuple[Reading, ...]:
+    """Return readings that do not stand here under any number."""
+    left, found = Counter(replace(reading, number=None) for reading in here), list[Reading]()
+    for reading in readings:
+        same = replace(reading, number=None)
+        if left[same]:
+            left[same] -= 1
+        else:
+            found.append(reading)
+    return tuple(found)
+
+
+def _taken_until(state: State, theirs: Sequence[ChainedText]) -> int | None:
+    """Return up to which of the events of a branch its readings were taken over; None where none were."""
+    found = [(int(each["last"]), each["branch"]) for note in state.notes if (each := _NOTED.match(note.text))]
+    known = [last for last, name in found if 0 < last <= len(theirs) and theirs[last - 1].chain.startswith(name)]
+    return max(known, default=None)
 
 
 def _refuse_shared(mine: Sequence[Reading], new: Sequence[Reading], path: Path) -> None:
