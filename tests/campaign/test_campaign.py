@@ -248,6 +248,14 @@ def test_what_is_no_number_is_refused(start: Start, value: float, std: float | N
     assert campaign.state.readings == ()
 
 
+def test_of_several_values_the_one_that_is_no_number_is_named(start: Start) -> None:
+    campaign = start("readings = 3")
+    campaign.next()
+    with pytest.raises(ReadingError, match=r"^nan is not a finite number"):
+        campaign.record(1e-6, others=(2e-6, float("nan")))
+    assert campaign.state.readings == ()
+
+
 def test_a_skip_needs_a_reason(start: Start) -> None:
     campaign = start("readings = 3")
     campaign.next()

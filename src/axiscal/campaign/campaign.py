@@ -9,7 +9,6 @@ Its state is folded from the record at every step; the belief follows the readin
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -23,7 +22,7 @@ from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
-from axiscal.campaign.possible import described, refuse_absurd
+from axiscal.campaign.possible import described, refuse_unreadable
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
@@ -36,7 +35,6 @@ from axiscal.estimation.timed import Timed, elapsed
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.inference.contradiction import Watched
 from axiscal.inference.outliers import Doubt
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.closing import Closing
@@ -199,25 +197,11 @@ class Campaign(Closing):
         """
         self._refuse_finished()
         place = at or self.open_question().place
-        if not all(math.isfinite(each) for each in (value, *others)):
-            raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
-        refuse_absurd(value, *others, std or 0.0)
-        self._refuse_other_count(place.setup, 1 + len(others))
-        if std is not None and not 0 < std < math.inf:
-            raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
+        refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = self._clock() if live else None
         at_place = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*at_place, value, std, accepted=accepted, others=others, time=time)))
         return self.state.readings[-1]
-
-    def _refuse_other_count(self, setup: str, count: int) -> None:
-        mounted = self.description.setup(setup)
-        values = values_of(mounted)
-        if count == values:
-            return
-        what = f"the {mounted.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
-        several = "Give one from each station in its order" if mounted.stations else "Give the values along x, y and z"
-        raise ReadingError(what, several if values > 1 else "Give one value")
 
     def skip(self, reason: str, *, rest: bool = False) -> Asked:
         """Keep in mind that the reading asked for cannot be taken, and return it; it is not asked for again.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ReadingError, RecordError
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
@@ -39,6 +42,26 @@ def refuse_absurd(*values: float) -> None:
             raise ReadingError(
                 f"{value:g} m or rad is no deviation of a machine", "Give the reading with its unit, such as 1.7 um"
             )
+
+
+def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:
+    """Raise ReadingError for what a set-up's instrument does not read.  values, std : m or rad"""
+    for value in values:
+        if not math.isfinite(value):
+            raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
+    refuse_absurd(*values, std or 0.0)
+    _refuse_other_count(setup, len(values))
+    if std is not None and not 0 < std < math.inf:
+        raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
+
+
+def _refuse_other_count(setup: Setup, count: int) -> None:
+    values = values_of(setup)
+    if count == values:
+        return
+    what = f"the {setup.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
+    several = "Give one from each station in its order" if setup.stations else "Give the values along x, y and z"
+    raise ReadingError(what, several if values > 1 else "Give one value")
 
 
 def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
