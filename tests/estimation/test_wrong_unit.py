@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator
+from benchmarks.nonlinear.stations import at_once, tracers
 from benchmarks.trust.virtual import described, read_evenly
 
 
@@ -46,3 +48,19 @@ def test_a_prior_that_is_wrong_by_three_is_no_other_unit(scales: str, wrong: flo
 def test_readings_of_nothing_at_all_are_not_taken_for_another_unit() -> None:
     description, _ = described("one-axis", 1.0, "stated")
     refuse_implausible(_times(_readings(description, 1.0, 0), 0.0), description, "r.csv")
+
+
+@pytest.mark.parametrize("make", [tracers, at_once])
+def test_stations_that_are_decimetres_off_are_no_other_unit(make: Callable[[str, str], Case]) -> None:
+    description = make("300 mm", "100 mm").description
+    machine, rng = Simulator(description.machine, description.setups).drawn(3), np.random.default_rng(3)
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    readings = []
+    for number in range(40):
+        setup, pose = description.setups[number % len(description.setups)], tuple(rng.uniform(low, high).tolist())
+        value, *others = machine.read_all(setup, pose, (1,) * len(low), rng)
+        readings.append(Reading(setup.name, pose, (1,) * len(low), value, others=tuple(others)))
+    refuse_implausible(readings, description, "r.csv")
+    other = [replace(_times([r], 1000.0)[0], others=tuple(1000 * v for v in r.others)) for r in readings]
+    with pytest.raises(ReadingError, match="unit"):
+        refuse_implausible(other, description, "r.csv")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import judged_at_once
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import ReadingError
-from axiscal.inference.implausible import unit_guess
+from axiscal.inference.implausible import bent, unit_guess
 from axiscal.inference.other_unit import other_unit
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
@@ -43,7 +44,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
 
 def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path) -> None:
     """Raise ReadingError at the first reading of a set-up whose readings are written in another unit."""
-    found = other_unit(case.observation, readings) if case.inherited is None else None
+    found = other_unit(_with_bends(case, readings).observation, readings) if case.inherited is None else None
     if found is None:
         return
     first = next(reading for reading in readings if reading.setup == found.setup)
@@ -54,3 +55,15 @@ def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path
     what += f"10^{found.odds:.0f} to 1, and not as they are"
     remedy = "Check the unit that the file names for its values (mm instead of um?), or state other std and noise"
     raise ReadingError(what, remedy, file, first.line)
+
+
+def _with_bends(case: Case, readings: Sequence[Reading]) -> Case:
+    """Return the case with what readings bend by as noise: a station that is far off is no other unit.
+
+    Where that is decimetres, readings that are too small by a thousand cannot be told from a station that is not off.
+    """
+    machine, setups = case.description.machine, []
+    for setup in case.description.setups:
+        most = max((bent(machine, setup, reading) for reading in readings if reading.setup == setup.name), default=0.0)
+        setups.append(replace(setup, noise=float(np.hypot(setup.noise, np.sqrt(most)))))
+    return replace(case, description=replace(case.description, setups=tuple(setups)))

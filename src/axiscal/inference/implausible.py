@@ -17,6 +17,7 @@ from axiscal.belief import Belief
 from axiscal.inference.outliers import Doubt
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -119,19 +120,22 @@ class Plausibility:
         return float(wandering(setup.drift, [apart])[0, 0])
 
     def _bent(self, reading: Reading) -> float:
-        """Return the variance by which a reading bends while its station or its turn is not found, m²."""
-        setup = self._setup(reading)
-        stations = max(len(setup.stations), 1)
-        wide = sum(u.std**2 for u in setup.unknowns if u.name.startswith(SHIFTS)) / stations
-        turned = sum(u.std**2 for u in setup.unknowns if u.name in TURNS)
-        if not turned:
-            return float((wide / (2 * _NEAREST)) ** 2)
-        place = frames(self.observation.machine, np.array([reading.pose])).tcp[0]
-        away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
-        return float((turned * away / 2) ** 2)
+        return bent(self.observation.machine, self._setup(reading), reading)
 
     def _setup(self, reading: Reading) -> Setup:
         return next(setup for setup in self.observation.setups if setup.name == reading.setup)
+
+
+def bent(machine: Machine, setup: Setup, reading: Reading) -> float:
+    """Return the variance by which a reading of a set-up bends while its station or its turn is not found, m²."""
+    stations = max(len(setup.stations), 1)
+    wide = sum(u.std**2 for u in setup.unknowns if u.name.startswith(SHIFTS)) / stations
+    turned = sum(u.std**2 for u in setup.unknowns if u.name in TURNS)
+    if not turned:
+        return float((wide / (2 * _NEAREST)) ** 2)
+    place = frames(machine, np.array([reading.pose])).tcp[0]
+    away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
+    return float((turned * away / 2) ** 2)
 
 
 def limit(sizes: Sequence[float]) -> float:
