@@ -44,8 +44,9 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
 
 def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path) -> None:
     """Raise ReadingError at the first reading of a set-up whose readings are written in another unit."""
-    found = other_unit(_with_bends(case, readings).observation, readings) if case.inherited is None else None
-    if found is None:
+    found = other_unit(case.observation, readings) if case.inherited is None else None
+    bends = None if found is None else other_unit(_with_bends(case, readings).observation, readings)
+    if found is None or bends is None or bends.factor != found.factor:
         return
     first = next(reading for reading in readings if reading.setup == found.setup)
     by = f"{found.factor:g}" if found.factor > 1 else f"1/{1 / found.factor:g}"
@@ -60,7 +61,7 @@ def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path
 def _with_bends(case: Case, readings: Sequence[Reading]) -> Case:
     """Return the case with what readings bend by as noise: a station that is far off is no other unit.
 
-    Where that is decimetres, readings that are too small by a thousand cannot be told from a station that is not off.
+    With so much noise a station that is not off looks like another unit, so that what is told without it has to agree.
     """
     machine, setups = case.description.machine, []
     for setup in case.description.setups:
