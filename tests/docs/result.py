@@ -36,6 +36,7 @@ class Milestone(Fields):
     setup: str | None = Field(description="name of the set-up")
     position: dict[str, float] | None = Field(description="coordinate by axis, mm or deg")
     value: float | None = Field(description="what was read, in `unit`")
+    others: list[float] = Field(description="further numbers of a reading that has several, as of a sphere")
     unit: str | None = Field(description="um or urad")
     rms_um: float = Field(description="RMS standard deviation of the tool point over the volume after it")
     worst_um: float = Field(description="largest standard deviation in the volume after it")

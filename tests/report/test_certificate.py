@@ -6,6 +6,7 @@ import csv
 import io
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ import pytest
 from axiscal.exceptions import ReadingError
 from axiscal.report.calibration_certificate import DCC, SI, certificate, check_against
 from axiscal.report.data_files import data_files
+from axiscal.report.result_document import result_json
+from axiscal.report.sentences import values_text
 from tests.report.test_page import HOSTILE, _with_every_text, five_axis_summary
 
 ORDER = {
@@ -125,6 +128,17 @@ def test_csv_files_hold_what_the_summary_holds() -> None:
     assert float(first["mean"]) == pytest.approx(summary.curves[0].mean[0], rel=1e-5)
     assert float(first["half_width_95"]) == pytest.approx(1.96 * summary.curves[0].std[0], rel=1e-5)
     assert len(rows["constants.csv"]) == len(summary.constants)
+
+
+def test_all_numbers_of_a_reading_are_in_its_row() -> None:
+    summary = five_axis_summary(3)
+    last = replace(summary.history[-1], others=(0.25, -3.5))
+    shown = replace(summary, history=[*summary.history[:-1], last])
+    rows = list(csv.DictReader(io.StringIO(data_files(shown)["readings.csv"])))
+    assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
+    assert "value_2" not in data_files(summary)["readings.csv"]
+    assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
+    assert values_text(last.values, "um").endswith(" / 0.250 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:

@@ -27,6 +27,7 @@ def data_files(summary: Summary) -> dict[str, str]:
 def _readings(summary: Summary) -> Rows:
     axes = list(dict.fromkeys(axis for row in summary.history for axis in row.position or {}))
     names = [f"{axis}_{axis_unit(axis)}" for axis in axes]
+    further = max((len(row.others) for row in summary.history), default=0)
     yield [
         "reading",
         "setup",
@@ -39,6 +40,7 @@ def _readings(summary: Summary) -> Rows:
         "used",
         "rms_um",
         "minutes",
+        *(f"value_{2 + k}" for k in range(further)),
     ]
     for row in summary.history:
         if row.position is None:
@@ -46,7 +48,8 @@ def _readings(summary: Summary) -> Rows:
         at = [_place(row.position.get(axis)) for axis in axes]
         value, left, z = row.value_um, row.innovation, standardised(row)
         said = [row.approach, _figure(value), row.unit, _figure(left), _figure(z), "no" if row.rejected else "yes"]
-        yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes)]
+        others = [*map(_figure, row.others), *[""] * (further - len(row.others))]
+        yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes), *others]
 
 
 def _curves(curves: Sequence[CurveSummary]) -> Rows:

@@ -19,6 +19,7 @@ from axiscal.report.sentences import (
     short,
     standardised,
     unit_text,
+    values_text,
 )
 from axiscal.report.summary import HistoryRow, Iso230, Summary
 
@@ -218,7 +219,7 @@ def _innovation_trace(found: list[tuple[HistoryRow, float]], colour: str, symbol
 
 
 def _reading_text(row: HistoryRow) -> str:
-    value = "" if row.value_um is None else f"\n{quantity(row.value_um, row.unit)}"
+    value = f"\n{values_text(row.values, row.unit)}" if row.values else ""
     number = said("reading {number}", number=row.reading)
     return f"{number}, {row.setup or ''}\n{position_text(row.position)}{value}"
 

@@ -33,6 +33,7 @@ from axiscal.report.sentences import (
     residual_words,
     spelt,
     standardised,
+    values_text,
     volume_words,
 )
 from axiscal.report.standalone import static_text
@@ -263,7 +264,7 @@ def _reading_row(row: HistoryRow) -> list[str]:
         row.setup or "",
         position_text(row.position),
         row.approach,
-        "" if row.value_um is None else quantity(row.value_um, row.unit),
+        values_text(row.values, row.unit),
         "" if row.innovation is None else quantity(row.innovation, row.unit),
         "" if z is None else figure(z),
         figure(row.rms_um),

@@ -140,6 +140,7 @@ def _history(row: HistoryRow) -> dict[str, Any]:
         "setup": row.setup,
         "position": _position(row.position),
         "value": _optional(row.value_um, "value of a reading"),
+        "others": numbers(row.others, "values of a reading"),
         "unit": None if row.value_um is None else row.unit,
         "rms_um": number(row.rms_um, "rms_um of the history"),
         "worst_um": number(row.worst_um, "worst_um of the history"),

@@ -59,6 +59,11 @@ def quantity(value: float, unit: str) -> str:
     return f"{figure(value)}{sign if sign in '°″' else _NO_BREAK + sign}"
 
 
+def values_text(values: Sequence[float], unit: str) -> str:
+    """Return the numbers of one reading as "1.2 / 0.3 / -0.4 um", its unit once; "" where there is none."""
+    return "" if not values else " / ".join([*map(figure, values[:-1]), quantity(values[-1], unit)])
+
+
 def duration(minutes: float) -> str:
     """Return minutes as "41 minutes" or, from three hours on, "3 h 20 min"."""
     whole = round(minutes)

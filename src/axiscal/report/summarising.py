@@ -259,6 +259,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment, tool:
         unit=unit,
         tcp_mm=tool,
         approach=approach_text(axes, reading.approach),
+        others=tuple(to_unit(each, unit) for each in reading.others),
     )
 
 

@@ -39,7 +39,8 @@ class SetupUse:
 class HistoryRow:
     """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
 
-    unit : of `value_um`, `innovation`, `innovation_std`: "um" except for angle readings
+    unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
+    others : the further numbers of a reading that has several, such as a sphere's along y and z
     tcp_mm : nominal TCP in the workpiece frame, for the picture of where it was measured
     traditional_rms_um : RMS that the traditional plan has after as many readings, if it was computed
     """
@@ -58,6 +59,12 @@ class HistoryRow:
     unit: str = "um"
     tcp_mm: tuple[float, float, float] | None = None
     approach: str = ""
+    others: tuple[float, ...] = ()
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """All numbers of the reading, in its unit; none of the prior."""
+        return () if self.value_um is None else (self.value_um, *self.others)
 
 
 @dataclass(frozen=True, slots=True)
