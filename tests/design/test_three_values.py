@@ -12,6 +12,7 @@ from axiscal.design.gains import dense
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Scores
+from axiscal.design.gains.three_values import joint_gains
 from axiscal.design.plan.exchange import exchange
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
@@ -177,3 +178,27 @@ def test_a_plan_knows_that_each_reading_brings_three_values() -> None:
     assert plan.value == pytest.approx(dense_value(asked, plan.places), rel=1e-6)
     assert plan.bound is not None
     assert plan.bound.value <= plan.value
+
+
+def test_gains_of_what_is_open_beyond_the_digits_are_those_of_the_digits_there_are() -> None:
+    """One unknown by which four numbers differ is open by 10¹³ of the noise: rounding leaves no sign of the rest."""
+    seen = np.array([0.3, -0.2, 2.0, -1.0])
+    below = 1e13 * np.outer(seen, seen) + 1e-4 * np.diag([-1.0, 1.0, -1.0, 1.0])
+    above = 1e20 * np.outer(seen, seen)
+    assert joint_gains(above[None], below[None])[0] == pytest.approx(1e7, rel=3e-3)
+
+
+@pytest.mark.parametrize(("open_by", "alone"), [(1e-4, False), (3.0, True)])
+def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, alone: bool) -> None:
+    asked = mixed(three=())
+    beams = tuple(replace(beam, std=open_by) for beam in BEAMS)
+    four = replace(asked.observation.setups[0], instrument="tracer", stations=STATIONS, unknowns=of_each(beams, 4))
+    observation = Observation(asked.observation.errors, (four, *asked.observation.setups[1:]))
+    belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
+    task = Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
+    scores = Scores(Pool(observation, asked.lattice), task.state)
+    scores.enter(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
+    assert scores.held_alone(0) == alone
+    before = scores.places.poses.copy()
+    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
+    assert np.array_equal(scores.places.poses, before) or not alone

@@ -24,6 +24,9 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
 
+_ALONE = 1e-7
+"""Share of the noise of a reading: where its own variance is nearer to the noise, it alone holds an unknown."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Member:
@@ -205,6 +208,17 @@ class Scores:
     def losses(self) -> Array:
         """Return by how much J would rise were each reading of the plan not taken, (m,)."""
         return np.array([float(np.sum(np.multiply(*self._leaving(s)))) for s in range(len(self.members))])
+
+    def held_alone(self, slot: int) -> bool:
+        """Whether unknowns would open beyond the digits of a double without a reading of several numbers.
+
+        Tables from which it is taken hold nothing of the rest; such a reading keeps its place.
+        """
+        numbers, noise = self._numbers(slot), self.members[slot].variance
+        if numbers.stop - numbers.start == 1:
+            return False
+        crossed, _ = self.follow().of(slice(numbers.start - self.pool.count, numbers.stop - self.pool.count), numbers)
+        return float(np.linalg.eigvalsh(crossed)[-1]) > (1.0 - _ALONE) * noise
 
     def _leaving(self, slot: int) -> tuple[Array, Array]:
         """Return E and Ω of a reading: without it C ← C + H E Hᵀ, and J rises by tr(E Ω); each (k, k).

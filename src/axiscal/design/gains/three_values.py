@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from axiscal.numerics import Array
 
 _USUAL = 3
 """Numbers of a reading of several: along x, y and z."""
+_LOST = 1e-13
+"""Share of the largest eigenvalue below which rounding may be a thousandth of what is divided by it, or more."""
 
 
 def joint_forms(above: Array, below: Array, noise: float) -> tuple[Array, Array]:
@@ -28,10 +31,16 @@ def joint_forms(above: Array, below: Array, noise: float) -> tuple[Array, Array]
 
 
 def joint_gains(above: Array, below: Array) -> Array:
-    """Return tr(M⁻¹ N), (...).  above : N (..., k, k); below : M (..., k, k)."""
+    """Return tr(M⁻¹ N), (...).  above : N (..., k, k); below : M (..., k, k), both symmetric.
+
+    Where unknowns are open by metres M spans more than a double holds: what rounding may have left of its smallest
+    eigenvalues counts as large enough that rounding decides nothing.
+    """
     if above.shape[-1] == 3:
         return _gains_of_three(above, below)
-    gains: Array = np.trace(np.linalg.solve(below, above), axis1=-2, axis2=-1)
+    sizes, turn = np.linalg.eigh(below)
+    least = _LOST * sizes[..., -1:]
+    gains: Array = np.sum(np.einsum("...ji,...jk,...ki->...i", turn, above, turn) / np.maximum(sizes, least), axis=-1)
     return gains
 
 
@@ -98,7 +107,7 @@ class SharedReadings:
     def of(cls, parts: Sequence[SharedReadings]) -> SharedReadings:
         """Return several as one."""
         if not parts:
-            return cls.alike(np.zeros(0, dtype=np.intp), *np.zeros((2, 0, _USUAL, _USUAL)))
+            return _none()
         width = max(part.width for part in parts)
         sides = (
             np.concatenate([_padded(getattr(part, name), part.width, width) for part in parts])
@@ -159,6 +168,11 @@ class SharedReadings:
     def ends(self, values: Array) -> tuple[Array, Array]:
         """Return values (numbers, k) of the first and the second number of every pair, each (t, pairs, k)."""
         return values.take(self._pairs[0], axis=0), values.take(self._pairs[1], axis=0)
+
+
+@cache
+def _none() -> SharedReadings:
+    return SharedReadings.alike(np.zeros(0, dtype=np.intp), *np.zeros((2, 0, _USUAL, _USUAL)))
 
 
 def _padded(aside: Array, width: int, most: int) -> Array:

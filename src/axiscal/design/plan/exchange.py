@@ -50,6 +50,8 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
         for slot in ranked(-scores.losses(), ALIKE):
             if work > _WORK:
                 return
+            if scores.held_alone(int(slot)):
+                continue
             if looked.get(int(slot)) == changes:  # nothing has moved since it was looked at
                 continue
             looked[int(slot)] = changes
@@ -86,6 +88,8 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
         for slot in range(len(scores.members)):
             if patience.spent:
                 return
+            if scores.held_alone(slot):
+                continue
             _polished(scores, slot, allowed)
             patience.take(work)
         if before - scores.state.value <= _worth(scores) * before:
@@ -100,6 +104,8 @@ def _worth(scores: Scores) -> float:
 def _move(scores: Scores) -> None:
     found = moved(scores.begun, scores.places)
     for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
+        if scores.held_alone(slot):
+            continue
         scores.leave(slot)
         scores.enter(found.at(slot), slot)
 
