@@ -95,7 +95,7 @@ def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | No
     )
     for name, limit, seen, whole, k in wanted:
         if limit is not None and larger * seen <= now.attainable(limit / k):
-            return f"{name} target reached" + _unless_hidden(k * whole, limit)
+            return f"{name} target reached" + _unless_hidden(larger * k * whole, limit)
     return None
 
 
