@@ -22,6 +22,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
+from axiscal.inference.contradiction import Watched
 from axiscal.measurement.reading import Reading
 from axiscal.record import durable
 from axiscal.simulation import Simulator
@@ -226,3 +227,24 @@ def test_a_damaged_verdict_is_found_again(record: Path, damage: str) -> None:
     beside.write_bytes(content[damage])
     with Campaign.open(record, write=False) as campaign:
         assert (campaign.standing(), campaign.watched()) == expected
+
+
+@pytest.mark.parametrize(
+    "forged", ["a word", ("A", "B", "C"), (None, None, float("nan")), ("reached",), Watched((1.0,)), None]
+)  # type: ignore[arg-type]
+def test_a_verdict_that_somebody_made_up_is_found_again(record: Path, forged: object) -> None:
+    with Campaign.open(record, write=False) as campaign:
+        expected = campaign.standing(), campaign.watched()
+    beside = kept.answers_beside(record)
+    key = beside.read_bytes().split(b"\n")[1][:64].decode()
+    kept._write(beside, key, {"standing": forged, "watched": forged})
+    with Campaign.open(record, write=False) as campaign:
+        assert (campaign.standing(), campaign.watched()) == expected
+
+
+def test_what_is_known_is_found_again_where_somebody_made_up_a_part(record: Path) -> None:
+    expected = _known(record)
+    beside = kept.kept_beside(record)
+    key = beside.read_bytes().split(b"\n")[1][:64].decode()
+    kept._write(beside, key, object.__new__(Estimation))
+    _same(_known(record), expected)

@@ -22,6 +22,7 @@ import contextlib
 import hashlib
 import io
 import json
+import math
 import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import astuple
@@ -29,14 +30,14 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, TypeGuard, TypeVar
 
 from axiscal.campaign.ending import Attained, standing
 from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.watching import watched_so_far
-from axiscal.inference.contradiction import Watched
+from axiscal.inference.contradiction import PRIOR, Explanation, Watched
 from axiscal.measurement.reading import Reading
 from axiscal.record.durable import write_whole
 from axiscal.record.events import Event, Stored
@@ -100,7 +101,7 @@ class Kept:
         if len(readings) < FEWEST:
             return None
         found = _read(kept_beside(self._record), _key(self._first.event))
-        if not isinstance(found, Estimation) or not found.stages.timed.begins(readings):
+        if not isinstance(found, Estimation) or not _begins(found, readings):
             return None
         self._count = len(found.readings)
         return found
@@ -116,18 +117,28 @@ class Kept:
 
     def standing(self, target: Target, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Attained:
         """Return whether an accuracy is reached by exactly these readings.  known : by them, where it is not kept"""
-        return Attained(*self._answered("standing", readings, lambda: astuple(standing(target, known()))))
+        said = self._answered("standing", readings, _is_attained, lambda: astuple(standing(target, known())))
+        return Attained(*said)
 
     def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Watched:
         """Return the e-value after exactly these readings.  known : as of `standing`"""
-        return self._answered("watched", readings, lambda: watched_so_far(known()))
+        return self._answered("watched", readings, _is_watched, lambda: watched_so_far(known()))
 
-    def _answered(self, name: str, readings: tuple[Reading, ...], find: Callable[[], Answer]) -> Answer:
+    def _answered(
+        self,
+        name: str,
+        readings: tuple[Reading, ...],
+        is_one: Callable[[object], TypeGuard[Answer]],
+        find: Callable[[], Answer],
+    ) -> Answer:
+        """Return an answer, found now where none was kept or what was kept is none.  is_one : tells an answer"""
         if self._answers is None or self._readings != readings:
             self._answers, self._readings, self._found = self._recalled_answers(readings), readings, False
-        if name not in self._answers:
-            self._answers[name], self._found = find(), True
-        found: Answer = self._answers[name]  # type: ignore[assignment]
+        kept = self._answers.get(name)
+        if is_one(kept):
+            return kept
+        found = find()
+        self._answers[name], self._found = found, True
         return found
 
     def _recalled_answers(self, readings: tuple[Reading, ...]) -> dict[str, object]:
@@ -145,6 +156,35 @@ class Kept:
 
     def _key_of(self, readings: tuple[Reading, ...]) -> str:
         return hashlib.sha256(f"{_key(self._first.event)} {readings!r}".encode()).hexdigest()
+
+
+def _begins(found: Estimation, readings: Sequence[Reading]) -> bool:
+    """Return whether what was kept is of the first of these readings; not where somebody made it up in parts."""
+    try:
+        return found.stages.timed.begins(readings)
+    except _DAMAGE:
+        return False
+
+
+def _is_attained(kept: object) -> TypeGuard[tuple[str | None, str | None, float]]:
+    match kept:
+        case (str() | None, str() | None, float() as vouched):
+            return math.isfinite(vouched)
+    return False
+
+
+def _is_watched(kept: object) -> TypeGuard[Watched]:
+    match kept:
+        case Watched(tuple() as explanations, float(), float()):
+            return all(map(_is_explanation, explanations))
+    return False
+
+
+def _is_explanation(kept: object) -> bool:
+    match kept:
+        case Explanation(str() as family, str(), float(), float(), float(), float()):
+            return family in PRIOR
+    return False
 
 
 def kept_beside(record: Path) -> Path:
