@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.record.durable import is_running
 from axiscal.record.events import Created, Noted, Recorded
@@ -243,6 +243,7 @@ def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
         assert log.append(READING, after=2) == 3
         assert [stored.event for stored in ServerLog.open(database, "mill").events()] == [CREATED, READING, READING]
         _ended_in_the_middle(server, database, log)
+        _ended_while_it_was_asked_once(server, database, log)
         log.close()
 
 
@@ -259,18 +260,99 @@ def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerL
                             "application_name = 'axiscal'")  # fmt: skip
             return asked(query, **values)
 
-        database.rows = rows  # type: ignore[method-assign,assignment]
+        database.rows, database.at_once = rows, _never_at_once  # type: ignore[method-assign,assignment]
         try:
             log.append(READING, READING, after=last)
         except RecordError as failure:
             told.append(failure.what)
         finally:
             database.rows = asked  # type: ignore[method-assign]
+            del database.at_once
         assert log.last() in (last, last + 2)
         assert log.append(READING, after=log.last()) == log.last()
     assert len(told) == 3  # before the first statement nothing has begun: it is asked again over a new connection
     assert "is not known" in told[-1]
     keeper.close()
+
+
+def _never_at_once(query: str, **values: object) -> bool:
+    return False
+
+
+def _ended_while_it_was_asked_once(server: RunningServer, database: Database, log: ServerLog) -> None:
+    """End our session around the one question of an append: nothing is said where it can be seen what is kept."""
+    keeper = Database(store_address(server.address()))
+    speaks, asked = database_module._speaks, database.at_once
+    end = "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND "
+
+    def dropped(line: int) -> bool:
+        keeper.rows(f"{end} application_name = 'axiscal'")
+        return speaks(line)
+
+    def dropped_after_a_look(line: int) -> bool:
+        keeper.rows(f"{end} application_name = 'axiscal'")
+        return False
+
+    for each in (dropped, dropped_after_a_look):
+        last = log.last()
+        database_module._speaks = each
+        try:
+            assert log.append(READING, READING, after=last) == last + 2
+        finally:
+            database_module._speaks = speaks
+        assert log.last() == last + 2
+
+    def unheard(query: str, **values: object) -> bool:
+        assert asked(query, **values)
+        if gone:
+            server.stop()
+        raise UnreachableError("The store does not answer", "Give the command again", "store")
+
+    last = log.last()
+    database.at_once = unheard  # type: ignore[method-assign]
+    gone = False
+    assert log.append(READING, READING, after=last) == last + 2 == log.last()
+    gone = True
+    with pytest.raises(RecordError, match="whether the last entry is kept is not known"):
+        log.append(READING, after=last + 2)
+    del database.at_once
+    server.start()
+    assert log.last() == last + 3
+    keeper.close()
+
+
+def test_of_two_that_know_the_same_one_question_keeps_one_and_behind_nothing_known_both(
+    log: ServerLog, address: str
+) -> None:
+    other = ServerLog.open(Database(store_address(address)), log.entry.name)
+    assert log.append(READING, after=3) == 4
+    with pytest.raises(OvertakenError, match="in the meantime"):
+        other.append(READING, after=3)
+    assert log.append(READING) == 5
+    assert other.append(READING) == 6
+    assert [stored.number for stored in log.events()] == [1, 2, 3, 4, 5, 6]
+    other.close()
+
+
+def test_an_append_is_one_question_to_the_server(log: ServerLog, database: Database) -> None:
+    def never(query: str, **values: object) -> list[list[object]]:
+        raise AssertionError(query)
+
+    database.rows = never  # type: ignore[method-assign]
+    try:
+        assert [log.append(READING) for _ in range(3)] == [4, 5, 6]
+    finally:
+        del database.rows
+
+
+def test_what_is_put_back_is_said_by_the_one_question_too(log: ServerLog, database: Database) -> None:
+    database.rows("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
+    try:
+        database.rows("DELETE FROM axiscal.events WHERE number = 3 AND campaign = CAST(:id AS uuid)", id=log.entry.id)
+    finally:
+        database.rows("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+    with pytest.raises(RecordError, match="an older state of the store"):
+        log.append(READING)
 
 
 def test_a_server_of_the_tests_ends_with_what_began_it() -> None:
@@ -308,8 +390,11 @@ def test_the_lock_of_another_program_is_waited_for_and_then_said(
     monkeypatch.setattr(database_module, "_LOCK", 50)
     log.close()  # it comes back with the shorter patience
     other = Database(store_address(server.address()))
-    with other.transaction(log.entry.id), pytest.raises(RecordError, match="holds this campaign"):
-        log.append(Noted("x"))
+    for connected in (False, True):  # in several questions, and in one
+        if connected:
+            log.last()
+        with other.transaction(log.entry.id), pytest.raises(RecordError, match="holds this campaign"):
+            log.append(Noted("x"))
     other.close()
     assert log.append(Noted("x")) == 4
 

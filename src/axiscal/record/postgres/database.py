@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import selectors
 import socket
 import ssl
 import struct
@@ -39,6 +40,7 @@ class Database:
     def __init__(self, address: StoreAddress) -> None:
         self.address = address
         self._connection: Any = None
+        self._line, self._prepared = -1, dict[str, Any]()
         self._within = False
 
     def rows(self, query: str, **values: object) -> list[list[Any]]:
@@ -60,6 +62,20 @@ class Database:
             found = self._opened().run(query, **values)
         return list(found or [])
 
+    def at_once(self, query: str, **values: object) -> bool:
+        """Do one thing in a transaction of its own and one question to the server, which is never asked again.
+
+        Return whether it was asked and done: not over a connection that is yet to be made, or that has something to
+        say before it was asked, such as its end. Raises UnreachableError where nobody knows whether it was done.
+        """
+        if self._within or self._connection is None or _speaks(self._line):
+            return False
+        with self._failures():
+            if query not in self._prepared:
+                self._prepared[query] = self._connection.prepare(query)
+            self._prepared[query].run(**values)
+        return True
+
     @contextmanager
     def transaction(self, held: str) -> Iterator[None]:
         """Do all that the block does, or nothing; where the server goes away at the end it is not known which.
@@ -68,7 +84,7 @@ class Database:
         """
         try:
             # one question to the server; the lock comes before the first look at what there is
-            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock({_lock_number(held)})")
+            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock({lock_number(held)})")
             self._within = True
             yield
             self._commit()
@@ -83,14 +99,12 @@ class Database:
         try:
             self.rows("COMMIT")
         except RecordError as failure:
-            what = f"{failure.what}, and whether the last entry is kept is not known"
-            raise RecordError(
-                what, "Look at it, then give the command again if it is not there", failure.file
-            ) from None
+            raise not_known(failure) from None
 
     def close(self) -> None:
         """Close the connection."""
         connection, self._connection = self._connection, None
+        self._prepared.clear()
         if connection is not None:
             with contextlib.suppress(*_network_failures()):
                 connection.close()
@@ -103,7 +117,9 @@ class Database:
         if self._connection is None:
             if self._within:
                 raise UnreachableError("The server went away in the middle", "Give the command again", self._named)
-            self._connection = _connected(self.address)
+            line = _line(self.address)
+            self._line = line.fileno()  # it stays the same under TLS
+            self._connection = _connected(self.address, line)
         return self._connection
 
     @contextmanager
@@ -140,9 +156,22 @@ class Database:
             raise
 
 
-def _lock_number(held: str) -> int:
+def not_known(failure: RecordError) -> RecordError:
+    """Return what is said where the server went away before it told whether an entry is kept."""
+    what = f"{failure.what}, and whether the last entry is kept is not known"
+    return RecordError(what, "Look at it, then give the command again if it is not there", failure.file)
+
+
+def lock_number(held: str) -> int:
     """Return the number by which the server locks what has this name."""
     return int.from_bytes(hashlib.sha256(held.encode(errors="surrogateescape")).digest()[:8], signed=True)
+
+
+def _speaks(line: int) -> bool:
+    """Whether something has come over a connection that was asked nothing.  line : its file descriptor"""
+    with selectors.DefaultSelector() as waiting:
+        waiting.register(line, selectors.EVENT_READ)
+        return bool(waiting.select(0))
 
 
 def _words(failure: BaseException) -> str:
@@ -157,12 +186,11 @@ def _network_failures() -> tuple[type[BaseException], ...]:
     return (Error, OSError, struct.error)
 
 
-def _connected(address: StoreAddress) -> Any:
-    """Return a connection; raises what the driver raises, OSError where nobody answers."""
+def _connected(address: StoreAddress, line: socket.socket) -> Any:
+    """Return a connection over a socket; raises what the driver raises, OSError where nobody answers."""
     from pg8000.exceptions import DatabaseError, Error
     from pg8000.native import Connection
 
-    line = _line(address)
     try:
         return Connection(
             address.user,

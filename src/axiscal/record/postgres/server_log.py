@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Self
 
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.record.closing import Closing
 from axiscal.record.events import Created, Event, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
@@ -26,7 +26,7 @@ from axiscal.record.log import (
     refuse_overtaken,
     rows_of,
 )
-from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.database import Database, lock_number, not_known
 from axiscal.record.postgres.schema import refuse_newer
 
 _FEWEST = 8
@@ -34,6 +34,15 @@ _FEWEST = 8
 _SHOWN = 13
 """Digits of an id that are shown: enough to tell any two campaigns."""
 _ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
+
+_INSERT = """
+WITH held AS MATERIALIZED (SELECT pg_advisory_xact_lock(CAST(:held AS bigint)))
+INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest)
+SELECT CAST(:id AS uuid), CAST(:last AS bigint) + e.n, e.kind, e.payload, e.at, e.digest
+FROM held, unnest(CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
+    WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n
+"""
+"""Behind the lock of its campaign, as everything that is written: a statement of its own waits for others, too."""
 
 
 class Entry(NamedTuple):
@@ -105,15 +114,57 @@ class ServerLog(Closing):
         """Keep events as they were written elsewhere, in one transaction; else as `append`."""
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
+        if last := self._kept_at_once(rows, after):
+            return last
         with self._database.transaction(self.entry.id):
             self._catch_up()
             refuse_overtaken(len(self._texts), after, self.path)
             story = self._story.then(rows, self.path)
-            texts = chained_texts((row._replace(closes=True) for row in rows), self.name)
+            texts = self._behind(rows)
             insert(self._database, self.entry.id, len(self._texts), texts)
         self._texts += texts
         self._story = story
         return len(self._texts)
+
+    def _behind(self, rows: Sequence[EventText]) -> list[ChainedText]:
+        return chained_texts((row._replace(closes=True) for row in rows), self.name)
+
+    def _kept_at_once(self, rows: Sequence[EventText], after: int | None) -> int | None:
+        """Keep events in one question to the server and return the number of the last one.
+
+        The server takes them only behind the last event that is known here: None where that is no longer the last, or
+        the question was not asked.
+        """
+        known = len(self._texts)
+        if not rows or not known or after not in (None, known):
+            return None
+        try:
+            story, texts = self._story.then(rows, self.path), self._behind(rows)
+        except RecordError:  # it may follow what has been written since
+            return None
+        try:
+            if not insert_at_once(self._database, self.entry.id, known, texts):
+                return None
+        except OvertakenError:
+            return None
+        except UnreachableError as failure:
+            return known + len(texts) if self._found(texts, failure) else None
+        except RecordError:
+            self._catch_up()  # where the store is damaged that is what is said
+            raise
+        self._texts += texts
+        self._story = story
+        return known + len(texts)
+
+    def _found(self, texts: Sequence[ChainedText], failure: RecordError) -> bool:
+        """Whether the server has events after all that it went away with, by their contents and their times."""
+        known = len(self._texts)
+        try:
+            self._catch_up()
+        except UnreachableError:
+            raise not_known(failure) from None
+        there = self._texts[known : known + len(texts)]
+        return [(each.row.at, each.chain) for each in there] == [(each.row.at, each.chain) for each in texts]
 
     def last(self) -> int:
         """Return the number of the last event."""
@@ -216,19 +267,20 @@ def enter(database: Database, entry: Entry) -> None:
 
 
 def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
-    """Add events behind the last one of a campaign."""
-    if not texts:
-        return
-    columns = list(zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True))
-    database.rows(
-        "INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest) "
-        "SELECT CAST(:id AS uuid), :last + e.n, e.kind, e.payload, e.at, e.digest "
-        "FROM unnest(CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), "
-        "CAST(:digests AS text[])) WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n",
-        id=campaign,
-        last=last,
-        **{name: list(values) for name, values in zip(("kinds", "payloads", "times", "digests"), columns, strict=True)},
-    )
+    """Add events behind the last one of a campaign, within a transaction."""
+    if texts:
+        database.rows(_INSERT, **_inserted(campaign, last, texts))
+
+
+def insert_at_once(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> bool:
+    """Do the same in a transaction of its own, if the connection is ready for it; as `Database.at_once`."""
+    return database.at_once(_INSERT, **_inserted(campaign, last, texts))
+
+
+def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:
+    columns = zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True)
+    lists = dict(zip(("kinds", "payloads", "times", "digests"), map(list, columns), strict=True))
+    return {"id": campaign, "held": lock_number(campaign), "last": last, **lists}
 
 
 def _ancestors(database: Database, entry: Entry) -> list[Entry]:
