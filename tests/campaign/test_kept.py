@@ -22,7 +22,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
-from axiscal.inference.contradiction import Watched
+from axiscal.inference.contradiction import Explanation, Watched
 from axiscal.measurement.reading import Reading
 from axiscal.record import durable
 from axiscal.simulation import Simulator
@@ -229,9 +229,12 @@ def test_a_damaged_verdict_is_found_again(record: Path, damage: str) -> None:
         assert (campaign.standing(), campaign.watched()) == expected
 
 
+EXPLAINED = Explanation("no family", "laser", 0.0, 1.0, 1.0, 1.0)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
-    "forged", ["a word", ("A", "B", "C"), (None, None, float("nan")), ("reached",), Watched((1.0,)), None]
-)  # type: ignore[arg-type]
+    "forged", ["a word", ("A", "B", "C"), (None, None, float("nan")), ("reached",), Watched((EXPLAINED,)), None]
+)
 def test_a_verdict_that_somebody_made_up_is_found_again(record: Path, forged: object) -> None:
     with Campaign.open(record, write=False) as campaign:
         expected = campaign.standing(), campaign.watched()
