@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,10 @@ def reading(setup: str = "along x", pose: tuple[float, ...] = (0.1, 0.1), value:
         (Recorded(reading(pose=(0.1, 0.1, 0.1))), "3 coordinates, and the machine 2 axes"),
         (Recorded(reading(setup="along w")), 'no set-up "along w"'),
         (Recorded(reading(value=2e3)), "no deviation of a machine"),
+        (Recorded(replace(reading(), others=(1e-6,))), "the interferometer gives 1 value, not 2"),
+        (Recorded(replace(reading(), std=1e-13)), "1e-13 m or rad is no standard deviation"),
+        (Recorded(replace(reading(), time=1e12)), r"1e\+12 s after its beginning"),
+        (Recorded(replace(reading(), time=-1e10)), r"-1e\+10 s after its beginning"),
         (Asked(1, Place("along x", (0.4, 0.1), (0, 0))), "X = 400 mm is outside"),
         (Planned((Place("along x", (0.1, 0.1), (0, 0)), Place("x", (0.1, 0.1), (0, 0)))), 'no set-up "x"'),
     ],
@@ -73,6 +78,16 @@ def test_an_absurd_value_is_not_recorded(value: float, tmp_path: Path) -> None:
         campaign.next()
         with pytest.raises(ReadingError, match="no deviation of a machine"):
             campaign.record(value)
+        assert campaign.state.readings == ()
+
+
+@pytest.mark.parametrize("std", [0.0, -1e-6, 9e-11, 1e-300])
+def test_a_standard_deviation_that_no_reading_has_is_not_recorded(std: float, tmp_path: Path) -> None:
+    """One of 1e-9 um was, and each command after it ended with a defect."""
+    with begun(tmp_path / "r.axiscal") as campaign:
+        campaign.next()
+        with pytest.raises(ReadingError, match=r"no standard deviation.*at least 0\.1 nm"):
+            campaign.record(1e-6, std)
         assert campaign.state.readings == ()
 
 

@@ -122,6 +122,7 @@ def test_answers_that_are_understood(
         ("x" * 200_000, "not a JSON object"),
         ('{"value": 1, "value": 500, "unit": "um"}', 'gives "value" twice'),
         ('{"value": 1, "unit": "um", "std": 1e-30}', "std is not plausible"),
+        ('{"value": 1, "unit": "um", "std": 9e-5}', r"std is not plausible.*at least 0\.1 nm"),
         ('{"value": 1, "unit": "um", "std": 1e30}', "std is not plausible"),
         ("{}", "without a unit"),
         ('{"value": 1.7}', "without a unit"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import signal
 import sqlite3
 import subprocess
@@ -23,7 +24,7 @@ from axiscal.record.durable import written
 from axiscal.record.events import Created, Event, Finished, Recorded, Skipped, Undone
 from axiscal.record.line_form import FORM, MARKS, EventText, Mark, mark_bytes, read_mark, transaction
 from axiscal.record.log import rows_of
-from axiscal.record.store import Record
+from axiscal.record.store import Record, content_of
 
 CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
 
@@ -196,6 +197,35 @@ def test_an_entry_that_cannot_be_is_damage_and_is_named(record: Record, kind: st
         Record.open(record.path)
 
 
+CREATED_AS = '{"machine_text":"","campaign_text":"","machine_source":"","campaign_source":"","versions":%s}'
+
+
+@pytest.mark.parametrize("versions", ["null", "5", '""', '["a"]', '{"axiscal":1}'])
+def test_versions_that_cannot_be_are_damage(path: Path, versions: str) -> None:
+    row = EventText("2026-01-01T00:00:00+00:00", "created", CREATED_AS % versions)
+    path.write_bytes(content_of([row])[0])
+    with pytest.raises(RecordError, match="damaged: event 1"):
+        Record.open(path)
+
+
+@pytest.mark.parametrize("at", ["x", "2026-13-01T00:00:00+00:00", "2026-01-01T00:00:00"])
+def test_an_entry_without_its_time_is_damage(path: Path, at: str) -> None:
+    path.write_bytes(content_of([EventText(at, "created", CREATED_AS % "{}")])[0])
+    with pytest.raises(RecordError, match=f"damaged: event 1: '{re.escape(at)}' is no time"):
+        Record.open(path)
+
+
+def test_a_mark_of_another_record_is_damage(record: Record) -> None:
+    record.append(recorded(1e-6))
+    content = record.path.read_bytes()
+    other = mark_bytes(newest(content)._replace(chain=64 * "a"))
+    for at in MARKS:
+        content = content[:at] + other + content[at + len(other) :]
+    record.path.write_bytes(content)
+    with pytest.raises(RecordError, match="damaged: the mark of its end is not that of event 2"):
+        Record.open(record.path)
+
+
 @pytest.mark.parametrize("event", [Skipped("nobody asked"), Undone(77), CREATED])
 def test_what_cannot_follow_is_not_written(record: Record, event: Event) -> None:
     before = record.path.read_bytes()
@@ -229,7 +259,7 @@ AS_NOBODY = """
 import os, sys
 from pathlib import Path
 from axiscal.record.events import Created
-from axiscal.record.store import Record
+from axiscal.record.store import Record, content_of
 from axiscal.exceptions import RecordError
 folder = Path(sys.argv[1])
 if os.geteuid() == 0:
@@ -267,7 +297,7 @@ import sys
 from pathlib import Path
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Recorded
-from axiscal.record.store import Record
+from axiscal.record.store import Record, content_of
 start, count = int(sys.argv[2]), int(sys.argv[3])
 with Record.open(Path(sys.argv[1])) as record:
     for number in range(start, start + count):

@@ -11,13 +11,17 @@ from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
 
 LARGEST = 1e3
 """m or rad: no machine deviates by a kilometre; any bound between a machine's size and this would do."""
+_LEAST = 1e-12
+"""m or rad: a hundredth of what may be said; beside a standard deviation below it nothing of an estimate is left."""
+_LATEST = 1e10
+"""Seconds from the beginning of a campaign, three hundred years: any bound that is still a date would do."""
 _SLACK = 1e-6
 """Of the travel: rounding of places that were computed, far above that of a float and far below what is measured."""
 
@@ -51,8 +55,10 @@ def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) 
             raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
     refuse_absurd(*values, std or 0.0)
     _refuse_other_count(setup, len(values))
-    if std is not None and not 0 < std < math.inf:
-        raise ReadingError(f"{std} is not a standard deviation", "Give one above zero, or none")
+    if std is not None and not std >= FINEST:
+        raise ReadingError(
+            f"{std:g} m or rad is no standard deviation", "Give one of at least 0.1 nm or 0.1 nrad, or none"
+        )
 
 
 def _refuse_other_count(setup: Setup, count: int) -> None:
@@ -77,7 +83,7 @@ class _Checked:
 
     def __init__(self, description: CampaignDescription) -> None:
         self._axes = description.machine.axes
-        self._setups = {setup.name for setup in description.setups}
+        self._setups = {setup.name: setup for setup in description.setups}
         self._bounds = [
             (low - _SLACK * axis.length, high + _SLACK * axis.length)
             for axis, (low, high) in ((axis, axis.travel) for axis in self._axes)
@@ -86,7 +92,7 @@ class _Checked:
     def fault(self, event: Event) -> str:
         """Return what is wrong with an event, "" if nothing is."""
         if isinstance(event, Recorded):
-            return self._of_place(event.reading) or _of_values(event.reading)
+            return self._of_place(event.reading) or _of_values(event.reading, self._setups[event.reading.setup])
         if isinstance(event, Asked):
             return self._of_place(event.place)
         if isinstance(event, Planned):
@@ -104,9 +110,14 @@ class _Checked:
         return ""
 
 
-def _of_values(reading: Reading) -> str:
+def _of_values(reading: Reading, setup: Setup) -> str:
     try:
         refuse_absurd(*reading.values, reading.std or 0.0)
+        _refuse_other_count(setup, len(reading.values))
     except ReadingError as absurd:
         return absurd.what
+    if reading.std is not None and reading.std < _LEAST:
+        return f"{reading.std:g} m or rad is no standard deviation"
+    if reading.time is not None and not abs(reading.time) < _LATEST:
+        return f"{reading.time:g} s after its beginning"
     return ""

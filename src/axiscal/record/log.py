@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -91,6 +92,7 @@ class Story:
     def take(self, events: Iterable[Stored]) -> None:
         """Take over events that were read; raises DamageError."""
         for stored in events:
+            _refuse_timeless(stored)
             try:
                 self._folding.add(stored)
             except EventOrderError as error:
@@ -114,6 +116,14 @@ class Story:
     def state(self) -> State:
         """Return the state folded from all events."""
         return self._folding.state()
+
+
+def _refuse_timeless(stored: Stored) -> None:
+    """Raise DamageError for an event without the time at which it was written."""
+    with contextlib.suppress(ValueError):
+        if datetime.fromisoformat(stored.at).tzinfo is not None:
+            return
+    raise DamageError(f"event {stored.number}: {stored.at[:40]!r} is no time")
 
 
 def campaign_of(first: ChainedText) -> str:

@@ -97,6 +97,12 @@ def _text(value: object) -> str:
     return value
 
 
+def _names(value: object) -> Mapping[Any, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{value!r} does not name what is meant")
+    return value
+
+
 def _flag(value: object) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"{value!r} is neither true nor false")
@@ -116,7 +122,7 @@ def _place(fields: Mapping[str, Any]) -> Place:
 
 
 def _created(fields: Mapping[str, Any]) -> Created:
-    versions = {_text(name): _text(value) for name, value in fields["versions"].items()}
+    versions = {_text(name): _text(value) for name, value in _names(fields["versions"]).items()}
     machine, campaign = _text(fields["machine_text"]), _text(fields["campaign_text"])
     sources = _text(fields["machine_source"]), _text(fields["campaign_source"])
     held = (_flag(fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # older records could not say it

@@ -202,7 +202,10 @@ class Record(Closing):
         content = read_at(handle, self._mark.end, mark.end - self._mark.end)
         rows = list(rows_after(self._mark, content))
         if not rows or rows[-1][1] != mark:
-            raise DamageError(f"it ends at event {self._mark.last + len(rows)} and should end at event {mark.last}")
+            ends = self._mark.last + len(rows)
+            if ends == mark.last:
+                raise DamageError(f"the mark of its end is not that of event {ends}")
+            raise DamageError(f"it ends at event {ends} and should end at event {mark.last}")
         self._take(rows)
 
     def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:

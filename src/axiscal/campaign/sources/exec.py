@@ -20,7 +20,7 @@ from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit
 
 TIMEOUT = 600.0
@@ -185,9 +185,10 @@ class ExecSource:
         return Answer(value, std, tuple(others), live=True)
 
     def _refuse_implausible(self, std: float, line: str, setup: Setup) -> None:
-        if not 1 / WIDEST <= std / setup.noise <= WIDEST:
+        if not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
             noise = format_quantity(setup.noise, reading_unit(setup))
-            remedy = f"Give one within a factor of a million of the set-up's noise, {noise}, or none"
+            least = "of at least 0.1 nm or 0.1 nrad"
+            remedy = f"Give one {least}, within a factor of a million of the set-up's noise, {noise}, or none"
             raise self._failure(f"answered {_quoted(line)}, whose std is not plausible", remedy)
 
     def _numbers(self, value: object, unit: str, line: str, setup: Setup) -> list[float]:
