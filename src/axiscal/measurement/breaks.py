@@ -9,11 +9,13 @@ from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.way import feet
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 
 _COINCIDE = 1e-12
 """Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""
 
 
+@remembered
 def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
     """Return the coordinates between which a set-up's rows are smooth along an axis: knots, edges of visited cells.
 
@@ -34,6 +36,7 @@ def knots_along(observation: Observation, axis: int, setup: int) -> Array:
     return _between(observation, axis, setup, _knots(observation, axis))
 
 
+@remembered
 def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[int, float]:
     """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
 

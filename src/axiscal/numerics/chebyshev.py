@@ -18,6 +18,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.ties import TIE
 
 _EPS = float(np.finfo(np.float64).eps)
+_TOLD = 8 * _EPS
+"""A coefficient below this share of the largest value is rounding; roots are made exact afterwards."""
 
 
 @cache
@@ -87,7 +89,7 @@ def maximise_ratio(numerator: Array, denominator: Array) -> tuple[Array, Array]:
     check_forms(numerator, denominator)
     scale_n, scale_d = _largest(numerator), _largest(denominator)
     n, d = coefficients(numerator / scale_n), coefficients(denominator / scale_d)
-    position, value = _polished(n, d, _best(n, d, _candidates(n, d)))
+    position, value = _polished(n, d, _best(n, d, _candidates(_shortened(n), _shortened(d))))
     return position, value * (scale_n / scale_d)[:, 0]
 
 
@@ -103,6 +105,12 @@ def _largest(values: Array) -> Array:
     """Return the largest magnitude in each row, 1 where a row is zero: (b, 1)."""
     largest = np.abs(values).max(axis=1, keepdims=True)
     return np.where(largest > 0, largest, 1.0)
+
+
+def _shortened(series: Array) -> Array:
+    """Return the series (b, n) without the last terms that are rounding in all of them: roots cost their third power."""
+    told = np.flatnonzero(np.any(np.abs(series) > _TOLD, axis=0))
+    return series[:, : max(2, int(told.max(initial=0)) + 1)]
 
 
 def _candidates(n: Array, d: Array) -> Array:

@@ -2,7 +2,8 @@
 
 Along axis k a row is λ(t)ᵀ times a few fixed vectors: the levers are affine in a linear coordinate and of first order
 in sine and cosine of a rotary one, the other axes' splines do not change, and the own splines m(t) multiply the own
-levers. So the products with [F, C Vᵀ] are made once per line, and a position costs a short vector.
+levers. So the products with [F, C Vᵀ], and of these with each other, are made once per line, and a position costs a
+short vector and two small matrices.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.three_values import joint_forms
-from axiscal.design.step.cell_rests import Rests
+from axiscal.design.step.cell_rests import Rests, cells_along
+from axiscal.design.step.line_forms import LineForms
 from axiscal.error_model.plane import PlaneError
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.numerics import Array
@@ -44,95 +46,76 @@ class Lines:
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
         mounted = scorer.observation.setups[setup]
-        self._scorer, self._noise = scorer, mounted.noise**2
+        self._noise, self._observation, self._axis = mounted.noise**2, scorer.observation, axis
         self._numbers = [_Number(scorer, setup, axis, poses, approaches, d) for d in directions_of(mounted)]
+        rests = Rests(scorer.observation, axis, poses, [number.effects for number in self._numbers], scorer.both)
+        levers = self._numbers[0].far.shape[1]
+        self._forms = LineForms([number.vectors for number in self._numbers], levers, rests, scorer.rank)
 
     def on(self, positions: Array) -> tuple[Array, Array]:
         """Return both forms of every line at the same positions, each (lines, p).  positions : (p,)."""
-        return self._split([number.on(positions) for number in self._numbers])
+        count = self._forms.lines
+        along = [np.broadcast_to(each, (count, *each.shape)) for each in self._along(positions)]
+        return self._split(along, np.broadcast_to(positions, (count, len(positions))), np.arange(count))
 
     def forms(self, positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return both forms at each line's own positions, each (b, k).  positions : (b, k); line : (b,)."""
-        return self._split([number.at(positions, line) for number in self._numbers])
+        along = [each.reshape(*positions.shape, -1) for each in self._along(positions.ravel())]
+        return self._split(along, positions, line)
 
-    def _split(self, parts: list[_LinePart]) -> tuple[Array, Array]:
-        if len(parts) == 1:
-            return self._scorer.split(parts[0].seen, self._noise + np.sum(parts[0].open_rests ** 2, axis=0))
-        seen = np.stack([part.seen for part in parts], axis=2)
-        rests = np.stack([part.open_rests for part in parts])
-        covariances = np.einsum("ifbk,jfbk->bkij", rests, rests) + self._noise * np.eye(len(parts))
-        return joint_forms(*self._scorer.products(seen, covariances), self._noise)
+    def _along(self, positions: Array) -> list[Array]:
+        """Return for each number how much of each of its fixed vectors is seen at positions (p,), (p, vectors)."""
+        levers = _levers(self._observation, self._axis, positions)
+        return [np.hstack([levers, *(_spread(levers, own, positions) for own in n.own)]) for n in self._numbers]
 
-
-class _LinePart(NamedTuple):
-    """What one number of the readings sees.
-
-    seen : (b, k, r + w) its rows times [F, C Vᵀ]; open_rests : (functions, b, k) stds of the rests of cells not visited
-    """
-
-    seen: Array
-    open_rests: Array
+    def _split(self, along: list[Array], positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
+        above, below = self._forms.at(along, positions, line)
+        every = np.arange(len(along))
+        below[..., every, every] += self._noise
+        return joint_forms(above, below, self._noise)
 
 
 class _Number:
-    """One number of the readings, that along a direction where there are several."""
+    """One number of the readings, that along a direction where there are several.
+
+    far : (lines, levers, r + w) what does not change along the axis but by its levers; own : the moving axis' functions
+    effects : (terms, lines, levers) what a unit of each error adds
+    """
 
     def __init__(
         self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array, direction: Array | None
     ) -> None:
         observation = scorer.observation
-        self._scorer, self._axis, nodes = scorer, axis, _nodes(observation, axis)
+        nodes = _nodes(observation, axis)
         lines, levers = len(poses), len(nodes)
         at = np.repeat(poses, levers, axis=0)
         at[:, axis] = np.tile(nodes, lines)
         sides = np.repeat(approaches, levers, axis=0)
         rows = observation.rows(setup, at, sides, direction).rows
-        self._own = [
-            _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers)))
-            for basis, columns in _own_columns(observation, axis)
+        columns_of = _own_columns(observation, axis)
+        self.own = [
+            _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers))) for basis, columns in columns_of
         ]
-        effects = observation.effects(setup, at, sides, direction)
+        self.effects = observation.effects(setup, at, sides, direction).reshape(-1, lines, levers)
         first = len(observation.errors.functions)
-        self._own += [
-            _Own(*_plane_vectors(plane, axis, poses, effects[index].reshape(lines, levers), scorer.both))
+        self.own += [
+            _Own(*_plane_vectors(plane, axis, poses, self.effects[index], scorer.both))
             for index, plane in enumerate(observation.errors.planes, first)
             if axis in plane.axes
         ]
-        self._rests = Rests(observation, axis, at, effects, levers, scorer.both)
-        self._far = self._fixed(rows, axis).reshape(lines, levers, -1)
-
-    def _fixed(self, rows: Array, axis: int) -> Array:
-        for _, columns in _own_columns(self._scorer.observation, axis):
+        for _, columns in columns_of:
             rows[:, columns.ravel()] = 0.0
-        for plane in self._scorer.observation.errors.planes:
+        for plane in observation.errors.planes:
             if axis in plane.axes:
                 rows[:, plane.columns] = 0.0
-        rows[:, self._rests.own_columns] = 0.0
-        fixed: Array = rows @ self._scorer.both
-        return fixed
+        rows[:, cells_along(observation, axis)] = 0.0
+        self.far: Array = (rows @ scorer.both).reshape(lines, levers, -1)
 
-    def on(self, positions: Array) -> _LinePart:
-        """Return what is seen on every line at the same positions.  positions : (p,)."""
-        levers = _levers(self._scorer.observation, self._axis, positions)
-        seen = levers @ self._far
-        for own in self._own:
-            seen += _spread(levers, own, positions) @ own.vectors.reshape(len(seen), -1, seen.shape[2])
-        every = np.arange(len(seen))
-        self._rests.add(seen, np.broadcast_to(positions, seen.shape[:2]), every, levers)
-        return _LinePart(seen, self._rests.open_rests(positions[None], every, levers))
-
-    def at(self, positions: Array, line: NDArray[np.intp]) -> _LinePart:
-        """Return what is seen at each line's own positions.  positions : (b, k); line : (b,)."""
-        shape = positions.shape
-        levers = _levers(self._scorer.observation, self._axis, positions.ravel()).reshape(*shape, -1)
-        seen = levers @ self._far[line]
-        for own in self._own:
-            spread = _spread(levers.reshape(positions.size, -1), own, positions.ravel()).reshape(*shape, -1)
-            for one in np.unique(line):
-                mine = line == one
-                seen[mine] += spread[mine] @ own.vectors[one].reshape(-1, seen.shape[2])
-        self._rests.add(seen, positions, line, levers)
-        return _LinePart(seen, self._rests.open_rests(positions, line, levers))
+    @property
+    def vectors(self) -> Array:
+        """All fixed vectors, (lines, vectors, r + w), those of the levers first."""
+        lines, _, width = self.far.shape
+        return np.concatenate([self.far, *(own.vectors.reshape(lines, -1, width) for own in self.own)], axis=1)
 
 
 class SampledLines:
@@ -195,6 +178,7 @@ def _levers(observation: Observation, axis: int, positions: Array) -> Array:
     return np.stack([1 - share, share], axis=1)
 
 
+@remembered
 def _nodes(observation: Observation, axis: int) -> Array:
     """Return positions at which the levers are sampled: two on a linear axis, three around a rotary one."""
     low, high = observation.machine.axes[axis].travel
@@ -204,6 +188,7 @@ def _nodes(observation: Observation, axis: int) -> Array:
     return np.array([low, high])
 
 
+@remembered
 def _own_columns(observation: Observation, axis: int) -> list[tuple[Spline, NDArray[np.intp]]]:
     """Return the splines of an axis, each with the columns (functions, size) of those that share it."""
     groups: dict[bytes, tuple[Spline, list[NDArray[np.intp]]]] = {}
