@@ -131,6 +131,14 @@ class Observation:
         levers = self._levers_along(self.setups[setup], poses, direction)
         return self._rows(setup, poses, approaches, direction, levers, times)
 
+    def rows_and_effects(
+        self, setup: int, poses: Array, approaches: Array, direction: Array | None
+    ) -> tuple[Rows, Array]:
+        """Return both for the same readings; arguments as for each."""
+        levers = self._levers_along(self.setups[setup], poses, direction)
+        rows = self._rows(setup, poses, approaches, direction, levers)
+        return rows, self._effects(self.setups[setup], levers, approaches)
+
     def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
         """Return the same of every number of the readings."""
         return self._rows_each(setup, poses, approaches, self.levers(setup, poses), times)
@@ -265,7 +273,10 @@ class Observation:
         Where two feet stand on a way: of two units, one at each of them and independent.
         """
         mounted = self.setups[setup]
-        effects = self.errors.effects(self._levers_along(mounted, poses, direction), approaches)
+        return self._effects(mounted, self._levers_along(mounted, poses, direction), approaches)
+
+    def _effects(self, mounted: Setup, levers: Array, approaches: Array) -> Array:
+        effects = self.errors.effects(levers, approaches)
         if mounted.base:
             straight = [f.kind == "motion" for f in self.errors.terms]
             effects[straight] *= float(np.sqrt(2.0)) / mounted.base

@@ -108,7 +108,7 @@ def _largest(values: Array) -> Array:
 
 
 def _shortened(series: Array) -> Array:
-    """Return the series (b, n) without the last terms that are rounding in all of them: roots cost their third power."""
+    """Return the series (b, n) without the last terms that are rounding in all of them: roots cost its third power."""
     told = np.flatnonzero(np.any(np.abs(series) > _TOLD, axis=0))
     return series[:, : max(2, int(told.max(initial=0)) + 1)]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,9 @@ from axiscal.numerics import Array
 
 _SMALL = 1e-2
 """rad: below, two terms of the series of (θ − sin θ)/θ³ are right to 1e-12, and above it loses no more digits."""
+
+_EYE = np.eye(3)
+"""Mathematics: the rotation that turns nothing."""
 
 
 class Motion(NamedTuple):
@@ -49,10 +53,17 @@ def rotation(vector: Array) -> Array:
 
 def turned_about(direction: Array, angles: Array) -> Array:
     """Return the rotations about one direction by many angles (Rodrigues).  direction : (3,) unit; angles : (m,) rad"""
-    about = skew(direction[None])[0]
+    about, twice = _turning(*direction.tolist())
     at = angles[:, None, None]
-    result: Array = np.eye(3) + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * (about @ about)
+    result: Array = _EYE + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
     return result
+
+
+@lru_cache(maxsize=64)
+def _turning(x: float, y: float, z: float) -> tuple[Array, Array]:
+    """Return [d]× and its square of a direction, each (3, 3)."""
+    about = skew(np.array([[x, y, z]]))[0]
+    return about, about @ about
 
 
 def left_jacobian(vector: Array) -> Array:

@@ -82,5 +82,5 @@ def cells_along(observation: Observation, axis: int) -> list[int]:
 
 
 def _still_open(term: Term, columns: NDArray[np.intp], moving: bool, poses: Array) -> NDArray[np.bool_]:
-    """Return whether the cell of each line was not visited, (lines,); of an error of the moving axis, as if none was."""
+    """Return whether the cell of each line was not visited, (lines,); of an error of the moving axis as if none was."""
     return np.ones(len(poses), dtype=bool) if moving else columns[term.cells(term.coordinates(poses))] < 0

@@ -16,7 +16,7 @@ from axiscal.design.step.cell_rests import Rests
 from axiscal.numerics import Array
 
 
-class _Visits(NamedTuple):
+class _InCells(NamedTuple):
     """Positions in visited cells.
 
     mine : (h,) which of all; group : (h,) index of what they see there
@@ -74,7 +74,7 @@ class LineForms:
             self._add(along, visits, above, below)
         return above, below
 
-    def _add(self, along: list[Array], visits: _Visits, above: Array, below: Array) -> None:
+    def _add(self, along: list[Array], visits: _InCells, above: Array, below: Array) -> None:
         """Add what visited cells do to both forms, in place."""
         seen = [each.reshape(-1, each.shape[-1])[visits.mine] for each in along]
         where, count = np.divmod(visits.mine, above.shape[1]), len(along)
@@ -87,7 +87,7 @@ class LineForms:
                     form[(*where, i, j)] += half
                     form[(*where, j, i)] += half
 
-    def _visits(self, positions: Array, line: NDArray[np.intp]) -> _Visits | None:
+    def _visits(self, positions: Array, line: NDArray[np.intp]) -> _InCells | None:
         """Return the positions in visited cells and what these add there; None where there are none."""
         owner = np.repeat(line, positions.shape[1])
         columns = self._rests.visited(positions.ravel(), owner)
@@ -105,4 +105,4 @@ class LineForms:
         products[0][..., self._levers] += far @ far.swapaxes(1, 2) / 2
         products[1][..., self._levers] += near @ near.swapaxes(1, 2) / 2
         products[1][..., self._levers] -= self._rests.closed(lines, keys[:, 1:]) / 2
-        return _Visits(mine, group.ravel(), *products)
+        return _InCells(mine, group.ravel(), *products)

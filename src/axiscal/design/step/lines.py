@@ -17,8 +17,10 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.three_values import joint_forms
 from axiscal.design.step.cell_rests import Rests, cells_along
 from axiscal.design.step.line_forms import LineForms
+from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.plane import PlaneError
 from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 from axiscal.numerics.remembered import remembered
@@ -46,7 +48,7 @@ class Lines:
 
     def __init__(self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> None:
         mounted = scorer.observation.setups[setup]
-        self._noise, self._observation, self._axis = mounted.noise**2, scorer.observation, axis
+        self._noise, self._errors, self._axis = mounted.noise**2, scorer.observation.errors, axis
         self._numbers = [_Number(scorer, setup, axis, poses, approaches, d) for d in directions_of(mounted)]
         rests = Rests(scorer.observation, axis, poses, [number.effects for number in self._numbers], scorer.both)
         levers = self._numbers[0].far.shape[1]
@@ -65,7 +67,7 @@ class Lines:
 
     def _along(self, positions: Array) -> list[Array]:
         """Return for each number how much of each of its fixed vectors is seen at positions (p,), (p, vectors)."""
-        levers = _levers(self._observation, self._axis, positions)
+        levers = _levers(self._errors, self._axis, positions)
         return [np.hstack([levers, *(_spread(levers, own, positions) for own in n.own)]) for n in self._numbers]
 
     def _split(self, along: list[Array], positions: Array, line: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -86,17 +88,15 @@ class _Number:
         self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array, direction: Array | None
     ) -> None:
         observation = scorer.observation
-        nodes = _nodes(observation, axis)
+        nodes = _nodes(observation.errors, axis)
         lines, levers = len(poses), len(nodes)
         at = np.repeat(poses, levers, axis=0)
         at[:, axis] = np.tile(nodes, lines)
         sides = np.repeat(approaches, levers, axis=0)
-        rows = observation.rows(setup, at, sides, direction).rows
-        columns_of = _own_columns(observation, axis)
-        self.own = [
-            _Own(basis, _vectors(rows, columns, scorer.both, (lines, levers))) for basis, columns in columns_of
-        ]
-        self.effects = observation.effects(setup, at, sides, direction).reshape(-1, lines, levers)
+        (rows, _), effects = observation.rows_and_effects(setup, at, sides, direction)
+        columns_of = _own_columns(observation.errors, axis)
+        self.own = [_Own(basis, _vectors(rows, columns, scorer.both, (lines, levers))) for basis, columns in columns_of]
+        self.effects = effects.reshape(-1, lines, levers)
         first = len(observation.errors.functions)
         self.own += [
             _Own(*_plane_vectors(plane, axis, poses, self.effects[index], scorer.both))
@@ -147,31 +147,34 @@ def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches:
     return kind(scorer, setup, axis, poses, approaches)
 
 
-@remembered
 def _straight(observation: Observation, setup: int, axis: int) -> bool:
     """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
-    if observation.setups[setup].base is not None:
-        return False
-    return all(_follows(observation, setup, axis, direction) for direction in directions_of(observation.setups[setup]))
+    return _straight_on(observation.errors, observation.setups[setup], axis)
 
 
-def _follows(observation: Observation, setup: int, axis: int, direction: Array | None) -> bool:
-    nodes = _nodes(observation, axis)
+@remembered
+def _straight_on(errors: ErrorModel, mounted: Setup, axis: int) -> bool:
+    """Return the same, which does not depend on what was read, nor on the other set-ups."""
+    alone = Observation(errors, (mounted,))
+    return mounted.base is None and all(_follows(alone, axis, direction) for direction in directions_of(mounted))
+
+
+def _follows(observation: Observation, axis: int, direction: Array | None) -> bool:
+    nodes = _nodes(observation.errors, axis)
     low, high = observation.machine.axes[axis].travel
     probes = low + (high - low) * np.array([0.31, 0.83])
-    poses = np.tile(np.array(observation.setups[setup].park), (len(nodes) + 2, 1))
+    poses = np.tile(np.array(observation.setups[0].park), (len(nodes) + 2, 1))
     poses[:, axis] = np.concatenate([nodes, probes])
-    approaches = np.ones_like(poses)
-    own = observation.rows(setup, poses, approaches, direction).rows[:, observation.unknowns_of(setup)]
-    seen = np.hstack([observation.effects(setup, poses, approaches, direction).T, own])
-    followed = _levers(observation, axis, probes) @ seen[: len(nodes)]
+    (rows, _), effects = observation.rows_and_effects(0, poses, np.ones_like(poses), direction)
+    seen = np.hstack([effects.T, rows[:, observation.unknowns_of(0)]])
+    followed = _levers(observation.errors, axis, probes) @ seen[: len(nodes)]
     return bool(np.all(np.abs(followed - seen[len(nodes) :]) <= _FOLLOWS * np.abs(seen).max(axis=0) + _ROUNDING))
 
 
-def _levers(observation: Observation, axis: int, positions: Array) -> Array:
+def _levers(errors: ErrorModel, axis: int, positions: Array) -> Array:
     """Return λ(t), (p, levers): 1 at its own node, 0 at the others."""
-    nodes = _nodes(observation, axis)
-    if observation.machine.axes[axis].rotary:
+    nodes = _nodes(errors, axis)
+    if errors.machine.axes[axis].rotary:
         turned: Array = (1 + 2 * np.cos(positions[:, None] - nodes)) / 3
         return turned
     share = (positions - nodes[0]) / (nodes[1] - nodes[0])
@@ -179,20 +182,20 @@ def _levers(observation: Observation, axis: int, positions: Array) -> Array:
 
 
 @remembered
-def _nodes(observation: Observation, axis: int) -> Array:
+def _nodes(errors: ErrorModel, axis: int) -> Array:
     """Return positions at which the levers are sampled: two on a linear axis, three around a rotary one."""
-    low, high = observation.machine.axes[axis].travel
-    if observation.machine.axes[axis].rotary:
+    low, high = errors.machine.axes[axis].travel
+    if errors.machine.axes[axis].rotary:
         around: Array = (low + high) / 2 + 2 * np.pi / 3 * np.array([-1.0, 0.0, 1.0])
         return around
     return np.array([low, high])
 
 
 @remembered
-def _own_columns(observation: Observation, axis: int) -> list[tuple[Spline, NDArray[np.intp]]]:
+def _own_columns(errors: ErrorModel, axis: int) -> list[tuple[Spline, NDArray[np.intp]]]:
     """Return the splines of an axis, each with the columns (functions, size) of those that share it."""
     groups: dict[bytes, tuple[Spline, list[NDArray[np.intp]]]] = {}
-    for function in observation.errors.functions:
+    for function in errors.functions:
         if function.axis == axis:
             key = bytes([function.basis.size == 1]) + function.basis.knots.tobytes()
             columns = np.arange(function.columns.start, function.columns.stop)

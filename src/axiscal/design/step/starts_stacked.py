@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
+from axiscal.error_model.model import ErrorModel
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.axis_pairs import Pairs
 from axiscal.numerics.remembered import remembered
@@ -45,21 +47,26 @@ class Starts:
     gains: Array
 
 
-@remembered
 def adds_up(observation: Observation, setup: int) -> bool:
     """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
-    moves = observation.setups[setup].moves
+    return _adds_up(observation.errors, observation.setups[setup])
+
+
+@remembered
+def _adds_up(errors: ErrorModel, mounted: Setup) -> bool:
+    """Return the same, which does not depend on what was read, nor on the other set-ups."""
+    moves = mounted.moves
     if len(moves) == 1:
         return True
-    if any(set(plane.axes) <= set(moves) for plane in observation.errors.planes):
+    if any(set(plane.axes) <= set(moves) for plane in errors.planes):
         return False
-    park = np.array(observation.setups[setup].park)
+    park = np.array(mounted.park)
     poses = np.tile(park, (_LOOKS, len(moves) + 1, 1))
     for i, share in enumerate(even_points(_LOOKS, len(moves)).T):
-        axis = observation.machine.axes[moves[i]]
+        axis = errors.machine.axes[moves[i]]
         poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
     flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
-    rows = observation.rows(setup, flat, np.zeros_like(flat)).rows
+    rows = Observation(errors, (mounted,)).rows(0, flat, np.zeros_like(flat)).rows
     parked, rows = rows[0], rows[1:].reshape(_LOOKS, len(moves) + 1, -1)
     apart = rows[:, 0] - parked - (rows[:, 1:] - parked).sum(axis=1)
     return bool(np.all(np.abs(apart) <= _ADDS_UP * np.abs(rows).max(axis=(0, 1))))
