@@ -28,7 +28,7 @@ from axiscal.lab.linuxcnc.components import MODULES
 from axiscal.lab.linuxcnc.configuration import files
 from tests.docs.howtos import DOCS
 
-PAGE = DOCS / "linuxcnc.md"
+PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent
 _BLOCK = re.compile(r"^[ \t]*```sh\n(.*?)^[ \t]*```", re.MULTILINE | re.DOTALL)
 _SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
 _NOBODY = 65534
@@ -277,6 +277,16 @@ def inside(work: Path, say: Callable[[str], None]) -> str:
     return verdict
 
 
+def _own_tmp(work: Path) -> str:
+    """Return the lines of a shell that give LinuxCNC a /tmp of its own, in which the checkout stands where it stood."""
+    fresh = "mount -t tmpfs -o mode=1777 none /tmp"
+    if not ROOT.is_relative_to("/tmp"):
+        return fresh
+    (work / "checkout").mkdir()
+    here, kept = shlex.quote(str(ROOT)), shlex.quote(str(work / "checkout"))
+    return f"mount --bind {here} {kept} && {fresh} && mkdir -p {here} && mount --bind {kept} {here} && cd {here}"
+
+
 def main(arguments: list[str]) -> int:
     """Go into namespaces of its own, and there through the page; returns the exit status."""
     if arguments[:1] == ["--inside"]:
@@ -292,7 +302,7 @@ def main(arguments: list[str]) -> int:
         compile_it = ["halcompile", "--compile", "axiscal_balls.comp"]
         subprocess.run(compile_it, cwd=work, env=quiet, check=True, capture_output=True)
         shutil.copy(work / "axiscal_balls.so", work / "modules")
-        mounts = f"mount -t tmpfs -o mode=1777 none /tmp && mount --bind {work / 'modules'} {MODULES}"
+        mounts = f"{_own_tmp(work)} && mount --bind {shlex.quote(str(work / 'modules'))} {MODULES}"
         again = shlex.join([sys.executable, "-m", "tests.linuxcnc.howto", "--inside", str(work)])
         path = {"PYTHONPATH": ":".join(str(Path(part).resolve()) for part in (".", "src"))}
         return subprocess.run(

@@ -79,5 +79,5 @@ def _end(summary: Summary, folder: Path) -> str:
         f"RMS deviation of the tool as found  {check.before_rms_um or 0:6.2f} um\n"
         f"standard uncertainty promised       {check.promised_rms_um:6.2f} um\n"
         f"reached, since the truth is known   {check.reached_rms_um:6.2f} um\n"
-        f"Report: {folder / 'report.html'}\nTables: {folder / 'tables'}"
+        f"Report: {folder / 'report.html'}, {folder / 'report.pdf'}\nTables: {folder / 'tables'}"
     )

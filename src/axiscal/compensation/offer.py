@@ -108,8 +108,8 @@ def _nothing_held(estimate: Estimate) -> str:
     if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
         return "take readings first"
     return (
-        "what the readings show is along no axis that such files move: a height map goes to klipper, marlin or "
-        "reprapfirmware"
+        "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "
+        "klipper, marlin or reprapfirmware"
     )
 
 

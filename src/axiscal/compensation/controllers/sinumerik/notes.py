@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,8 @@ from axiscal.compensation.controllers.sinumerik.writing import CEC, TableBlock
 from axiscal.compensation.table import CompensationTable
 from axiscal.units import to_unit
 
+_ROUNDING = 1e-6
+"""Of the last decimal of a limit: what lies over it through rounding alone raises it by no digit."""
 _SMALL = (8, 200)
 """Tables, and points of each, that an 828D has."""
 
@@ -78,12 +81,21 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
 def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
     sums = _by_axis(blocks, [block.size for block in blocks])
     units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
-    return ", ".join(f"{to_unit(size, units[axis]):.4f} {units[axis]} ({names[axis]})" for axis, size in sums.items())
+    shown = {axis: _above(to_unit(size, units[axis]), 4) for axis, size in sums.items()}
+    return ", ".join(f"{size} {units[axis]} ({names[axis]})" for axis, size in shown.items())
 
 
 def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
     steepest = [block.slope for block in blocks]
-    return ", ".join(f"{100 * slope:.3g} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items())
+    return ", ".join(
+        f"{_above(100 * slope, 3)} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items()
+    )
+
+
+def _above(value: float, decimals: int) -> str:
+    """Return the least number of so many decimals that is not below a value, and is above nought: a limit to set."""
+    last = 10**decimals
+    return f"{max(1, math.ceil(value * last - _ROUNDING)) / last:.{decimals}f}"
 
 
 def _modulo(own: Sequence[CompensationTable], names: Mapping[str, str]) -> tuple[str, ...]:
