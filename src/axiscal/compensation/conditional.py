@@ -37,9 +37,11 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
             rows += _seen(model, box, moved, over, axis, positions, sign)
             continue
         ends = positions[[0, -1]]
-        share = (positions - ends[0]) / (ends[1] - ends[0])
-        first, last = np.moveaxis(_seen(model, box, moved, over, axis, ends, 0), 1, 0)
-        rows += first[:, None] + share[:, None] * (last - first)[:, None]
+        share = ((positions - ends[0]) / (ends[1] - ends[0]))[:, None]
+        both = _seen(model, box, moved, over, axis, ends, 0)
+        columns = np.flatnonzero(both.any(axis=(0, 1)))
+        first, last = np.moveaxis(both[:, :, None, columns], 1, 0)
+        rows[:, :, columns] += first + share * (last - first)
     for index, plane in enumerate(model.planes, len(model.functions)):
         if over in plane.axes:
             rows += _together(model, box, moved, over, index, positions)

@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import sparse_product, three_diagonals
 from axiscal.numerics.quadrature import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
@@ -46,14 +48,26 @@ class Hats:
         share = np.where(inside, 1.0, _OUTSIDE if inside.any() else 1.0)
         return cls(points, nodes.ravel(), (share[:, None] * weights).ravel(), closed)
 
-    def best(self) -> Array:
-        """Return the map (points, nodes) from a curve at the nodes to the best values at the points."""
-        shape = self._shape()
-        weighted = shape * self.weights[:, None]
-        scale = 1 / np.sqrt(np.sum(weighted * shape, axis=0))
-        normal = (scale[:, None] * (shape.T @ weighted)) * scale
-        values = scale[:, None] * np.linalg.solve(normal, scale[:, None] * weighted.T)
-        return np.vstack([values, values[:1]]) if self.closed else values
+    def best(self, curve: Array) -> Array:
+        """Return the values at the points whose line is nearest to a curve, (points,) or (points, k).
+
+        curve : (nodes,) or (nodes, k), k of them at once
+        A hat meets its two neighbours only: the normal equations have three diagonals, and two corners where the last
+        point is the first one (Sherman and Morrison 1950).
+        """
+        index, share = self._between(self.nodes)
+        count, left = len(self.points), 1 - share
+        stored = np.stack([self.weights * left, self.weights * share], axis=1).ravel()
+        places, first = np.stack([index, index + 1], axis=1).ravel(), 2 * np.arange(len(share) + 1)
+        right = sparse_product(stored, places, first, count, curve)
+        before, beside, after = np.zeros((3, count - 1))
+        for sums, each in ((before, left * left), (beside, left * share), (after, share * share)):
+            np.add.at(sums, index, self.weights * each)
+        if not self.closed:
+            return three_diagonals(np.append(before, 0.0) + np.append(0.0, after), beside, right)
+        right[0] += right[-1]
+        values = _around(before, beside, after, right[:-1])
+        return np.concatenate([values, values[:1]])
 
     def carried(self, at: Array) -> Array:
         """Return the map (len(at), nodes) from a curve at the nodes to it elsewhere: one cubic on every stretch."""
@@ -78,12 +92,31 @@ class Hats:
         kept = apart[within >= 0.5 * np.max(within) * _least(within)]
         return float(np.max(np.abs(_extremes(kept @ _CUBIC.T))))
 
-    def _shape(self) -> Array:
-        shape = np.array([np.interp(self.nodes, self.points, unit) for unit in np.eye(len(self.points))]).T
-        if not self.closed:
-            return shape
-        shape[:, 0] += shape[:, -1]
-        return shape[:, :-1]
+    def at(self, place: float, values: Array) -> Array:
+        """Return what lines through values (points, …) are at a place."""
+        index, share = self._between(np.array([place]))
+        between: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
+        return between
+
+    def _between(self, places: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return between which point and the next one places lie, and the share of the way, (m,) each."""
+        index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
+        return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
+
+
+def _around(before: Array, beside: Array, after: Array, right: Array) -> Array:
+    """Return the best values where the hat after the last stretch is the first one again, (n,) or (n, k).
+
+    before, beside, after : (n,) over each stretch the squares and the product of its hats; right : (n,) or (n, k)
+    What the last stretch ties together is one product of a vector with itself, and the rest has three diagonals.
+    """
+    own, tie = np.append(before[:-1], 0.0) + np.append(0.0, after[:-1]), np.zeros(len(before))
+    own[0] += after[-1] - beside[-1] ** 2 / before[-1]
+    tie[-1] += np.sqrt(before[-1])
+    tie[0] += beside[-1] / np.sqrt(before[-1])
+    values, turned = (three_diagonals(own, beside[:-1], each) for each in (right, tie))
+    found: Array = values - np.multiply.outer(turned, tie @ values / (1 + tie @ turned))
+    return found
 
 
 def _least(within: Array) -> float:

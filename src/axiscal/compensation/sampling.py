@@ -13,7 +13,8 @@ their scatter is and no more.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ def cross_tables(
     for over in axes:
         at = points(estimate.model, over, spacing, most, multiple)
         moved = [k for k in axes if k != over]
-        tables += _tables(estimate, moved, over, at, uneven) if moved else []
+        tables += _tables(estimate, moved, over, at, uneven)
     return tuple(table for table in tables if _says_something(table))
 
 
@@ -90,9 +91,10 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
     """
     hats = _hats(estimate, axis, positions)
     if estimate.machine.axes[axis].rotary:
-        rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in (1, -1)])
+        sides = _sides(estimate, axis)
+        rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in sides])
     else:
-        rows = _along(estimate, [axis], axis, hats)[0]
+        rows = _along(estimate, axis, axis, hats)
     return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
 
 
@@ -144,17 +146,29 @@ def _has_errors(model: ErrorModel, axis: int) -> bool:
 
 def _tables(
     estimate: Estimate, moved: Sequence[int], over: int, positions: Array, uneven: bool
-) -> list[CompensationTable]:
+) -> Iterator[CompensationTable]:
     hats = _hats(estimate, over, positions)
-    rows = _along(estimate, moved, over, hats)
-    seen = [(axis, own) for axis, own in zip(moved, rows, strict=True) if estimate.sees(own.mean(axis=0))]
-    return [(_nearest if uneven else _fitted)(estimate, axis, over, hats, own) for axis, own in seen]
+    for axis in moved:
+        rows = _along(estimate, axis, over, hats)
+        if _bends(rows @ estimate.mean) and estimate.sees(rows.mean(axis=0)):
+            yield (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
 
 
-def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> Array:
-    """Return the mean deviation along each moved axis, forward and reverse, as rows (moved, 2, nodes, size)."""
-    sides = [mean_along(estimate.model, estimate.box, moved, over, hats.nodes, sign) for sign in (1, -1)]
-    return np.stack(sides, axis=1)
+def _bends(curves: Array) -> bool:
+    """Return whether a curve is more than a constant, which no table over another axis holds.  curves : (s, nodes)"""
+    return bool(np.ptp(curves) > _NOTHING)
+
+
+def _along(estimate: Estimate, moved: int, over: int, hats: Hats) -> Array:
+    """Return the mean deviation along a moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
+    sides = _sides(estimate, over)
+    rows = [mean_along(estimate.model, estimate.box, [moved], over, hats.nodes, sign)[0] for sign in sides]
+    return np.stack(rows) if len(rows) > 1 else rows[0][None]
+
+
+def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
+    """Return the sides from which a position of an axis is reached: one where they make no difference."""
+    return (1, -1) if over in estimate.model.reversing else (1,)
 
 
 def _hats(estimate: Estimate, over: int, positions: Array) -> Hats:
@@ -170,82 +184,103 @@ def _knots(estimate: Estimate, over: int) -> Array:
     return np.concatenate([np.zeros(0), *own])
 
 
+class _Line(NamedTuple):
+    """The line of a table that is nearest to curves.
+
+    free : (s, points) its values by the sides it is reached from, before the constant is taken off
+    anchor : that constant; departure : from the curves at most
+    """
+
+    free: Array
+    anchor: float
+    departure: float
+
+
 def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
-    even, at = _fitted(estimate, axis, over, hats, curves), places(*hats.points[[0, -1]])
-    shown = hats.carried(at) @ (curves @ estimate.mean).T
-    other = _hats(estimate, over, closest(shown.T, at, _knots(estimate, over), hats.points))
-    found = _fitted(estimate, axis, over, other, hats.carried(other.nodes) @ curves)
-    return found if found.departure < even.departure else even
+    shown, at = curves @ estimate.mean, places(*hats.points[[0, -1]])
+    other = _hats(estimate, over, closest(shown @ hats.carried(at).T, at, _knots(estimate, over), hats.points))
+    carried = hats.carried(other.nodes)
+    even, found = (_line(estimate, axis, over, *each) for each in ((hats, shown), (other, shown @ carried.T)))
+    nearer = found.departure < even.departure
+    return _fitted(estimate, axis, over, *((other, carried @ curves) if nearer else (hats, curves)))
+
+
+def _line(estimate: Estimate, axis: int, over: int, hats: Hats, shown: Array) -> _Line:
+    """Return the line nearest to curves that are believed, (s, nodes), forward and reverse."""
+    free = hats.best(shown.T).T
+    anchor = float(_anchor(estimate, axis, over, hats, shown, free))
+    departure = max(hats.departure(curve, values) for curve, values in zip(shown - anchor, free - anchor, strict=True))
+    return _Line(free, anchor, departure)
 
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
-    """Return the table nearest to curves given as rows (2, nodes, size), forward and reverse."""
-    free = hats.best() @ curves
+    """Return the table nearest to curves given as rows (s, nodes, size), forward and reverse."""
+    line = _line(estimate, axis, over, hats, curves @ estimate.mean)
+    free = np.stack([hats.best(side) for side in curves])
     anchor = _anchor(estimate, axis, over, hats, curves, free)
-    rows, curves = free - anchor, curves - anchor
-    forward, reverse = (_closed(hats, side @ estimate.mean) for side in rows)
-    departure = max(
-        hats.departure(curve @ estimate.mean, values) for curve, values in zip(curves, (forward, reverse), strict=True)
-    )
-    read = _rest_read(estimate, axis, over, hats.points)
+    known, before = (_Spread.of(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
+    values = line.free - line.anchor + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
     rest = _rest(estimate, axis, over)
-    std = np.hypot(_std(rows, estimate.factor), rest)
-    shape = np.hypot(np.sqrt(np.mean(_std(rows - rows.mean(axis=(0, 1)), estimate.factor) ** 2)), rest)
-    silent = _silent(estimate, free, rows)
     return CompensationTable(
         own.name,
         own.rotary,
         hats.points,
-        forward + read,
-        reverse + read,
-        std,
+        values[0],
+        values[-1],
+        np.hypot(known.anchored, rest),
         looked_up.name,
-        silent,
-        departure,
-        float(shape),
+        _silent(before, known),
+        line.departure,
+        float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
     )
 
 
-def _silent(estimate: Estimate, free: Array, anchored: Array) -> NDArray[np.bool_]:
+class _Spread(NamedTuple):
+    """Standard deviations of a table's values, the larger of both directions, (points,).
+
+    free : before a constant is taken off; anchored : after it; shape : less the mean over the table
+    """
+
+    free: Array
+    anchored: Array
+    shape: Array
+
+    @classmethod
+    def of(cls, rows: Array, anchor: Array, root: Array) -> _Spread:
+        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance."""
+        counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
+        known = root[counts]
+        each = rows[:, :, counts] @ known
+        off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
+        return cls(*(np.sqrt(np.max(np.sum((each - less) ** 2, axis=-1), axis=0)) for less in (0.0, off, mean)))
+
+
+def _silent(before: _Spread, after: _Spread) -> NDArray[np.bool_]:
     """Return where the readings said nothing, (points,).
 
     The deviation is as uncertain as before, and so is its difference to the point where the table is zero, up to what
     is known at that point: both, since readings that leave the constant open may still know the curve.
     """
-    factors = estimate.model.prior_root(), estimate.factor
-    before, after = ([_std(rows, factor) for rows in (free, anchored)] for factor in factors)
-    nothing: NDArray[np.bool_] = after[0] >= _SILENT * before[0]
-    return nothing & (after[1] >= _DIFFERENCE * before[1]) & (before[1] > _OPEN * np.max(before[1]))
+    nothing: NDArray[np.bool_] = after.free >= _SILENT * before.free
+    nothing &= after.anchored >= _DIFFERENCE * before.anchored
+    return nothing & (before.anchored > _OPEN * np.max(before.anchored))
 
 
-def _closed(hats: Hats, values: Array) -> Array:
-    return np.append(values[:-1], values[0]) if hats.closed else values
-
-
-def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, rows: Array) -> Array:
-    """Return the row (size,) of the constant that is taken off.
+def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, values: Array) -> Array:
+    """Return the constant that is taken off, of curves (s, nodes, …) and the values at the points (s, points, …).
 
     Without rotary axes a constant is a matter of the workpiece's zero, and every table is zero where the axis is: all
     of them together then add nothing at machine zero. With rotary axes the place of the rotor matters: the constant
     stays in the table of the axis itself, once, and the others have mean zero.
     """
     if not any(a.rotary for a in estimate.machine.axes):
-        zero = np.clip(0.0, *hats.points[[0, -1]])
-        weights = np.array([np.interp(zero, hats.points, unit) for unit in np.eye(len(hats.points))])
-        at_zero: Array = weights @ rows.mean(axis=0)
-        return at_zero
+        return hats.at(float(np.clip(0.0, *hats.points[[0, -1]])), values.mean(axis=0))
     if axis == over:
-        return np.zeros(rows.shape[-1])
+        return np.zeros(curves.shape[2:])
     mean: Array = hats.weights @ curves.mean(axis=0) / hats.weights.sum()
     return mean
-
-
-def _std(rows: Array, factor: Array) -> Array:
-    """Return the larger standard deviation of both directions, (points,).  rows : (2, points, size)."""
-    result: Array = np.sqrt(np.max(np.sum((rows @ factor) ** 2, axis=-1), axis=0))
-    return result
 
 
 def _rest(estimate: Estimate, axis: int, over: int) -> float:

@@ -90,7 +90,7 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     deviation = np.zeros((len(sides[1].nodes), len(sides[0].nodes)))
     for height, weight in zip(*_heights(estimate.box[z]), strict=True):
         deviation += weight * _deviation(estimate, (x, y, z), sides, height)
-    found = sides[1].best() @ deviation @ sides[0].best().T
+    found = sides[0].best(sides[1].best(deviation).T).T
     free = Mesh(sides[0].points, sides[1].points, -found)
     return replace(free, added=free.added - free.at(np.zeros(1), np.zeros(1)))
 

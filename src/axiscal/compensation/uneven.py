@@ -22,7 +22,7 @@ _NOTHING = 1e-10
 def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
     """Return no more positions than `even` has, whose line is nearest to curves; `even` where no others are nearer.
 
-    curves : (2, n) forward and reverse, m or rad; at : (n,) increasing, from the first to the last position of a table
+    curves : (s, n) forward and reverse, m or rad; at : (n,) increasing, from the first to the last position of a table
     knots : of the errors
     """
     distinct = np.unique(np.round(knots, _DECIMALS))

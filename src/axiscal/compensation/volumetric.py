@@ -62,7 +62,7 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
             at = grids[function.axis]
             closed = estimate.machine.axes[function.axis].cyclic
             hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
-            values, name = hats.best() @ (function.basis.rows(hats.nodes) @ control), _name(function)
+            values, name = hats.best(function.basis.rows(hats.nodes) @ control), _name(function)
             found[name] = SampledError(at, values + found[name].values if name in found else values)
     for plane in estimate.model.planes if together else ():
         _take_in(estimate, plane, grids, found)
@@ -78,7 +78,7 @@ def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], 
     places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
     rows = plane.rows(np.stack([places[axis] for axis in plane.axes], axis=1))
     field_of = (rows @ estimate.mean[plane.columns]).reshape(nodes[0].shape)
-    values = sides[0].best() @ field_of @ sides[1].best().T
+    values = sides[1].best(sides[0].best(field_of).T).T
     before = found.get(name, SampledError(grids[own], np.zeros(len(grids[own]))))
     if before.over or np.max(np.abs(values)) < _NOTHING:
         return

@@ -77,7 +77,9 @@ class Estimate:
         They do where its RMS standard deviation is less than beforehand by more than a twentieth.
         """
         shape = rows - rows.mean(axis=0)
-        before, after = (np.linalg.norm(shape @ factor) for factor in (self.model.prior_root(), self.factor))
+        counts = np.any(shape, axis=0)
+        shape = shape[:, counts]
+        before, after = (np.linalg.norm(shape @ factor[counts]) for factor in (self.model.prior_root(), self.factor))
         return bool(after < _SILENT * before)
 
     def deviation(self, poses: Array, approaches: Array) -> Array:

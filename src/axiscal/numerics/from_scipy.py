@@ -76,13 +76,28 @@ def log_normal_share(below: Array) -> Array:
 
 
 def sparse_product(values: Array, rows: NDArray[np.intp], first: NDArray[np.intp], count: int, right: Array) -> Array:
-    """Return S B, (count, m), of a matrix S that is stored column by column.
+    """Return S B, (count,) or (count, m), of a matrix S that is stored column by column.
 
-    values, rows : (k,) entries and where they stand; first : (n + 1,) where those of each column begin; right : (n, m)
+    values, rows : (k,) entries and where they stand; first : (n + 1,) where those of each column begin
+    right : (n,) or (n, m)
     """
     stored = _function("scipy.sparse", "csc_array")((values, rows, first), shape=(count, len(right)))
     product: Array = stored @ right
     return product
+
+
+def three_diagonals(own: Array, beside: Array, right: Array) -> Array:
+    """Return T⁻¹ b of a positive definite matrix T with three diagonals, (n,) or (n, m).
+
+    own : (n,) its diagonal; beside : (n − 1,) the ones next to it; right : (n,) or (n, m)
+    """
+    scale = 1 / np.sqrt(own)
+    bands = np.ones((2, len(own))) if len(own) > 1 else np.ones((1, 1))
+    bands[1:, :-1] = scale[:-1] * beside * scale[1:]
+    shown = scale if right.ndim == 1 else scale[:, None]
+    solve = _function("scipy.linalg", "solveh_banded")
+    solved: Array = shown * solve(bands, shown * right, lower=True, check_finite=False)
+    return solved
 
 
 def products_of_rows(

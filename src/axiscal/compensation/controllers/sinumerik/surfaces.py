@@ -100,7 +100,7 @@ def _of_plane(
     heights = (rows @ estimate.mean[plane.columns]).reshape(nodes[0].shape)
     for axis, side in enumerate(sides):  # tables over one axis hold the mean over the other already
         heights = heights - np.average(heights, axis=axis, weights=side.weights, keepdims=True)
-    surface = share * (sides[0].best() @ heights @ sides[1].best().T)
+    surface = share * sides[1].best(sides[0].best(heights).T).T
     most_high, found = float(np.max(np.abs(surface))), list[Product]()
     if most_high < _NOTHING:
         return []
