@@ -140,7 +140,7 @@ def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, c
     """Against least squares over all hats, weighed where the curve is inside the volume; around a turn as well."""
     rng = np.random.default_rng(seed)
     points, bounds = np.cumsum(rng.uniform(0.1, 1, count)), np.sort(rng.uniform(0, count, 2))
-    hats = Hats.on(points, rng.uniform(*points[[0, -1]], 5), (float(bounds[0]), float(bounds[1])), closed)
+    hats = Hats.on(points, rng.uniform(points[0], points[-1], 5), (float(bounds[0]), float(bounds[1])), closed)
     curves = rng.normal(size=(len(hats.nodes), 3))
     shapes = np.array([np.interp(hats.nodes, points, unit) for unit in np.eye(count)]).T
     if closed:

@@ -121,7 +121,7 @@ def test_a_schema_at_hand_is_used(tmp_path: Path) -> None:
 
 def test_csv_files_hold_what_the_summary_holds() -> None:
     summary = five_axis_summary(12)
-    rows = {name: list(csv.DictReader(io.StringIO(text))) for name, text in data_files(summary).items()}
+    rows = {name: list(csv.DictReader(io.StringIO(text.decode()))) for name, text in data_files(summary).items()}
     assert [row["reading"] for row in rows["readings.csv"]] == [str(n) for n in range(1, 13)]
     assert len(rows["curves.csv"]) == sum(len(curve.position) for curve in summary.curves)
     first = rows["curves.csv"][0]
@@ -134,13 +134,13 @@ def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     summary = five_axis_summary(3)
     last = replace(summary.history[-1], others=(0.25, -3.5))
     shown = replace(summary, history=[*summary.history[:-1], last])
-    rows = list(csv.DictReader(io.StringIO(data_files(shown)["readings.csv"])))
+    rows = list(csv.DictReader(io.StringIO(data_files(shown)["readings.csv"].decode())))
     assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
-    assert "value_2" not in data_files(summary)["readings.csv"]
+    assert b"value_2" not in data_files(summary)["readings.csv"]
     assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
     assert values_text(last.values, "um").endswith(" / 0.250 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:
     files = data_files(_with_every_text(five_axis_summary(2), "=1+1"))
-    assert "'=1+1" in files["readings.csv"]
+    assert b"'=1+1" in files["readings.csv"]

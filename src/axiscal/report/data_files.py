@@ -11,17 +11,28 @@ from axiscal.report.sentences import axis_unit, standardised
 from axiscal.report.summary import CurveSummary, Summary
 
 Rows = Iterator[Sequence[str]]
+READINGS = "readings.csv"
+"""The file that has every reading."""
 
 
-def data_files(summary: Summary) -> dict[str, str]:
-    """Return the text of each file by its name; raises SummaryError for a figure that is not finite."""
+def data_files(summary: Summary) -> dict[str, bytes]:
+    """Return what each file holds by its name; raises SummaryError for a figure that is not finite."""
     return {
-        "readings.csv": csv_text(_readings(summary)),
-        "curves.csv": csv_text(_curves([*summary.curves, *summary.reversals])),
-        "constants.csv": csv_text(_constants(summary)),
-        "volume.csv": csv_text(_volume(summary)),
-        "budget.csv": csv_text(_budget(summary)),
+        READINGS: readings_csv(summary),
+        "curves.csv": _file(_curves([*summary.curves, *summary.reversals])),
+        "constants.csv": _file(_constants(summary)),
+        "volume.csv": _file(_volume(summary)),
+        "budget.csv": _file(_budget(summary)),
     }
+
+
+def readings_csv(summary: Summary) -> bytes:
+    """Return the file of all readings, the same in every language; raises SummaryError as `data_files`."""
+    return _file(_readings(summary))
+
+
+def _file(rows: Rows) -> bytes:
+    return csv_text(rows).encode("utf-8", "replace")
 
 
 def _readings(summary: Summary) -> Rows:

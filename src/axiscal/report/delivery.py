@@ -77,8 +77,8 @@ def _delivered(campaign: Campaign, estimation: Estimation, out: Path, extras: Ex
             write_report(summary, folder / "report.pdf", language)
         write_whole(folder / "certificate.xml", certificate(summary))
         (folder / "data").mkdir()
-        for name, text in data_files(summary).items():
-            write_whole(folder / "data" / name, text.encode("utf-8", "replace"))
+        for name, content in data_files(summary).items():
+            write_whole(folder / "data" / name, content)
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
 

@@ -13,6 +13,7 @@ from axiscal.report import arrow_pictures, figures, gallery, headline, plane_map
 from axiscal.report.drawing.shown import shown
 from axiscal.report.glossary import words
 from axiscal.report.identity import UNSAID, pairs
+from axiscal.report.listed import listed
 from axiscal.report.standalone import environment, inlined
 from axiscal.report.summary import Summary
 
@@ -79,6 +80,8 @@ def render(summary: Summary) -> str:
         "innovations": figures.innovations(summary),
         "places": figures.places(summary),
         "iso_figures": [figures.iso230(block) for block in summary.iso230],
+        "before": [row for row in summary.history if not row.position],
+        "listed": listed(summary),
         "unseen": sentences.unseen_size(summary),
         "occasion": sentences.occasion(summary),
         "where": headline.in_space(summary.expanded),

@@ -21,6 +21,7 @@ from axiscal.report.drawing.svg_picture import Figure
 from axiscal.report.glossary import words
 from axiscal.report.headline import in_space
 from axiscal.report.identity import UNSAID, pairs, setup_rows
+from axiscal.report.listed import listed
 from axiscal.report.sentences import (
     constant_note,
     curve_note,
@@ -138,6 +139,7 @@ class _Document:
 
     def _figures(self) -> dict[str, Any]:
         s = self._summary
+        readings = listed(s)
         return {
             "sides": [[row.words, row.found, *row.left] for row in side_by_side.sides(s)],
             "controls": list(side_by_side.effects(s)),
@@ -147,7 +149,8 @@ class _Document:
                 [c.name, spelt(c.words), constant_note(c), f"± {quantity(BAND * c.prior_std, c.unit)}"]
                 for c in s.constants
             ],
-            "readings": [_reading_row(row) for row in s.history if row.position],
+            "readings": [_reading_row(row) for row in readings.rows],
+            "other_readings": readings.words,
         }
 
     def _pictures(self) -> dict[str, Any]:
