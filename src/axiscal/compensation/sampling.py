@@ -184,7 +184,7 @@ def _knots(estimate: Estimate, over: int) -> Array:
     return np.concatenate([np.zeros(0), *own])
 
 
-class _Line(NamedTuple):
+class _NearestLine(NamedTuple):
     """The line of a table that is nearest to curves.
 
     free : (s, points) its values by the sides it is reached from, before the constant is taken off
@@ -206,12 +206,12 @@ def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array
     return _fitted(estimate, axis, over, *((other, carried @ curves) if nearer else (hats, curves)))
 
 
-def _line(estimate: Estimate, axis: int, over: int, hats: Hats, shown: Array) -> _Line:
+def _line(estimate: Estimate, axis: int, over: int, hats: Hats, shown: Array) -> _NearestLine:
     """Return the line nearest to curves that are believed, (s, nodes), forward and reverse."""
     free = hats.best(shown.T).T
     anchor = float(_anchor(estimate, axis, over, hats, shown, free))
     departure = max(hats.departure(curve, values) for curve, values in zip(shown - anchor, free - anchor, strict=True))
-    return _Line(free, anchor, departure)
+    return _NearestLine(free, anchor, departure)
 
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:

@@ -14,18 +14,18 @@ LISTED = 1000
 """Twenty pages; a matter of taste: nobody reads more on paper, and 20,000 take a minute and gigabytes to set."""
 
 
-class Listed(NamedTuple):
+class ReadingsListed(NamedTuple):
     """rows : that are listed; words : where the others are, empty where there are none."""
 
     rows: Sequence[HistoryRow]
     words: str
 
 
-def listed(summary: Summary) -> Listed:
+def listed(summary: Summary) -> ReadingsListed:
     """Return the readings that are listed; raises SummaryError for a figure that is not finite."""
     rows = [row for row in summary.history if row.position]
     if len(rows) <= LISTED:
-        return Listed(rows, "")
+        return ReadingsListed(rows, "")
     words = said(
         "The first {count} of {whole} readings are listed here. All of them stand in {file} of the results, whose "
         "SHA-256 is {hash}.",
@@ -34,4 +34,4 @@ def listed(summary: Summary) -> Listed:
         file=f"data/{READINGS}",
         hash=sha256(readings_csv(summary)).hexdigest(),
     )
-    return Listed(rows[:LISTED], words)
+    return ReadingsListed(rows[:LISTED], words)
