@@ -16,14 +16,19 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.type_prior import TypePrior, individual, over
 from axiscal.exceptions import AmbiguityError, RecordError, TableError
 from axiscal.fleet.aging import Aging, Pair, aging
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import due_dates, rms_left
-from axiscal.inference.sisters.data_equation import DataEquation
+from axiscal.fleet.type_learning import learnt_type
+from axiscal.fleet.wearing import Wearing
+from axiscal.inference.reading_set import ReadingSet
+from axiscal.inference.sisters.data_equation import DataEquation, data_equation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from tests.generators.sisters import read_on, slide, write_record
+from tests.generators.sisters import read_on, shop, slide, write_record
 
 DAY = date(2030, 1, 1)
 TWO_ERRORS = """name = "Slide"
@@ -55,12 +60,13 @@ def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inher
 @pytest.mark.parametrize(("once", "yearly"), [(0.9, 1.0), (0.97, 0.95)])
 def test_what_is_kept_is_learnt_from_pairs(once: float, yearly: float) -> None:
     rng, stated, pairs = np.random.default_rng(8), np.eye(30), list[Pair]()
+    wears = Wearing(np.zeros(30), stated, np.zeros((30, 30)))
     for _ in range(10):
         years = float(rng.uniform(0.5, 2.0))
         kept = once * yearly**years
         before = rng.standard_normal(30)
         after = kept * before + np.sqrt(1 - kept**2) * rng.standard_normal(30)
-        pairs.append(Pair(years, _known(rng, before, stated)[0], _known(rng, after, stated)[1], stated))
+        pairs.append(Pair(years, _known(rng, before, stated)[0], _known(rng, after, stated)[1], wears))
     found, _ = aging(pairs).kept(1.0)
     assert abs(found - once * yearly) < 0.03
 
@@ -94,6 +100,73 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
     shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
     true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
     np.testing.assert_allclose(rms_left(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
+
+
+@pytest.fixture(scope="module")
+def taught(tmp_path_factory: pytest.TempPathFactory) -> TypePrior:
+    return learnt_type(shop(tmp_path_factory.mktemp("sisters"), 4), doubt=1e-9)
+
+
+@pytest.mark.parametrize("renewed", [(), ("X",)])
+def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tuple[str, ...]) -> None:
+    """A type's mean stays; machines are drawn with it as the readings leave it, which the formula takes apart."""
+    described, readings = slide(prior=taught.text()), read_on(7)[::3]
+    known = concluded(case_of(described), readings)
+    errors, kept = known.case.errors, 0.905 * 0.995
+    mean, prior, size = known.whole.mean[: errors.size], over(taught, errors), errors.size
+    own = individual(taught, errors)
+    equation = data_equation(ReadingSet(known.case.observation, readings), np.ones(len(readings)), np.zeros((size, 0)))
+    rng, count = np.random.default_rng(9), 4000
+    normal = rng.standard_normal
+
+    def drawn(covariance: Array) -> Array:
+        values, vectors = np.linalg.eigh(covariance)
+        result: Array = vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * normal((size, count)))
+        return result
+
+    common, mine = prior.mean[:, None] + drawn(prior.covariance - own), drawn(own)
+    rows = equation.rows
+    gain = np.linalg.inv(rows @ prior.covariance @ rows.T + np.eye(len(rows)))
+    off = gain @ (equation.values[:, None] - rows @ (common + mine) - normal((len(rows), count)))
+    common, mine = common + (prior.covariance - own) @ rows.T @ off, mine + own @ rows.T @ off
+    if renewed:
+        common = prior.mean[:, None] + drawn(prior.covariance - own)
+    rho = 0.0 if renewed else kept
+    left = common + rho * mine + np.sqrt(1 - rho**2) * drawn(own) - mean[:, None]
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    seen = errors.rows(poses, np.repeat([[1.0], [-1.0]], 201, axis=0))[:, 0]
+    shift = seen.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
+    true = float(np.sqrt(np.mean(((seen - shift) @ left) ** 2)))
+    np.testing.assert_allclose(rms_left(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
+    stated = concluded(Case(slide()), read_on(7))
+    assert rms_left(stated, _certain(0.905), renewed, taught=taught)(1.0) < rms_left(stated, _certain(0.905), renewed)(
+        1.0
+    )
+
+
+def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
+    taught: TypePrior, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Six readings are few without it: by the stated prior such a machine was due on the day of its campaign."""
+    few = read_on(7)[::3]
+    write_record(tmp_path / "few.axiscal", slide(prior=taught.text()), few)
+    with Campaign.open(tmp_path / "few.axiscal", write=False) as campaign:
+        began, known = date.fromisoformat(campaign.begun[:10]), campaign.concluded()
+        there = known.case.yardstick.measure(known.whole).rms
+    (machine,) = due_dates([tmp_path / "few.axiscal"], began, target=8e-6).machines
+    assert there < machine.now < 1.3 * 4e-6
+    write_record(tmp_path / "plain.axiscal", slide(serial="2"), few)
+    write_record(tmp_path / "other.axiscal", slide(serial="3", travel=600), few)
+    (tmp_path / "slide.type.json").write_text(taught.text())
+    command = ["due", str(tmp_path), "--target", "8 um", "--json"]
+    now = []
+    for more in ([], ["--type", str(tmp_path / "slide.type.json")]):
+        assert run([*command, *more]) == 0
+        now.append({each["record"]: each["rms_um"] for each in json.loads(capsys.readouterr().out)["machines"]})
+    assert now[1]["few.axiscal"] == now[0]["few.axiscal"] < now[1]["plain.axiscal"] < now[0]["plain.axiscal"]
+    assert now[1]["other.axiscal"] == now[0]["other.axiscal"]
+    assert run([*command, "--type", str(tmp_path / "few.axiscal")]) == 1
+    assert run([*command, "--type", str(tmp_path / "none.json")]) == 1
 
 
 @pytest.fixture

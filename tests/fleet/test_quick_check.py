@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case, Inherited
 from axiscal.fleet.quick_check import QuickCheck
@@ -52,6 +53,51 @@ def test_false_alarms_are_as_rare_as_said_and_a_crash_is_found() -> None:
     assert found >= 0.9 * TRIALS
 
 
+SQUARE = """[[setups]]
+name = "square"
+instrument = "probe"
+direction = "y"
+moves = ["X"]
+approach = "both"
+noise = "0.5 um"
+unknowns = { zero = "100 um" }
+reach = { X = ["10 mm", "490 mm"] }
+"""
+
+
+def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> None:
+    """A table of X holds no straightness in y: 40 um of it stay, which are no change of the machine."""
+    machine = slide().machine.text.replace("EXX_rev", 'EYX = { std = "20 um", knots = 7, length = "150 mm" }\nEXX_rev')
+    described = campaign_from_texts(slide().text + SQUARE, "campaign.toml", machine, "machine.toml")
+    model, rng, kept = ErrorModel(described.machine), np.random.default_rng(13), 0.98
+    root, size = model.prior_root(), model.size
+    mean = 40e-6 * np.sin(np.linspace(0.0, 6.0, size))
+    straight = next(term.columns for term in model.terms if term.name == "EYX")
+    last = Inherited(mean, 0.01 * Case(described).errors.prior_covariance())
+    held = np.ones(size)
+    held[straight] = 0.0
+
+    def control(poses: Array, approaches: Array) -> Array:
+        return -model.rows(poses, approaches)[:, 0] @ (mean * held)[:, None]
+
+    named, all_away = QuickCheck(described, last, kept, control), QuickCheck(described, last, kept)
+    places = named.planned(12)
+    assert {place.setup for place in places} == {"laser", "square"}
+    alarms, taken_for_all, found = 0, 0, 0
+    crash = np.zeros(size)
+    crash[straight] = np.linspace(0.0, 150e-6, straight.stop - straight.start) ** 2 / 150e-6
+    for trial in range(TRIALS):
+        before = last.mean + 0.1 * root @ rng.standard_normal(size)
+        now = kept * before + np.sqrt(1 - kept**2) * root @ rng.standard_normal(size) - mean * held
+        readings = _read(named, now, trial, places)
+        alarms += not named.judged(readings, tables=True).in_order
+        taken_for_all += not all_away.judged(readings, tables=True).in_order
+        found += not named.judged(_read(named, now + crash, trial, places), tables=True).in_order
+    assert alarms <= 0.03 * TRIALS
+    assert taken_for_all > 0.5 * TRIALS
+    assert found >= 0.9 * TRIALS
+
+
 def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
     assert run(["check", str(record), "--plan", str(sheet), "--readings", "6"]) == 0
@@ -64,6 +110,13 @@ def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixt
         sheet.write_text("\n".join(lines))
         assert run(["check", str(record), str(sheet), "--kept", "0.5", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["in_order"] is in_order
+    for tables, said in (
+        ("linuxcnc", ""),
+        ("klipper", "This control is for X, Y and Z"),
+        ("nobody", "not a controller"),
+    ):
+        assert run(["check", str(record), str(sheet), "--tables", tables]) == (1 if said else 0), tables
+        assert said in capsys.readouterr().err
     sheet.write_text("setup,X_mm,approach,value_um\nother,10,X+,1\n")
     assert run(["check", str(record), str(sheet)]) == 1
     assert run(["check", str(write_record(tmp_path / "empty.axiscal", slide(), []))]) == 1

@@ -34,8 +34,15 @@ def check(
         ),
     ] = None,
     tables_active: Annotated[
-        bool, typer.Option("--tables-active", help="They were taken with the tables of this campaign in the control.")
+        bool,
+        typer.Option(
+            "--tables-active", help="They were taken with tables of this campaign that take all away that was found."
+        ),
     ] = False,
+    tables: Annotated[
+        str | None,
+        typer.Option(metavar="CONTROLLER", help="They were taken with the tables of this campaign for this control."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Say by a dozen readings whether a machine is still as its last campaign left it, or is to be measured again.
@@ -47,16 +54,17 @@ def check(
     Examples:
       axiscal check mill.axiscal --plan check.csv
       axiscal check mill.axiscal check.csv
+      axiscal check mill.axiscal check.csv --tables sinumerik
     """
     with Campaign.open(record, write=False) as campaign:
         begun = datetime.fromisoformat(campaign.begun)
         share = kept if kept is not None else _usual(begun)
-        asked = QuickCheck.of(campaign, share)
+        asked = QuickCheck.of(campaign, share, tables)
     if found is None:
         _planned(asked, readings, plan, json)
         return
     described = asked.case.description
-    judged = asked.judged(placed_readings(read_any(found), described, found), tables_active)
+    judged = asked.judged(placed_readings(read_any(found), described, found), tables_active or tables is not None)
     if json:
         say_document(_document(judged, share))
     else:

@@ -11,8 +11,10 @@ import typer
 from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
+from axiscal.estimation.type_prior import type_prior
 from axiscal.fleet.calendar_file import calendar
 from axiscal.fleet.due_dates import DueMachine, Shop, due_dates
+from axiscal.record.carried import carried_text
 from axiscal.record.durable import write_whole
 from axiscal.record.gathering import records_of
 from axiscal.units import to_unit
@@ -31,6 +33,10 @@ def due(
         str | None,
         typer.Option(metavar="CONTROLLER", help="Whose tables are loaded; default: all that was found is taken away."),
     ] = None,
+    of_type: Annotated[
+        Path | None,
+        typer.Option("--type", metavar="FILE", help="What their type has taught: what all of them have does not wear."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Say when each machine is due: how far off it is by now with the tables of its last campaign, and until when.
@@ -43,9 +49,11 @@ def due(
       axiscal due records
       axiscal due records --target "4 um" --calendar due.ics
       axiscal due store: --tables sinumerik
+      axiscal due records --type vmc600.type.json
     """
     wanted = None if target is None else positive_length(target)
-    found = due_dates(records_of(folder), _day(today), wanted, tell, tables)
+    taught = None if of_type is None else type_prior(carried_text(of_type))
+    found = due_dates(records_of(folder), _day(today), wanted, tell, tables, taught)
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
     if json:

@@ -5,7 +5,8 @@ changes. A second campaign with the data equation z₂ is as probable as
 
     p(z₂ | ρ m₁, ρ² C₁ + (1 − ρ²) C₀)
 
-m₁, C₁ after the first one and C₀ as stated. ρ₁, y ~ Beta(9, 1); the product over pairs on a grid is averaged over.
+m₁, C₁ after the first one and C₀ as stated, or what a machine of a known type has of its own (`wearing`).
+ρ₁, y ~ Beta(9, 1); the product over pairs on a grid is averaged over.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Inherited
-from axiscal.estimation.inheritance import drifted
+from axiscal.fleet.wearing import Wearing
 from axiscal.inference.sisters.belonging import Moments, log_evidence
 from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.numerics import Array
@@ -30,15 +31,12 @@ _KEPT = 9.0
 
 
 class Pair(NamedTuple):
-    """Two campaigns of one machine: years between them, what the first knew, what the second one read; C₀ as stated.
-
-    stated : (n, n)
-    """
+    """Two campaigns of one machine: years between them, what the first knew, what the second one read, what wears."""
 
     years: float
     first: Inherited
     second: DataEquation
-    stated: Array
+    wears: Wearing
 
 
 class Aging(NamedTuple):
@@ -82,4 +80,4 @@ def aging(pairs: Sequence[Pair]) -> Aging:
 
 
 def _evidence(pair: Pair, kept: float) -> float:
-    return log_evidence(pair.second, Moments(*drifted(pair.first, pair.stated, kept)))
+    return log_evidence(pair.second, Moments(*pair.wears.left_of(pair.first, kept)))

@@ -4,7 +4,8 @@ With the tables of the last mean m in the control, what is left after Δt has th
 
     r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
 
-For errors of an axis that was renewed since, ρ = 0. Where the tables of a control are named, what they cannot hold is
+For errors of an axis that was renewed since, ρ = 0. Of a machine whose type is known C₀ is its own part, and m̄ that all
+sisters have stays: m − m̄ stands in the place of m. Where the tables of a control are named, what they cannot hold is
 left besides (`tables_left`).
 """
 
@@ -18,15 +19,17 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.case import Inherited
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.type_prior import SisterRecord
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.fleet.aging import YEAR, Aging, Pair, aging
 from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.fleet.tables_left import products_left
+from axiscal.fleet.wearing import Wearing
 from axiscal.numerics.threads import one_thread
 
 _HORIZON = 20.0
@@ -76,11 +79,13 @@ def due_dates(
     target: float | None = None,
     told: Callable[[str], None] = lambda said: None,
     tables: str | None = None,
+    taught: TypePrior | None = None,
 ) -> Shop:
     """Return when the machines of records are due.
 
     target : RMS, m, instead of that of each campaign; told : called with what is being done
     tables : of which control they have; None where all that was found is taken away
+    taught : by a type, of machines that were measured without it; machines of another build are as stated
     Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U, or no
     tables can be made.
     """
@@ -90,20 +95,19 @@ def due_dates(
     known = dict[str, Estimation]()
     for record in records:
         told(f"{record.file.name} ...")
-        plain = replace(record.description, prior_text="", sisters=None, doubt=None)
         try:
-            known[record.digest] = concluded(Case(plain), record.readings)
+            known[record.digest] = concluded(case_of(record.description), record.readings)
         except AxiscalError as fault:
             left.append(_left(record, fault))
     if not known:
         whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
         raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
     histories = _histories([record for record in records if record.digest in known])
-    learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
+    learnt = aging([pair for history in histories for pair in _pairs(history, known, left, taught)])
     machines, faults = list[DueMachine](), list[InputError]()
     for last in (history[-1] for history in histories):
         try:
-            machines.append(_due(last, known[last.digest], learnt, today, target, tables))
+            machines.append(_due(last, known[last.digest], learnt, today, target, tables, taught))
         except (TargetError, TableError) as fault:
             faults.append(fault)
             left.append(replace(_left(last, fault), left_out=f"{fault.what}; {fault.remedy}"))
@@ -143,7 +147,9 @@ def _same_machine(before: MachineRecord, after: MachineRecord) -> bool:
     return before.serial == after.serial and not other_machine(after.description.machine, before.description.machine)
 
 
-def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord]) -> Iterable[Pair]:
+def _pairs(
+    history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord], taught: TypePrior | None
+) -> Iterable[Pair]:
     """Yield what each campaign of a machine says of the one before; left : takes those that say nothing of it."""
     for before, after in pairwise(history):
         if before.renewed:
@@ -158,7 +164,7 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         except AxiscalError as fault:
             left.append(_left(after, fault))
             continue
-        yield Pair(years, found, equation, errors.prior_covariance())
+        yield Pair(years, found, equation, Wearing.of(first, taught))
 
 
 def moment(text: str) -> datetime:
@@ -168,7 +174,13 @@ def moment(text: str) -> datetime:
 
 
 def _due(
-    record: MachineRecord, known: Estimation, learnt: Aging, today: date, target: float | None, tables: str | None
+    record: MachineRecord,
+    known: Estimation,
+    learnt: Aging,
+    today: date,
+    target: float | None,
+    tables: str | None,
+    taught: TypePrior | None,
 ) -> DueMachine:
     wanted = target if target is not None else _own_target(known)
     if wanted is None:
@@ -178,7 +190,7 @@ def _due(
             record.file,
         )
     last = moment(record.begun).date()
-    left = rms_left(known, learnt, record.renewed, tables)
+    left = rms_left(known, learnt, record.renewed, tables, taught)
     days = _first_day(lambda day: left(day * _DAY) > wanted)
     due = None if days is None else last + timedelta(days=days)
     name = record.description.machine.name + (f" {record.serial}" if record.serial else "")
@@ -209,32 +221,39 @@ def _first_day(passed: Callable[[int], bool]) -> int | None:
 
 
 def rms_left(
-    known: Estimation, learnt: Aging, renewed: Sequence[str] = (), tables: str | None = None
+    known: Estimation,
+    learnt: Aging,
+    renewed: Sequence[str] = (),
+    tables: str | None = None,
+    taught: TypePrior | None = None,
 ) -> Callable[[float], float]:
     """Return what is left after a time in years with the tables of this estimate, RMS over the volume, m.
 
     renewed : axes of which nothing is kept; tables : of which control, None where they take all away that was found
+    taught : by a type, where it was measured without
     Raises TableError where none can be made for it.
     """
-    errors, root = known.case.errors, known.case.yardstick.root
+    errors, root, wears = known.case.errors, known.case.yardstick.root, Wearing.of(known, taught)
     fresh = np.zeros(errors.size, dtype=bool)
     for term in errors.terms:
         axes = term.axes
         fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in axes)
-    stated, mean = errors.prior_root(), known.whole.mean[: errors.size]
-    same, new = (root.value(stated * mask[:, None]) for mask in (~fresh, fresh))
+    gram, aging_pair, fresh_pair = root.gram, np.outer(~fresh, ~fresh), np.outer(fresh, fresh)
+    same, shared = gram.value(wears.own * aging_pair), gram.value(wears.common * aging_pair)
+    new = gram.value((wears.own + wears.common) * fresh_pair)
     known_well = root.value(known.whole.factor[: errors.size] * ~fresh[:, None])
     if tables is None:
-        fields = np.array([root.matrix @ (mean * share) for share in (0.0, ~fresh, fresh)])
+        moving = known.whole.mean[: errors.size] - wears.mean
+        fields = np.array([root.matrix @ (moving * share) for share in (0.0, ~fresh, fresh)])
         products = fields @ fields.T
     else:
-        products = products_left(known, tables, fresh)
+        products = products_left(known, tables, fresh, wears.mean)
 
     def left(years: float) -> float:
         rho, square = learnt.kept(years)
         once = np.array([1.0, rho - 1.0, -1.0])
         moved = once @ products @ once + (square - rho**2) * products[1, 1]
-        total = square * known_well + (1 - square) * same + new + moved
+        total = square * known_well + (1 - square) * same + (1 - 2 * rho + square) * shared + new + moved
         return known.case.yardstick.rms_of(float(total))
 
     return left

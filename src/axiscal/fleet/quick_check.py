@@ -1,7 +1,8 @@
 """A dozen readings that say whether a machine is still as its last campaign left it.
 
 The places are those that say most of a machine that has drifted since: a plan with ρ² C + (1 − ρ²) C₀ as the prior.
-Its readings z = R a + e have to fit N(ρ m, ·): χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m).
+Its readings z = R a + e have to fit N(ρ m, ·): χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m). Where
+the campaign knew the machine's type, what all sisters have stays (`wearing`).
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.compensation.effect import Control
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case, Inherited
-from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
+from axiscal.fleet.tables_left import control_of
+from axiscal.fleet.wearing import Wearing
+from axiscal.fleet.without_tables import without_tables
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import data_equation
 from axiscal.measurement.blank_sheet import blank_sheet
@@ -56,17 +60,33 @@ class Checked:
 
 
 class QuickCheck:
-    """The check of one machine.  kept : share ρ of each error that is as the last campaign found it"""
+    """The check of one machine.
 
-    def __init__(self, description: CampaignDescription, last: Inherited, kept: float) -> None:
+    kept : share ρ of each error that is as the last campaign found it
+    control : what the control adds by the tables that are in it; None where they take all away that was found
+    wears : what wears off; None for all that is stated
+    """
+
+    def __init__(
+        self,
+        description: CampaignDescription,
+        last: Inherited,
+        kept: float,
+        control: Control | None = None,
+        wears: Wearing | None = None,
+    ) -> None:
         target = replace(description.target, readings=None, budget=None)
         plain = replace(description, prior_text="", sisters=None, doubt=None, target=target, scales_estimated=False)
-        now = drifted(last, Case(plain).errors.prior_covariance(), kept)
-        self.last, self.case = last, Case(plain, now)
+        now = (wears or Wearing.as_stated(Case(plain).errors)).left_of(last, kept)
+        self.last, self.case, self._control = last, Case(plain, now), control
 
     @classmethod
-    def of(cls, campaign: Campaign, kept: float) -> QuickCheck:
-        """Return the check of a campaign that has been measured; raises RecordError for one that has not."""
+    def of(cls, campaign: Campaign, kept: float, controller: str | None = None) -> QuickCheck:
+        """Return the check of a campaign that has been measured.
+
+        controller : whose tables of it are loaded; None for none, or for such as take all away that was found
+        Raises RecordError where it has no readings, TableError where no tables can be made for the control.
+        """
         if not campaign.state.readings:
             raise RecordError("The record has no readings", "Name a campaign that has been measured", campaign.path)
         known = campaign.concluded()
@@ -76,7 +96,8 @@ class QuickCheck:
         pairs = zip(described.setups, learnt.setups, strict=True)
         setups = tuple(replace(mine, noise=found.noise) for mine, found in pairs)
         described = replace(described, machine=learnt.machine, setups=setups)
-        return cls(described, Inherited(known.whole.mean[:size], factor @ factor.T), kept)
+        control = None if controller is None else control_of(known, controller)
+        return cls(described, Inherited(known.whole.mean[:size], factor @ factor.T), kept, control, Wearing.of(known))
 
     def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
         """Return the places that say most; raises PlanError."""
@@ -92,6 +113,9 @@ class QuickCheck:
     @one_thread()
     def judged(self, readings: Sequence[Reading], tables: bool = False) -> Checked:
         """Return what readings say.  tables : they were taken with the tables of the last campaign in the control"""
+        described = self.case.description
+        if tables and self._control is not None:
+            readings, tables = without_tables(readings, described.machine, described.setups, self._control), False
         read = timed(self.case, readings, Timed()).readings
         numbers, size = ReadingSet(self.case.observation, read), self.case.errors.size
         data = data_equation(numbers, np.ones(len(readings)), np.zeros((size, 0)))

@@ -1,8 +1,8 @@
 """What the tables of a control leave of what a campaign found, for the years after it.
 
 A table holds what its control can hold. Over the volume, less one shift of everything, with ℓ what is left on the day
-of the campaign, k the mean of errors that age and f that of errors that were renewed, what is left later is
-ℓ - (1 - ρ) k - f; its mean square needs the six products of the three alone.
+of the campaign, k the mean of errors that age and f that of errors that were renewed, both less what never changes,
+what is left later is ℓ - (1 - ρ) k - f; its mean square needs the six products of the three alone.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.compensation import registry
-from axiscal.compensation.effect import left_by
+from axiscal.compensation.effect import Control, left_by
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import spread_poses
 from axiscal.compensation.on_top import informed
@@ -20,22 +20,27 @@ from axiscal.estimation.ruled import ruled
 from axiscal.numerics import Array
 
 
-def products_left(known: Estimation, controller: str, renewed: NDArray[np.bool_]) -> Array:
+def control_of(known: Estimation, controller: str) -> Control:
+    """Return what a control does with the tables of a campaign; raises TableError where none can be made for it."""
+    options = informed(ExportOptions(), known.case.description, controller)
+    return registry.export(ruled(known).estimate(), controller, options).control
+
+
+def products_left(known: Estimation, controller: str, renewed: NDArray[np.bool_], stays: Array) -> Array:
     """Return the means over the volume of the products of ℓ, k and f, (3, 3), m².
 
-    renewed : (n,) bool, of the unknowns of the errors
+    renewed : (n,) bool, of the unknowns of the errors; stays : (n,) the part of their mean that never changes
     Raises TableError where no tables can be made for this control.
     """
-    options = informed(ExportOptions(), known.case.description, controller)
-    control = registry.export(ruled(known).estimate(), controller, options).control
+    control = control_of(known, controller)
     estimate = known.estimate()
     poses, approaches = spread_poses(estimate)
-    rows = estimate.model.rows(poses, approaches)
+    rows, moving = estimate.model.rows(poses, approaches), estimate.mean - stays
     fields = np.array(
         [
             left_by(estimate.machine, estimate.deviation, control, poses, approaches),
-            rows @ (estimate.mean * ~renewed),
-            rows @ (estimate.mean * renewed),
+            rows @ (moving * ~renewed),
+            rows @ (moving * renewed),
         ]
     )
     centred = fields - fields.mean(axis=1, keepdims=True)

@@ -90,10 +90,14 @@ def actual_deviation(machine: Machine, poses: Array, small: SmallMotions) -> Dev
     """Return how the tool deviates with small motions, nothing linearised."""
     still = SmallMotions(*(np.zeros_like(part) for part in small))
     actual, nominal = tool_motion(machine, poses, small), tool_motion(machine, poses, still)
-    turn = actual.rotation @ np.swapaxes(nominal.rotation, 1, 2)
+    return Deviation(actual.translation - nominal.translation, turn_between(nominal.rotation, actual.rotation))
+
+
+def turn_between(before: Array, after: Array) -> Array:
+    """Return the small turns from orientations to others, (m, 3) rad, right to second order.  both : (m, 3, 3)"""
+    turn = after @ np.swapaxes(before, 1, 2)
     skew = (turn - np.swapaxes(turn, 1, 2)) / 2
-    rotation = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
-    return Deviation(actual.translation - nominal.translation, rotation)
+    return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 
 
 def tool_point(machine: Machine) -> Array:
