@@ -121,9 +121,10 @@ def first_failed(tests: Sequence[str], sources: Path, seconds: float) -> str | N
     return None if status in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED} else "the loading of tests"
 
 
-def learnt(room: str, tried: Sequence[Mutant]) -> Covered:
-    """Return what the tests of a room run, and those elsewhere that name a module which is changed."""
-    files = sorted({file for path in {mutant.path for mutant in tried} for file in files_of_tests(path)})
+def learnt(room: str, tried: Sequence[Mutant], own: bool) -> Covered:
+    """Return what the tests of a room run, and those elsewhere that name a module which is changed.  own : not those"""
+    paths = {mutant.path for mutant in tried}
+    files = sorted({file for path in paths for file in files_of_tests(path) if not own or _room_of(file) == room})
     said = hashlib.sha256(f"{state_of_sources(('src', 'tests'))} {files}".encode()).hexdigest()
     file = FOLDER / f"covered-{room}-{said[:12]}.json"
     if not file.exists():
@@ -172,10 +173,15 @@ def files_of_tests(path: Path) -> tuple[str, ...]:
         for test in sorted((HOUSE / "tests").rglob("test_*.py"))
         if own in test.parents
         or (
-            test.relative_to(HOUSE).parts[1] not in _APART
+            _room_of(str(test.relative_to(HOUSE))) not in _APART
             and (test.name == f"test_{path.stem}.py" or _says(test, naming))
         )
     )
+
+
+def _room_of(test: str) -> str:
+    """Return the room for which a file of tests stands."""
+    return Path(test).parts[1]
 
 
 def statement(tree: ast.Module, line: int) -> range:
@@ -241,6 +247,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--places", type=int, default=100, help="how many places of each room")
     parser.add_argument("--room", choices=ROOMS, help="only this room")
     parser.add_argument("--seconds", type=float, default=60, help="of a processor that the tests of a change may take")
+    parser.add_argument("--own", action="store_true", help="only the room's own tests: sooner, and fewer notice")
     parser.add_argument("--again", action="store_true", help="try anew what survived; tests may have been added since")
     args = parser.parse_args(words)
     for name in _LOADED:
@@ -248,8 +255,8 @@ def main(words: Sequence[str]) -> int:
     low = False
     for room in ROOMS if args.room is None else (args.room,):
         tried = drawn(room, args.places)
-        covered = learnt(room, tried)
-        found = [_tried(mutant, covered, args.seconds, args.again) for mutant in tried]
+        covered = learnt(room, tried, args.own)
+        found = [_tried(mutant, covered, args.seconds, args.again, args.own) for mutant in tried]
         killers = sorted({said.removeprefix("killed by ") for said in found if said.startswith("killed by tests/")})
         wrong = first_failed(killers, HOUSE / "src", 3600) if killers else None
         if wrong is not None:
@@ -261,9 +268,9 @@ def main(words: Sequence[str]) -> int:
     return int(low)
 
 
-def _tried(mutant: Mutant, covered: Covered, seconds: float, again: bool) -> str:
+def _tried(mutant: Mutant, covered: Covered, seconds: float, again: bool, own: bool) -> str:
     """Return what came of a change, and print it; what was found before on these sources is kept."""
-    kept = Kept("mutants")
+    kept = Kept("mutants-own" if own else "mutants")
     find = partial(outcome, mutant, covered, seconds)
     found = str(kept.get(mutant.name, find))
     if again and found.startswith("survives"):
