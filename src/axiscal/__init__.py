@@ -18,8 +18,8 @@ they live.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # not from typing: while that is loaded, before any of our code runs, Ctrl-C ends in a traceback
 if TYPE_CHECKING:
     from axiscal.belief import Belief
     from axiscal.campaign.campaign import Campaign
