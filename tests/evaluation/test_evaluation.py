@@ -209,6 +209,7 @@ BAD: dict[str, tuple[str | bytes, str, int | None]] = {
     "length and angle": (GOOD.replace("target_mm", "target_deg"), "mix a length and an angle", 2),
     "same column in two units": (GOOD.replace("direction,run", "target_um,direction"), "say the same", 2),
     "NaN": (GOOD.replace("2.5", "NaN"), "'NaN' is not finite", 8),
+    "absurd": (GOOD.replace("2.5", "-1e308"), "'-1e308' is too large for a machine", 8),
     "infinite": (GOOD.replace("2.5", "1e999"), "'1e999' is not finite", 8),
     "empty cell": (GOOD.replace("2.5", ""), "deviation_um is empty", 8),
     "decimal comma": (GOOD.replace("2.5", '"2,5"'), r"decimal comma. Write a decimal point: 2\.5", 8),

@@ -115,6 +115,7 @@ def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:
     ("old", "new", "message"),
     [
         ("1   2   1.300", "1   2   1,300", "line 18.*'1,300' is not a finite number"),
+        ("1   2   1.300", "1   2   1e200", "line 18.*'1e200' is too large for a machine"),
         ("1   2   1.300", "1   9   1.300", "line 18.*target 9 of run 1 is not there"),
         ("1   2   1.300", "1   2", "line 18.*is not run, target and deviation"),
         ("1   2   1.300", "1   1   1.300", "line 18.*has target 1 already"),

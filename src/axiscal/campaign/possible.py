@@ -10,14 +10,12 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import LARGEST, Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
 
-LARGEST = 1e3
-"""m or rad: no machine deviates by a kilometre; any bound between a machine's size and this would do."""
 _LEAST = 1e-12
 """m or rad: a hundredth of what may be said; beside a standard deviation below it nothing of an estimate is left."""
 _LATEST = 1e10

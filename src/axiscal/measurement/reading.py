@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from axiscal.measurement.place import Place
 
+LARGEST = 1e3
+"""m or rad: no machine deviates by a kilometre; any bound between a machine's size and this would do."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reading:

@@ -19,6 +19,7 @@ from typing import Literal
 from axiscal.document.bounded import bounded_content
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.text import MOST, refuse_many
+from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
 LENGTHS = ("mm", "um", "nm", "m")
@@ -63,13 +64,13 @@ class Row:
         return self.cells[column.name]
 
     def quantity(self, column: Column) -> float:
-        """Return a cell as a finite number in SI units; raises ReadingError."""
+        """Return a cell as a number of a machine in SI units; raises ReadingError."""
         if column.unit is None:
             remedy = f"write it as '{column.stem}_mm' or '{column.stem}_deg'"
             raise self.fail(f"column '{column.name}' has no unit", remedy)
         text = self.text(column)
         value = from_unit(float(text), column.unit) if _NUMBER.fullmatch(text) else math.nan
-        if math.isfinite(value):
+        if abs(value) < LARGEST:
             return value
         what, remedy = _why_not(text)
         raise self.fail(f"{column.name} {what}", remedy)
@@ -222,9 +223,11 @@ def _quote(text: str) -> str:
 
 
 def _why_not(text: str) -> tuple[str, str]:
-    """Return what is wrong with a cell that is not a finite number, and what would be right."""
+    """Return what is wrong with a cell that is no number of a machine, and what would be right."""
     if not text:
         return "is empty", "write the number that was read, or take out the line"
+    if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
+        return f"{_quote(text)} is too large for a machine", "write the number that was read, in the unit of the header"
     if _NOT_FINITE.fullmatch(text) or _NUMBER.fullmatch(text):
         return f"{_quote(text)} is not finite", "write the number that was read, or take out the line"
     if _NUMBER.fullmatch(text.replace(",", ".")):

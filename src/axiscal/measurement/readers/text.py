@@ -15,6 +15,9 @@ MOST = 20_000_000
 MOST_LINES = 200_000
 """Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
 
+_LARGEST = 1e9
+"""In whatever unit the file has: a kilometre in micrometres, which no machine has."""
+
 
 @dataclass(frozen=True, slots=True)
 class TextFile:
@@ -28,15 +31,17 @@ class TextFile:
         return ReadingError(what, remedy, self.name, line)
 
     def number(self, text: str, what: str, line: int) -> float:
-        """Return a finite number; raises ReadingError."""
+        """Return a number of a machine; raises ReadingError."""
         try:
             value = float(text) if "_" not in text else math.nan
         except ValueError:
             value = math.nan
-        if not math.isfinite(value):
-            shown = text if len(text) <= 40 else text[:37] + "..."
-            raise self.fail(f"{what} {shown!r} is not a finite number", "write digits with a decimal point", line)
-        return value
+        if abs(value) < _LARGEST:
+            return value
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        if math.isfinite(value):
+            raise self.fail(f"{what} {shown!r} is too large for a machine", "write the number that was read", line)
+        raise self.fail(f"{what} {shown!r} is not a finite number", "write digits with a decimal point", line)
 
     def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
         """Return finite numbers; raises ReadingError."""
