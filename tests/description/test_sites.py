@@ -158,6 +158,24 @@ def test_a_part_without_a_shape_or_out_of_reach_is_refused(part: str, said: str)
     assert said in str(refused.value)
 
 
+def test_a_ball_beside_the_plane_of_two_slides_is_refused_in_words(tmp_path: Path) -> None:
+    """A lathe: no turn of C brings a ball far off its plane into it, and nothing is nearest."""
+    (tmp_path / "lathe.toml").write_text(
+        """chain = "w-C'-b-Z-X-t"
+axes.C = { travel = ["-30 deg", "30 deg"], origin = ["0 mm", "0 mm", "0 mm"] }
+axes.X = { travel = ["-300 mm", "300 mm"] }
+axes.Z = { travel = ["-300 mm", "300 mm"] }
+errors.EXX = { std = "5 um" }
+"""
+    )
+    path = tmp_path / "campaign.toml"
+    balls = 'balls = { low = ["20 mm", "90 mm", "40 mm"] }\n'
+    path.write_text(f'machine = "lathe.toml"\n[target]\nreadings = 5\n[[artefacts]]\nname = "spheres"\n{balls}{TOUCHED}')
+    with pytest.raises(InputError) as refused:
+        read_campaign(path)
+    assert "Z and X alone never carry the tool point so far aside" in str(refused.value)
+
+
 def test_a_sphere_without_a_ball_is_refused_where_readings_are_asked_for_and_opens_where_they_exist(
     tmp_path: Path,
 ) -> None:

@@ -59,3 +59,18 @@ def test_candidates_that_may_want_weight_get_it_once(monkeypatch: pytest.MonkeyP
     turn = next(sought.over_all(slopes))
     assert len(np.unique(sought.support)) == len(sought.support) == len(turn.slopes) <= len(places) + 30
     np.testing.assert_allclose(turn.slopes, sought.slopes(turn.dual)[sought.support], rtol=1e-6)
+
+
+@pytest.mark.parametrize("seen", [(1e2, 1e2), (1e3, 1e3), (1e4, 1e3), (1e5, 1e5)])
+def test_readings_that_say_the_same_share_their_weight(seen: tuple[float, float]) -> None:
+    """Two set-ups at one place, and a third reading that begins with hardly any weight.
+
+    J = 1/(1 + a² (x₁ + x₂)) + 1/(1 + b² x₃) is least where a/(1 + a² (x₁ + x₂)) = b/(1 + b² x₃).
+    """
+    a, b = seen
+    along, limit = np.array([[a, 0.0], [a, 0.0], [0.0, b]]), 9.0
+    begun = np.array([4.4955, 4.4955, 0.009])
+    found = optimal_weights(along, np.arange(3), np.eye(2), begun, np.ones(3), limit, 1e-6)
+    third = (b * (1 + a**2 * limit) - a) / (a * b * (a + b))
+    assert found.sum() == pytest.approx(limit)
+    assert found[2] == pytest.approx(third, rel=1e-3)

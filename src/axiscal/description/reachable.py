@@ -9,6 +9,7 @@ import numpy as np
 from axiscal.error_model.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine
+from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.chart_places import FEWEST, chart_candidates
 from axiscal.measurement.charts.balls import Balls
 from axiscal.measurement.charts.chart import Chart
@@ -56,6 +57,9 @@ def _nearest(machine: Machine, part: Chart) -> str:
     ends = [part.bounds(k) for k in range(part.size)]
     unit = even_points(_LOOKED_AT, part.size)
     poses = part.poses(np.column_stack([e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True)]))
+    if np.isnan(poses).any(axis=1).all():
+        slides = " and ".join(machine.axes[k].name for k in linear_axes(machine))
+        return f"{slides} alone never carry the tool point so far aside: place it where they do"
     low, high = np.array([axis.travel for axis in machine.axes]).T
     short = np.maximum(low - poses, poses - high) / (high - low)
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())

@@ -22,6 +22,9 @@ _RESIDUAL = 10.0
 """Times that share by which slopes may be off: they enter the bound by their products with weights."""
 _WITHIN = 0.95
 """Share of the way to where a weight would vanish; any below one."""
+_ROUNDING = float(np.finfo(float).eps)
+"""Of what bends, in each number: readings that say the same do not bend between themselves, and neither do their duals
+when they have gone."""
 
 
 def optimal_weights(
@@ -68,7 +71,7 @@ def optimal_weights(
 def _step(bend: Array, x: Array, dual: Array, residual: Array) -> tuple[Array, float, Array]:
     """Return how weights, their level and duals move."""
     system = bend.copy()
-    system[np.diag_indices(len(x))] += dual / x
+    system[np.diag_indices(len(x))] += np.maximum(dual / x, _ROUNDING * len(x) * np.trace(bend))
     lower = lower_root(system)
     ones = solution_of_product(lower, np.ones(len(x)))
 
