@@ -170,7 +170,9 @@ errors.EXX = { std = "5 um" }
     )
     path = tmp_path / "campaign.toml"
     balls = 'balls = { low = ["20 mm", "90 mm", "40 mm"] }\n'
-    path.write_text(f'machine = "lathe.toml"\n[target]\nreadings = 5\n[[artefacts]]\nname = "spheres"\n{balls}{TOUCHED}')
+    path.write_text(
+        f'machine = "lathe.toml"\n[target]\nreadings = 5\n[[artefacts]]\nname = "spheres"\n{balls}{TOUCHED}'
+    )
     with pytest.raises(InputError) as refused:
         read_campaign(path)
     assert "Z and X alone never carry the tool point so far aside" in str(refused.value)
