@@ -2,6 +2,7 @@
 
     python benchmarks/bench_drift.py            40 machines, a few minutes of one core
     python benchmarks/bench_drift.py 5          so many machines
+    python benchmarks/bench_drift.py plans      what plans leave out: a minute
 
 One axis of 1 m, 24 readings a minute apart, std 10 um, noise 0.5 um, an unknown zero; planned, even (out and back) and
 random places. `said to stand still` is the campaign with drift = "0", `usual` the one that says nothing. Each row:
@@ -12,18 +13,21 @@ the first is the one that is right. Silent: true above 1.5 times the promise and
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from axiscal.accuracy.expanded import expanded
+from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.simulation import Simulator
 from benchmarks.trust.benches import PLACES, Changes, case_of, visits
 
@@ -31,6 +35,8 @@ _STILL: Changes = ()
 _USUAL: Changes = (('drift = "0 um/h"\n', ""),)
 _MINUTE, _POSES, _WORSE = 60.0, 200, 1.5
 MACHINES = 40
+_FEW = 400
+"""Candidates of a plan, of time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +98,31 @@ def row(words: str, places: str, machines: int) -> str:
     return f"| {words} | {places} | {' | '.join(cells)} |"
 
 
+def plan_rows() -> Iterator[str]:
+    """Yield what plans promise, and what their readings do once drifts as they are usual count, in um.
+
+    Read when the plan has them, and one a minute, as by hand.
+    """
+    for instrument, readings in product(("interferometer", "indicator"), (12, 24, 40)):
+        case = case_of("axis", "stated", (("interferometer", instrument), *_USUAL))
+        plan = proposed(case, Limits(readings), Thoroughness(_FEW)).plan
+        where = zip(plan.places.poses.tolist(), plan.places.approaches.tolist(), strict=True)
+        visited = [(tuple(pose), tuple(int(side) for side in sides)) for pose, sides in where]
+        planned = [each.seconds for each in plan.readings]
+        cells = []
+        for times in (planned, [_MINUTE * index for index in range(readings)]):
+            taken = [Reading("it", *visit, 0.0, time=at) for visit, at in zip(visited, times, strict=True)]
+            took, rms = (times[-1] - times[0]) / _MINUTE, concluded(case, taken).accuracy.rms
+            cells.append(f"{took:.1f} min, {1e6 * rms:.3f}")
+        yield f"| {instrument} | {readings} | {1e6 * plan.accuracy.rms:.3f} | {' | '.join(cells)} |"
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["plans"]:
+        print("| instrument | readings | plan | as planned | one a minute |\n|---|---|---|---|---|")
+        for line in plan_rows():
+            print(line, flush=True)
+        sys.exit()
     count = int(sys.argv[1]) if len(sys.argv) > 1 else MACHINES
     told = "promised | true | holds | silent"
     print(f"| drift | places | said to stand still: {told} | usual: {told} |")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, Harm, needed
+from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, Harm, bearable, hidden, needed
 
 
 @pytest.mark.parametrize(("degrees", "value"), [(1, 15.365), (2, 17.948), (3, 19.796)])
@@ -46,3 +46,17 @@ def test_what_leaves_no_error_is_no_danger() -> None:
 
 def test_what_only_an_absurd_size_would_show_is_not_seen_from_any() -> None:
     assert Harm(np.array([[1e-20]]), 0.25, 20e-6).seen_from == math.inf
+
+
+def test_the_promise_that_departures_may_spoil_is_where_so_many_of_them_do() -> None:
+    """Three places, one of which nothing shows, by an average of many sizes."""
+    information, wrong, std = np.array([0.0, 4e10, 1e14]), np.array([0.2, 0.1, 0.3]), 10e-6
+    harms = [Harm(np.array([[each]]), w, std) for each, w in zip(information, wrong, strict=True)]
+    sizes = std * np.random.default_rng(1).standard_normal((200_000, 1))
+    spoilt = np.sqrt(sizes**2 * wrong / (KAPPA**2 - 1))
+    unseen = stats.ncx2.cdf(stats.chi2.isf(FALSE_ALARM, 1), 1, np.maximum(sizes**2 * information, 1e-300))
+    for share in (0.05, 0.2):
+        promise = bearable(harms, std, share)
+        assert hidden(harms, std, promise) <= share < hidden(harms, std, promise * (1 - 1e-9))
+        assert float(np.mean(unseen * (spoilt > promise))) == pytest.approx(share, abs=0.02)
+    assert bearable(harms, std, 0.9) == 0.0

@@ -43,3 +43,16 @@ def test_it_ends_with_the_time_that_is_left() -> None:
     fewer = follow_up(TASK, places, ends, 4, budget=float(spent[1]) + 1e-6)
     assert fewer.poses == pytest.approx(whole.poses[:2])
     assert len(follow_up(TASK, places, ends, 4, budget=0.0)) == 0
+
+
+def test_readings_more_go_into_a_gap_and_close_it() -> None:
+    places = make_plan(TASK, Limits(readings=24), guard=False).places
+    share = places.poses[:, 0] / TASK.observation.machine.axes[0].length
+    gapped = in_order(TASK, places.within(np.flatnonzero((share < 0.4) | (share > 0.62))))
+    ends = np.cumsum(seconds_each(TASK, gapped))
+    coming = follow_up(TASK, gapped, ends, 4)
+    later = np.concatenate([ends, ends[-1] + np.cumsum(seconds_each(TASK, coming))])
+    before = vouched_along(TASK, gapped, ends, gaps=True)
+    after_them = vouched_along(TASK, Places.joined([gapped, coming]), later, gaps=True)
+    assert before.hides
+    assert not after_them.hides

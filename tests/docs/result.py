@@ -103,6 +103,8 @@ class DepartureValue(Fields):
     power: float = Field(description="probability that the readings show it where the truth is 1.5 times `rms_um`")
     seen_from_um: float | None = Field(description="size that they show with 90 %, in `unit`; null: not at any size")
     damage_um: float = Field(description="RMS that it does where they would only just show it")
+    hidden: float = Field(description="probability that it spoils the promise unseen, in a gap; 0 where not asked")
+    bearable_um: float = Field(description="least promise that no more than 5 % of such would spoil unseen; 0: any")
     unit: str = Field(description="um or urad")
     counted: bool = Field(description="whether `defended_um` counts it")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy import stats
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import EffectMap, defence, with_gaps
+from axiscal.estimation.defence import Defence, EffectMap, defence, vouched
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended
@@ -39,6 +40,11 @@ drift = "0 um/h"
 def axis() -> Case:
     """Return an axis of a metre with a laser whose zero is open by a millimetre."""
     return Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
+
+
+def of(case: Case, taken: Sequence[Reading], promise: float) -> Defence:
+    """Return what readings of a machine as it is stated vouch for."""
+    return defence(case, taken, promise, case.description.machine)
 
 
 def readings(count: int = 20, seconds: float = 60.0) -> list[Reading]:
@@ -106,13 +112,13 @@ def test_what_a_step_leaves_over_the_volume_is_its_own_integral() -> None:
 
 def test_the_damage_does_not_depend_on_the_promise() -> None:
     case, taken = axis(), readings()
-    some, others = (defence(case, taken, promise) for promise in (0.5e-6, 5e-6))
+    some, others = (of(case, taken, promise) for promise in (0.5e-6, 5e-6))
     named = [{(each.family, each.owner): each.damage for each in found.departures} for found in (some, others)]
     assert named[0] == named[1]
     assert others.u_def == 5e-6
     assert others.weakest is None
     assert some.weakest is not None
-    assert some.u_def == some.weakest.damage > 0.5e-6
+    assert some.u_def == some.weakest.least > 0.5e-6
 
 
 def test_readings_once_along_vouch_for_less_than_out_and_back() -> None:
@@ -120,7 +126,7 @@ def test_readings_once_along_vouch_for_less_than_out_and_back() -> None:
     along = sorted(back, key=lambda reading: reading.pose)
     along = [replace(reading, time=60.0 * i) for i, reading in enumerate(along)]
     damage = [
-        next(each.damage for each in defence(case, taken, 0.5e-6).departures if each.family == "drift")
+        next(each.damage for each in of(case, taken, 0.5e-6).departures if each.family == "drift")
         for taken in (along, back)
     ]
     assert damage[0] > 5e-6
@@ -128,7 +134,7 @@ def test_readings_once_along_vouch_for_less_than_out_and_back() -> None:
 
 
 def test_two_readings_vouch_for_nothing() -> None:
-    found = defence(axis(), readings()[:2], 0.5e-6)
+    found = of(axis(), readings()[:2], 0.5e-6)
     assert found.u_def > 5e-6
     assert found.departures[0].power == 0.0
 
@@ -167,18 +173,32 @@ def test_what_stays_hidden_is_the_share_of_twenty_thousand_campaigns() -> None:
 
 
 def test_a_gap_leaves_a_promise_unchecked_that_every_place_on_average_would_defend() -> None:
-    case, machine = axis(), axis().description.machine
-    whole, gapped = (defence(case, taken, 1.3e-6) for taken in (readings(28), _gapped(0.4, 0.62)))
-    assert gapped.u_def <= 1.25 * gapped.promise
-    assert not gapped.unchecked
-    assert with_gaps(gapped, case, _gapped(0.4, 0.62), machine).unchecked
-    assert not with_gaps(whole, case, readings(28), machine).unchecked
+    case, taken = axis(), _gapped(0.4, 0.62)
+    average = vouched(case.observation, taken, EffectMap.of(case, taken), 1.3e-6)
+    whole, gapped = (of(case, each, 1.3e-6) for each in (readings(28), taken))
+    assert average.u_def <= 1.25 * average.promise
+    assert not average.unchecked
+    assert gapped.unchecked
+    assert gapped.hides
+    assert not whole.unchecked
+
+
+def test_what_readings_with_a_gap_vouch_for_is_what_the_gap_spoils_unseen_in_one_of_twenty() -> None:
+    case, taken = axis(), _gapped(0.4, 0.62)
+    found = of(case, taken, 1.3e-6)
+    assert found.u_def > 1.3e-6
+    assert of(case, taken, 1.001 * found.u_def).u_def == pytest.approx(1.001 * found.u_def)
+    assert not of(case, taken, 1.001 * found.u_def).hides
+    assert of(case, taken, 0.999 * found.u_def).hides
+    assert found.weakest is not None
+    assert found.weakest.bearable == found.u_def
+    assert found.weakest.hidden > 0.05
 
 
 def test_a_curve_that_was_found_small_does_not_make_steps_in_a_gap_small() -> None:
     case, taken = axis(), _gapped(0.4, 0.62)
     machine = case.description.machine
     larger = replace(machine, errors=tuple(replace(each, std=4 * each.std) for each in machine.errors))
-    own, stated = (with_gaps(defence(case, taken, 3e-6), case, taken, each) for each in (machine, larger))
+    own, stated = (defence(case, taken, 3e-6, each) for each in (machine, larger))
     shares = [next(each.hidden for each in found.departures if each.family == "step") for found in (own, stated)]
     assert shares[1] > 2 * shares[0]

@@ -11,6 +11,7 @@ from axiscal.campaign.ending import DOES_NOT_FIT, standing
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.inference.outliers import Doubt
 from axiscal.simulation import VirtualMachine
 from tests.generators.laser_axis import CASE, machine, plus, read
 
@@ -65,6 +66,20 @@ def test_one_slip_is_a_bad_reading_and_no_contradiction() -> None:
     )
     assert ruling_of(known).verdict in ("holds", "unchecked")
     assert len(ruling_of(known).readings) == 39
+
+
+def test_where_its_neighbour_is_as_likely_the_bad_one_none_is_left_out() -> None:
+    """The bad reading was believed, and the good one beside it that contradicts it was doubted."""
+    readings = read(machine(2), 40)
+    bad = max(range(40), key=lambda index: readings[index].pose)
+    beside = max((n for n in range(40) if n != bad), key=lambda index: readings[index].pose)
+    taken = [replace(each, value=each.value + 12e-6) if n == bad else each for n, each in enumerate(readings)]
+    apart = replace(concluded(CASE, taken), outliers=(Doubt(beside, 6.0, 0.05),), ruling=None)
+    ruling = ruling_of(ruled(apart))
+    assert ruling.verdict == "widened"
+    assert len(ruling.readings) == 40
+    assert (ruling.comparison.explanations[0].family, ruling.comparison.explanations[0].place) == ("bad", bad)
+    assert sum(ruling.comparison.slips) == pytest.approx(ruling.comparison.explanations[0].odds)
 
 
 def test_readings_of_the_model_itself_hold_where_they_could_have_said_otherwise() -> None:

@@ -65,8 +65,24 @@ def test_a_plan_says_what_its_readings_can_vouch_for(tmp_path: Path) -> None:
     )
     document = json.loads(CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml"), "--json"]).stdout)
     assert document["defended_um"] >= document["rms_um"]
+    assert document["guarded"] is True
     assert document["enough_readings"] > 14
     assert document["enough_defended_um"] < document["defended_um"]
     assert {row["name"] for row in document["departures"]} >= {"drift laser", "step EXX", "pitch EXX", "bump EXX"}
     printed = CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml")]).stdout
     assert f"{document['enough_readings']} readings could vouch for {document['enough_defended_um']:.3g} um." in printed
+
+
+@pytest.mark.parametrize("criterion", ["joint", "worst"])
+def test_a_plan_by_another_criterion_says_that_nothing_guards_it(criterion: str, tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text(
+        f'machine = "one-axis"\n[target]\nreadings = 12\ncriterion = "{criterion}"\n[[setups]]\nname = "laser"\n'
+        'instrument = "interferometer"\ndirection = "x"\napproach = "both"\nnoise = "0.5 um"\n'
+    )
+    asked = ["plan", str(tmp_path / "c.toml"), "--candidates", "300"]
+    document = json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)
+    assert document["guarded"] is False
+    assert document["defended_um"] > 1.25 * document["rms_um"]
+    printed = " ".join(CliRunner().invoke(app, asked).stdout.split())
+    assert "These 12 readings could not show" in printed
+    assert f'Mind: criterion = "{criterion}" chooses readings by the model alone' in printed

@@ -80,7 +80,16 @@ ROWS = [
     HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
     HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2),
 ]
-DEPARTURE = {"name": "drift laser", "power": 0.2, "seen_from_um": 3.0, "damage_um": 9.5, "unit": "um", "counted": True}
+DEPARTURE = {
+    "name": "drift laser",
+    "power": 0.2,
+    "seen_from_um": 3.0,
+    "damage_um": 9.5,
+    "hidden": 0.0,
+    "bearable_um": 0.0,
+    "unit": "um",
+    "counted": True,
+}
 SUMMARY = Summary(
     title="t",
     machine="m",

@@ -11,6 +11,9 @@ over sizes and places c, is the risk that a promise runs which nothing says anyt
 
     hidden = E_c E_s 1[s² |e_c|² > (κ² − 1) J] P(χ'²_r(s² I_c) ≤ χ²_{r, 1−α}),   s normal with the std of the curve
 
+The larger the promise, the fewer of them spoil it: the least promise that no more than a share of them does is B, what
+readings can bear.
+
 D, the damage, does not depend on J: it is the promise that readings would have to make for a departure that is just
 seen, and makes the truth κ times the promise. (Baarda 1968, external reliability, with a field in place of a point.)
 """
@@ -90,12 +93,27 @@ def hidden(harms: Sequence[Harm], std: float, promise: float) -> float:
 
     harms : of one family, one for each place that it may be at; std : of their sizes, m or rad; promise : m
     """
+    spoilt, unseen = _possible(harms, std)
+    return float(np.sum(unseen[spoilt > promise])) / unseen.size
+
+
+def bearable(harms: Sequence[Harm], std: float, share: float) -> float:
+    """Return the least promise, m, that no more than a share of departures spoil unseen; the others as of `hidden`."""
+    spoilt, unseen = _possible(harms, std)
+    order = np.argsort(-spoilt)
+    beyond = np.cumsum(unseen[order]) > share * unseen.size
+    return float(spoilt[order[int(np.argmax(beyond))]]) if beyond[-1] else 0.0
+
+
+def _possible(harms: Sequence[Harm], std: float) -> tuple[Array, Array]:
+    """Return of departures alike in probability below which promise they spoil it, m, and how probably unseen."""
     squares = std**2 * _squares()
-    wrong = np.array([each.wrong for each in harms])[:, None] * squares > (KAPPA**2 - 1) * promise**2
-    seen = np.array([each.least_information for each in harms])[:, None] * squares
-    open_ones = wrong & (seen < _SURELY)
+    spoilt = np.sqrt(np.array([each.wrong for each in harms])[:, None] * squares / (KAPPA**2 - 1)).ravel()
+    seen = (np.array([each.least_information for each in harms])[:, None] * squares).ravel()
+    unseen, some = np.zeros(seen.size), seen < _SURELY
     degrees = harms[0].degrees
-    return float(np.sum(noncentral_share(_limit(degrees), degrees, seen[open_ones]))) / wrong.size
+    unseen[some] = noncentral_share(_limit(degrees), degrees, seen[some])
+    return spoilt, unseen
 
 
 @cache

@@ -32,7 +32,13 @@ from axiscal.planning.feasibility import fewer_than_asked, not_to_the_letter, re
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable, would_do
-from axiscal.planning.vouched import enough_words, other_tool_words, vouched_by_plan, vouched_words
+from axiscal.planning.vouched import (
+    enough_words,
+    other_tool_words,
+    unguarded_words,
+    vouched_by_plan,
+    vouched_words,
+)
 from axiscal.planning.what_if import alternatives
 from axiscal.record.durable import write_whole
 from axiscal.report import room_page
@@ -226,10 +232,12 @@ def _table(case: Case, limits: Limits, proposal: Proposal, enough: Enough | None
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
     said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    vouched = vouched_words(case, vouched_by_plan(case, made)) + enough_words(enough)
+    found = vouched_by_plan(case, made)
+    vouched = vouched_words(case, found) + enough_words(enough)
     lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
     lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
     minded = [not_to_the_letter(case, limits, made), fewer_than_asked(limits, made), other_tool_words(case, made)]
+    minded.append(unguarded_words(case, found))
     return "\n".join([*lines, *(f"Mind: {sentence}" for sentence in minded if sentence)])
 
 

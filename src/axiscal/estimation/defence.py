@@ -1,6 +1,6 @@
-"""What readings can vouch for: the promise, or the damage of what they would not show, whichever is larger.
+"""What readings can vouch for: the largest of the promise, the damage of what they would not show, and what gaps bear.
 
-    found = defence(case, readings, promise)
+    found = defence(case, readings, promise, stated)
     found.u_def, found.weakest, found.departures[0].damage
 
 Everything follows from where readings were taken and when; their values do not matter.
@@ -15,7 +15,7 @@ from itertools import groupby, takewhile
 
 import numpy as np
 
-from axiscal.accuracy.damage import Harm, hidden
+from axiscal.accuracy.damage import Harm, bearable, hidden
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
@@ -46,6 +46,8 @@ OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump"})
 """Families that may be anywhere, in a gap between readings too. What is narrower hides between any two of them."""
+_BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
+"""Of few places a step between two readings is none."""
 _LARGEST_DRIFT = 20e-6
 """m or rad over one set-up: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md)."""
 _LARGEST_PITCH = 5e-6
@@ -72,6 +74,7 @@ class Departed:
     counted : whether the promise has to be defended against it
     hidden : of a family that may be anywhere, the probability that one as large as its curve usually is makes the truth
         1.5 times the promise and is not shown; 0 where that was not asked
+    bearable : m, the least promise of which that would be no more than 5 %
     """
 
     family: Family
@@ -82,10 +85,16 @@ class Departed:
     worst: float
     counted: bool
     hidden: float = 0.0
+    bearable: float = 0.0
+
+    @property
+    def least(self) -> float:
+        """The least promise that can be vouched for beside it, m."""
+        return max(self.damage, self.bearable) if self.counted else 0.0
 
     def exceeds(self, promise: float) -> bool:
         """Return whether a promise, m, is not defended against it."""
-        return self.counted and (self.damage > OPEN * promise or self.hidden > 1 - LEVEL)
+        return self.counted and (self.damage > OPEN * promise or self.bearable > promise)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,13 +112,13 @@ class Defence:
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
-        worst = max((each.damage for each in self.departures if each.counted), default=0.0)
+        worst = max((each.least for each in self.departures), default=0.0)
         return replace(self, u_def=max(promise, worst), promise=promise)
 
     @property
     def hides(self) -> bool:
         """Whether there is room for what makes the truth 1.5 times the promise, unseen."""
-        return any(each.counted and each.hidden > 1 - LEVEL for each in self.departures)
+        return any(each.counted and each.bearable > self.promise for each in self.departures)
 
     @property
     def unchecked(self) -> bool:
@@ -119,38 +128,45 @@ class Defence:
     @property
     def weakest(self) -> Departed | None:
         """The departure that does most damage among those that count; None where the promise is the larger."""
-        counted = [each for each in self.departures if each.counted and each.damage > self.promise]
+        counted = [each for each in self.departures if each.least > self.promise]
         return counted[0] if counted else None
 
 
 @one_thread()
-def defence(case: Case, readings: Sequence[Reading], promise: float) -> Defence:
-    """Return what readings with their times can vouch for.  promise : RMS over the volume that they leave, m"""
+def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Machine) -> Defence:
+    """Return what readings with their times can vouch for.
+
+    promise : RMS over the volume that they leave, m; stated : the machine before scales were learnt
+    """
     chosen = drawn(readings, _MOST)
     made = EffectMap.of(case, chosen) if len(chosen) >= _FEWEST else None
-    return replace(vouched(case.observation, chosen, made, promise), readings=len(readings))
+    found = vouched(case.observation, chosen, made, promise)
+    if made is not None:
+        found = with_gaps(found, case.observation, chosen, made, stated)
+    return replace(found, readings=len(readings))
 
 
-@one_thread()
-def with_gaps(found: Defence, case: Case, readings: Sequence[Reading], stated: Machine) -> Defence:
-    """Return what the same readings can vouch for with what may stay hidden between them, `hidden` of each departure.
+def with_gaps(
+    found: Defence, observation: Observation, readings: Sequence[Reading], effects: EffectMap, stated: Machine
+) -> Defence:
+    """Return what the same readings can vouch for with what may stay hidden between them.
 
     stated : the machine before scales were learnt. A curve found to be smaller says nothing of a step where it was not
     read, so that steps stay as large as stated.
     """
-    if found.readings < _FEWEST:
-        return found
-    chosen, search = drawn(readings, _MOST), replace(IN_PLANS, steps=EVERYWHERE.steps)
-    effects, entries = EffectMap.of(case, chosen), (case.errors.machine.errors, stated.errors)
-    possible = takewhile(lambda each: each.family != "bad", departures(case.observation, chosen, search))
+    possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, _BETWEEN))
     told = [each for each in possible if each.family in _ANYWHERE]
-    shares = {}
+    entries, open_ones = (observation.errors.machine.errors, stated.errors), {}
     for key, members in groupby(told, key=lambda each: (each.family, each.owner)):
-        group = list(members)
+        harms = [effects.effect(each) for each in members]
         std = max(entry.std for machine in entries for entry in machine if entry.name == key[1])
-        shares[key] = hidden([effects.effect(each) for each in group], std, found.promise)
-    seen = [replace(each, hidden=shares.get((each.family, each.owner), 0.0)) for each in found.departures]
-    return replace(found, departures=tuple(seen))
+        open_ones[key] = hidden(harms, std, found.promise), bearable(harms, std, 1 - LEVEL)
+    seen = []
+    for each in found.departures:
+        share, least = open_ones.get((each.family, each.owner), (0.0, 0.0))
+        seen.append(replace(each, hidden=share, bearable=least))
+    order = tuple(sorted(seen, key=lambda each: -max(each.damage, each.bearable)))
+    return replace(found, departures=order).promising(found.promise)
 
 
 def vouched(

@@ -25,7 +25,7 @@ from axiscal.estimation.defence import Defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
-from axiscal.estimation.vouching import defended_with_gaps
+from axiscal.estimation.vouching import defended
 from axiscal.inference.averaging import Average, average
 from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
 from axiscal.inference.evidence import Evidence
@@ -60,7 +60,7 @@ def ruled(known: Estimation) -> Estimation:
     if known.ruling is not None:
         return known
     readings: Sequence[Reading] = with_sides(known)
-    defence = defended_with_gaps(known)
+    defence = defended(known)
     if len(readings) < FEWEST:
         comparison, own = Comparison((), 1.0, 1.0), _expanded(known.banded)
         return replace(known, ruling=Ruling("unchecked", comparison, own, defence, known.accuracy.rms))
@@ -102,15 +102,17 @@ def _compared(known: Estimation, trusted: Sequence[Reading]) -> tuple[Sequence[R
     """Return which readings count, and how departures explain them.
 
     A reading that others contradict is left out only where it is a bad reading by nine to one: a step, or a detail that
-    readings nearby have missed, contradicts it as well, and would be hidden by leaving it out.
+    readings nearby have missed, contradicts it as well, and would be hidden by leaving it out. So would a bad one
+    beside it: where two contradict each other and no third one decides, nobody knows which.
     """
     observation, prior, every = known.case.observation, known.case.inherited, plausible_with_sides(known)
     if len(every) > len(trusted):
-        found = compared(observation, drawn(every, MOST), prior)
+        readings, used = drawn(every, MOST), {id(each) for each in trusted}
+        found = compared(observation, readings, prior)
         whole = sum(each.odds for each in found.explanations)
-        bad = sum(each.odds for each in found.explanations if each.family == "bad")
+        bad = sum(odds for odds, each in zip(found.slips, readings, strict=True) if id(each) not in used)
         if found.contradicted and bad < _A_SLIP * whole:
-            return drawn(every, MOST), found
+            return readings, found
     chosen = drawn(trusted, MOST)
     return chosen, compared(observation, chosen, prior)
 

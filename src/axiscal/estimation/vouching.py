@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.estimation.defence import Defence, defence, with_gaps
+from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 
@@ -14,18 +14,13 @@ def defended(estimation: Estimation) -> Defence:
     return defended_by(estimation, len(estimation.readings), estimation.accuracy.rms)
 
 
-def defended_with_gaps(estimation: Estimation) -> Defence:
-    """Return what the believed readings of an estimation vouch for, with what may stay hidden between them."""
-    found, stated = defended(estimation), estimation.stated.description.machine
-    return with_gaps(found, estimation.case, _believed(estimation, len(estimation.readings)), stated)
-
-
 def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
     """Return what the first readings vouch for, those of them that are believed today.
 
     count : of the first readings; promise : RMS over the volume that they left, m
     """
-    return defence(estimation.case, _believed(estimation, count), promise)
+    stated = estimation.stated.description.machine
+    return defence(estimation.case, _believed(estimation, count), promise, stated)
 
 
 def _believed(estimation: Estimation, count: int) -> list[Reading]:

@@ -89,11 +89,12 @@ class Watched(NamedTuple):
 
 
 class _Weighed(NamedTuple):
-    """What a test for the end needs beside what was watched: departures and readings, whitened."""
+    """What a test for the end needs beside what was watched: departures and readings, whitened.  slips : see below"""
 
     watched: Watched
     parts: Array
     y: Array
+    slips: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -102,6 +103,7 @@ class Comparison:
 
     scales : odds that the model's own scales are others; contrast : the test for the end
     fits : probability of a chi-square as large as the best explanation leaves, departures and other scales among them
+    slips : odds that each reading is a bad one, in the order of the readings
     """
 
     explanations: tuple[Explanation, ...]
@@ -110,6 +112,7 @@ class Comparison:
     scales: float = 0.0
     contrast: Contrast = NO_CONTRAST
     fits: float = 1.0
+    slips: tuple[float, ...] = ()
 
     @property
     def contradicted(self) -> bool:
@@ -132,13 +135,13 @@ def compared(
     chosen = drawn(readings, MOST)
     if len(chosen) < FEWEST:
         return Comparison((), 1.0, 1.0)
-    (found, evalue, highest), parts, y = _weighed(observation, chosen, prior)
+    (found, evalue, highest), parts, y, slips = _weighed(observation, chosen, prior)
     few = drawn(chosen, _FEW)
     others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
     fits = _fit_of(parts, y)
     if fits < FITS:
         fits = max(fits, _fit_with_other_scales(others, list(departures(observation, few))))
-    return Comparison(found, evalue, highest, _odds_of(others), contrast(parts, y), fits)
+    return Comparison(found, evalue, highest, _odds_of(others), contrast(parts, y), fits, slips)
 
 
 def watched(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None) -> Watched:
@@ -161,7 +164,8 @@ def _weighed(observation: Observation, chosen: Sequence[Reading], prior: tuple[A
     along = np.exp(np.minimum(summed, _MOST_LOG))
     odds = np.exp(logs[-1] - max(float(highest[-1]) - _MOST_LOG, 0.0))  # beside each other right, however sure
     found = _explained(possible, parts, y, unit, odds)
-    return _Weighed(Watched(found, float(along[-1]), float(along.max())), parts, y)
+    slips = tuple(float(each) for each, of in zip(odds, possible, strict=True) if of.family == "bad")
+    return _Weighed(Watched(found, float(along[-1]), float(along.max())), parts, y, slips)
 
 
 def _odds_of(others: Evidence) -> float:

@@ -54,7 +54,7 @@ def planned_places(
     beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
-    if beyond and not left and _guarding(case) and len(readings) >= _FEWEST:
+    if beyond and not left and guarding(case) and len(readings) >= _FEWEST:
         coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
         return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
     if beyond:
@@ -64,9 +64,9 @@ def planned_places(
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
-        coming = renewed(task, limits, coming, patience, guard=_guarding(case))
+        coming = renewed(task, limits, coming, patience, guard=guarding(case))
     if not len(coming):
-        coming = _begun(task, limits, patience, _guarding(case))
+        coming = _begun(task, limits, patience, guarding(case))
     return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
 
 
@@ -161,10 +161,10 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
     return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
 
 
-def _guarding(case: Case) -> bool:
+def guarding(case: Case) -> bool:
     """Return whether plans are chosen for what they can vouch for.
 
-    Not by the paper's criterion, nor for one place that moves with every reading.
+    Not by the paper's criterion, nor for one place that moves with every reading, nor where planes are to be learnt.
     """
     return case.description.target.criterion == "volume" and not learns_together(case)
 

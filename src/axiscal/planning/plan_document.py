@@ -13,7 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import guarding, placed
 from axiscal.planning.promise import reachable_rms
 from axiscal.planning.proposal import Proposal
 from axiscal.planning.vouched import departure_rows, vouched_by_plan
@@ -44,6 +44,7 @@ def plan_document(case: Case, proposal: Proposal, enough: Enough | None = None) 
         "reachable_rms_um": to_unit(reachable_rms(case), "um"),
         "defended_um": to_unit(vouched.u_def, "um"),
         "departures": departure_rows(case, vouched),
+        "guarded": guarding(case),
         "enough_readings": None if enough is None else enough.readings,
         "enough_defended_um": None if enough is None else to_unit(enough.vouched, "um"),
         "target_met": plan.met,

@@ -15,7 +15,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import OPEN
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import learns_together, posed
+from axiscal.planning.next_readings import guarding, posed
 from axiscal.planning.vouched import vouched_by_plan
 
 Progress = Callable[[str], None]
@@ -55,8 +55,7 @@ def proposed(
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    guard = guard and not learns_together(case)
-    return Proposal(make_plan(task, limits, bounded=bounded, guard=guard, progress=progress))
+    return Proposal(make_plan(task, limits, bounded=bounded, guard=guard and guarding(case), progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:
@@ -70,7 +69,7 @@ def would_do(case: Case, proposal: Proposal, how: Thoroughness) -> Enough | None
     """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown."""
     places = proposal.plan.places
     found = vouched_by_plan(case, proposal.plan)
-    if not found.u_def > OPEN * found.promise:  # what gaps may hide, more readings of the same search may leave open
+    if not found.unchecked:
         return None
     return enough_readings(posed(case, case.knowledge, candidates=how.candidates), places, OPEN)
 

@@ -12,11 +12,12 @@ from axiscal.accuracy.other_tool import other_tool
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, Departed, defence, with_gaps
+from axiscal.estimation.defence import Defence, Departed, defence
 from axiscal.language.spoken import counted, later, listed, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Reading
+from axiscal.planning.next_readings import guarding
 from axiscal.units import said_quantity, to_unit
 
 _NAMED = 3
@@ -50,8 +51,7 @@ class Vouched:
 def vouched_by_plan(case: Case, plan: Plan) -> Defence:
     """Return what the readings of a plan can vouch for, each taken when it is planned."""
     readings = _planned(case, plan)
-    found = defence(case, readings, plan.accuracy.rms)
-    return with_gaps(found, case, readings, case.description.machine)
+    return defence(case, readings, plan.accuracy.rms, case.description.machine)
 
 
 def other_tool_words(case: Case, plan: Plan) -> str:
@@ -96,6 +96,25 @@ def enough_words(enough: Enough | None) -> str:
     return f" {_counted(enough.readings)} could vouch for {to_unit(enough.vouched, 'um'):.3g} um."
 
 
+def unguarded_words(case: Case, found: Defence) -> str:
+    """Return why readings that leave much unshown were not chosen otherwise; nothing where they were, or leave little.
+
+    found : what the readings of a plan can vouch for
+    """
+    if guarding(case) or not found.unchecked:
+        return ""
+    criterion = case.description.target.criterion
+    if criterion != "volume":
+        return (
+            f'criterion = "{criterion}" chooses readings by the model alone; with criterion = "volume" they are chosen '
+            "for what they can vouch for."
+        )
+    return (
+        "readings that are to teach how much two axes do together are chosen by the model alone; with the std and "
+        'length of the plane stated, and scales = "stated", they are chosen for what they can vouch for.'
+    )
+
+
 def vouched_of(case: Case, found: Defence) -> Vouched:
     """Return what readings can vouch for, in the units of outsiders."""
     return Vouched(to_unit(found.u_def, "um"), vouched_words(case, found), departure_rows(case, found))
@@ -112,6 +131,8 @@ def departure_rows(case: Case, found: Defence) -> list[dict[str, Any]]:
                 "power": _figure(each.power),
                 "seen_from_um": _figure(to_unit(each.seen_from, unit)) if math.isfinite(each.seen_from) else None,
                 "damage_um": _figure(to_unit(each.damage, "um")),
+                "hidden": _figure(each.hidden),
+                "bearable_um": _figure(to_unit(each.bearable, "um")),
                 "unit": unit,
                 "counted": each.counted,
             }

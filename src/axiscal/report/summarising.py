@@ -140,7 +140,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         files=extras.files,
         record=record_state(campaign),
         verdict=ruling.verdict,
-        verdict_words=verdict_words(ruling),
+        verdict_words=verdict_words(ruling, target),
         checks=_checks(ruling.checks),
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),

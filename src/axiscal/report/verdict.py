@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from axiscal.description.target import Target
 from axiscal.estimation.checks import Checks
 from axiscal.estimation.ruling import Ruling
 from axiscal.language.spoken import later, put, said
@@ -18,9 +19,10 @@ _VERDICTS = {
 }
 
 
-def verdict_words(ruling: Ruling) -> str:
-    """Return what the readings say of the model, and what was made of that."""
-    return said("Verdict: {verdict}. {words}", verdict=said(_VERDICTS[ruling.verdict]), words=_meant(ruling))
+def verdict_words(ruling: Ruling, target: Target) -> str:
+    """Return what the readings say of the model, and what was made of that, for the accuracy that was asked for too."""
+    words = _meant(ruling, target)
+    return said("Verdict: {verdict}. {words}", verdict=said(_VERDICTS[ruling.verdict]), words=words)
 
 
 def checks_words(found: Checks | None) -> str:
@@ -44,7 +46,7 @@ def checks_words(found: Checks | None) -> str:
     return said(doubted, told=told, times=float(1 / max(found.chance, _RARE)))
 
 
-def _meant(ruling: Ruling) -> str:
+def _meant(ruling: Ruling, target: Target) -> str:
     if ruling.verdict == "contradicted":
         nothing = "{not_known}. No accuracy is promised, and no target counts as reached."
         return said(nothing, not_known=said(NOT_KNOWN))
@@ -60,5 +62,10 @@ def _meant(ruling: Ruling) -> str:
         share, times = float(ruling.model), float(ruling.inflated)
         return said(inflated if ruling.inflated > 1 else explained, share=share, times=times)
     if ruling.verdict == "unchecked":
-        return said("The readings do not contradict the model, and could hardly have done so.")
+        hardly = said("The readings do not contradict the model, and could hardly have done so.")
+        if not target.accurate:
+            return hardly
+        alone = "{hardly} A target counts as reached by what they can vouch for alone."
+        allowed = '{hardly} The target counts by the promise all the same: unchecked = "allow" is stated.'
+        return said(allowed if target.unchecked else alone, hardly=hardly)
     return said("The readings could have contradicted the model, and did not.")

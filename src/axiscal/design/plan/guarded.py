@@ -23,7 +23,7 @@ from axiscal.design.plan.out_and_back import returns
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.watch import Humps, Watch, retimed, watch
-from axiscal.estimation.defence import Defence, EffectMap, vouched
+from axiscal.estimation.defence import Defence, EffectMap, vouched, with_gaps
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -98,10 +98,17 @@ def enough_readings(task: Task, places: Places, times_promise: float) -> Enough 
     trial, times = Trial(Scores(pool, task.state), setups, 0.0, met=False), clock(task)
     found = _tried(task, Limits(), places)
     search = _Guarding(task, Limits(), trial, affordable(times, setups, np.inf), found)
-    while found.vouched > times_promise * found.promise and len(found.order) < _most(len(places)):
+    while not (enough := _if_enough(task, found, times_promise)) and len(found.order) < _most(len(places)):
         found = search.grown(found, max(len(places) // 8, 1), times)
-    checked = found.vouched <= times_promise * found.promise
-    return Enough(len(found.order), found.vouched) if checked else None
+    return enough
+
+
+def _if_enough(task: Task, found: _Tried, times_promise: float) -> Enough | None:
+    """Return the readings where what they can vouch for is little more than their promise, in their gaps too."""
+    if found.vouched > times_promise * found.promise:
+        return None
+    whole = vouched_along(task, found.order, found.ends, gaps=True)
+    return None if whole.u_def > times_promise * found.promise or whole.hides else Enough(len(found.order), whole.u_def)
 
 
 def _most(readings: int) -> int:
@@ -127,10 +134,10 @@ class _Tried(NamedTuple):
 def _tried(task: Task, limits: Limits, places: Places) -> _Tried:
     order = in_order(task, places)
     ends = np.cumsum(seconds_each(task, order))
-    found = vouched_along(task, order, ends)
+    found = vouched_along(task, order, ends, gaps=limits.rms is not None)
     accuracy = RunningAccuracy.of(task.yardstick, task.state.after_readings(order).factor).accuracy
-    damage = max((each.damage for each in found.departures if each.counted), default=0.0)
-    checked = limits.rms is None or damage <= accuracy.attainable(limits.rms)
+    least = max((each.least for each in found.departures), default=0.0)
+    checked = limits.rms is None or least <= accuracy.attainable(limits.rms)
     return _Tried(order, ends, found.promise, found.u_def, limits.met(accuracy), checked)
 
 
@@ -232,14 +239,17 @@ class _Guarding:
         return scores
 
 
-def vouched_for(task: Task, places: Places) -> Defence:
-    """Return what readings can vouch for, each taken when the way through all of them takes it."""
+def vouched_for(task: Task, places: Places, gaps: bool = False) -> Defence:
+    """Return what readings can vouch for, each taken when the way through all of them takes it.  gaps : as below"""
     order = in_order(task, places)
-    return vouched_along(task, order, np.cumsum(seconds_each(task, order)))
+    return vouched_along(task, order, np.cumsum(seconds_each(task, order)), gaps)
 
 
-def vouched_along(task: Task, order: Places, ends: Array) -> Defence:
-    """Return what readings in this order can vouch for.  ends : (m,) when each ends, s"""
+def vouched_along(task: Task, order: Places, ends: Array, gaps: bool = False) -> Defence:
+    """Return what readings in this order can vouch for.
+
+    ends : (m,) when each ends, s; gaps : whether with what may stay hidden between them, which takes longer
+    """
     state = task.state.opened(order)
     rows, variances, owner = state.rows(order)
     others = np.bincount(owner) - 1
@@ -250,4 +260,5 @@ def vouched_along(task: Task, order: Places, ends: Array) -> Defence:
     ]
     effects = EffectMap(task.yardstick, rows @ state.factor, np.sqrt(variances), state.weighted)
     promise = task.yardstick.rms_of(state.after_readings(order).value)
-    return vouched(task.observation, readings, effects, promise)
+    found = vouched(task.observation, readings, effects, promise)
+    return with_gaps(found, task.observation, readings, effects, task.observation.errors.machine) if gaps else found

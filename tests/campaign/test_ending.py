@@ -1,0 +1,59 @@
+"""Whether an accuracy counts as reached where readings leave a gap between them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from axiscal.campaign.ending import reaches, standing, unshown
+from axiscal.description.target import Target
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.report.verdict import verdict_words
+from tests.generators.laser_axis import CASE, machine, read
+
+
+@pytest.fixture(scope="module")
+def gapped() -> Estimation:
+    """Return what is known from readings of which none was taken in a fifth of the travel."""
+    taken = [each for each in read(machine(5), 28) if not 0.4 < each.pose[0] < 0.62]
+    return ruled(concluded(CASE, taken))
+
+
+def asked(rms: float, unchecked: bool = False) -> Target:
+    """Return a target of so many m."""
+    return replace(CASE.description.target, rms=rms, unchecked=unchecked)
+
+
+def test_a_promise_that_a_gap_may_spoil_unseen_is_no_target_reached(gapped: Estimation) -> None:
+    ruling = ruling_of(gapped)
+    damage = max(each.damage for each in ruling.defence.departures if each.counted)
+    size = (damage + ruling.defence.u_def) / 2
+    between = asked(size)
+    assert ruling.verdict == "unchecked"
+    assert gapped.accuracy.rms < damage < size < ruling.defence.u_def
+    found = standing(between, gapped)
+    assert (found.reached, found.promised, found.vouched) == (None, "rms", ruling.defence.u_def)
+    assert reaches(between, gapped) is False
+    assert size < unshown(between, gapped) * gapped.accuracy.rms
+
+
+def test_an_unchecked_promise_reaches_a_target_by_what_readings_vouch_for_or_where_that_is_allowed(
+    gapped: Estimation,
+) -> None:
+    ruling = ruling_of(gapped)
+    above, allowed = asked(1.01 * ruling.defence.u_def), asked(1.01 * gapped.accuracy.rms, unchecked=True)
+    assert reaches(above, gapped) is True
+    assert reaches(allowed, gapped) is True
+    assert "A target counts as reached by what they can vouch for alone." in verdict_words(ruling, above)
+    assert 'unchecked = "allow" is stated' in verdict_words(ruling, allowed)
+    assert verdict_words(ruling, replace(above, rms=None)).endswith("could hardly have done so.")
+
+
+def test_whether_it_is_reached_is_the_same_before_and_after_the_verdict(gapped: Estimation) -> None:
+    before = replace(gapped, ruling=None)
+    for share in (0.6, 0.99, 1.01):
+        target = asked(share * ruling_of(gapped).defence.u_def)
+        assert standing(target, before) == standing(target, gapped)
