@@ -242,6 +242,8 @@ def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
     for file, message in [
         (OldFile("table.txt", comp(0)), r"which axis this table is for.*--on-top-of X=table\.txt"),
         (OldFile("X.comp", "hello"), "reads no row"),
+        (OldFile("X.comp", "0 0 0\n100 1e308 -1e308\n"), "too large for a machine"),
+        (OldFile("X.comp", "0 0 0\n100 1e308 0\n", file_type=0), "too large for a machine"),
     ]:
         with pytest.raises(TableError, match=message):
             exported("linuxcnc", file)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc.reader import parse
+from axiscal.compensation.controllers.linuxcnc.reader import LinuxcncTable, parse
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.loaded import Loaded
 from axiscal.compensation.lookup import Lookup
@@ -20,6 +20,9 @@ from axiscal.units import from_unit
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+
+_LARGEST = 1e6
+"""In the machine's unit: a kilometre in millimetres, which no table corrects."""
 
 
 def load(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
@@ -54,7 +57,7 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
 
 
 def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[Lookup]:
-    kept = parse(file.text, file_type=_type(file))
+    kept = _parsed(file, _type(file))
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
     unit = "deg" if machine.axis(axis).rotary else machine_unit
@@ -62,11 +65,20 @@ def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> lis
     return [Lookup(axis, axis, at, forward, 1), Lookup(axis, axis, at, reverse, -1)]
 
 
+def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
+    kept = parse(file.text, file_type=file_type)
+    if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
+        raise TableError(
+            "it has a number that is too large for a machine", "give the file as the control loads it", file.name
+        )
+    return kept
+
+
 def _type(file: OldFile) -> int:
     """Return COMP_FILE_TYPE, found from the values where nobody said: those of Type 0 go with the nominal ones."""
     if file.file_type is not None:
         return file.file_type
-    rows = parse(file.text, file_type=1)
+    rows = _parsed(file, 1)
     if len(rows.nominal) < 2:
         return 0
     slope = np.ptp(rows.forward) / np.ptp(rows.nominal)
