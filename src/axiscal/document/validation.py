@@ -81,7 +81,7 @@ def read_model(document: Document, model: type[ModelT], error_class: type[InputE
         failure = UnitError if detail["type"] == "unit" else error_class
         every.found.append(failure(what, remedy, document.path, document.line(*detail["loc"])))
     every.refuse()
-    raise AssertionError(details)  # pydantic complained of something
+    raise AssertionError(f"{said}: this is a defect of axiscal")
 
 
 def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:

@@ -1,0 +1,98 @@
+"""Files of instruments that are cut off, doubled or endless: each an error with its line and what would be right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.evaluation import figures_of
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.files import read_any
+from axiscal.measurement.readers.text import MOST_LINES
+from axiscal.measurement.readers.times import read_times
+from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
+from tests.measurement.test_level_survey import SURVEY
+
+NODES = "\n".join(MAP.split("\n")[:2])
+NOTHING_PROBED = NODES + "\n0,10,0,10,-1,10,10,2,2\n0,0\n0,0\n"
+FOUND = [
+    ("RepRapFirmware height map file v2\nxmin,xmax\n0,1", "line 3.*the height map is cut off"),
+    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,9,2"), "line 3.*9 nodes 30 mm apart do not fit the range"),
+    (MAP.replace("30.00,30.00,3,2", "0,30.00,3,2"), "3 nodes 0 mm apart do not fit"),
+    (MAP.replace("30.00,30.00,3,2", "30.00,30.00,0,2"), "0 nodes 30 mm apart do not fit"),
+    (NOTHING_PROBED, "line 3.*no node was probed"),
+    (MESH.replace("max_x = 70.0", "max_x = 10.0"), "line 4.*3 nodes from 10 to 10 mm are no mesh"),
+    (MESH.replace("x_count = 3", "x_count = 1"), "1 nodes from 10 to 70 mm are no mesh"),
+    (RTL[: RTL.index("1   1   0.100")], "there are no deviations"),
+    (RTL.replace("0.000000 50.000000\n100.000000\n", ""), "line 5.*there are no targets"),
+    ("X_mm,value_um\n" * (MOST_LINES + 1), f"has {MOST_LINES + 2:,} lines, and at most {MOST_LINES:,} are read"),
+]
+
+
+@pytest.mark.parametrize(("text", "says"), FOUND)
+def test_what_is_cut_off_or_endless_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "file.txt"
+    path.write_text(text)
+    with pytest.raises(ReadingError, match=says):
+        read_any(path)
+
+
+def test_what_stands_around_a_mesh_does_not_count(tmp_path: Path) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(MESH)
+    plain = read_any(path)
+    path.write_text(MESH.replace("#*# version = 1", "#*#\n#*# version = 1\n#*# 1, 2, 3"))  # between keys
+    assert [(each.position, each.value) for each in read_any(path)] == [(each.position, each.value) for each in plain]
+    path.write_text(MESH + "[gcode_macro]\n")
+    assert read_any(path) == plain
+
+
+def test_an_angle_of_an_exchange_file_is_an_angle(tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_text(OWN.replace("EXX,+,10,1.5,um", "EAX,+,10,1.5,urad"))
+    turned, straight = read_any(path)
+    assert (turned.error, turned.dimension) == ("EAX", "angle")
+    assert turned.value == pytest.approx(1.5e-6)
+    assert (straight.error, straight.dimension) == ("EXX", "length")
+
+
+def test_remarks_of_a_survey_may_be_apart_and_alone(tmp_path: Path) -> None:
+    path = tmp_path / "survey.txt"
+    path.write_text(SURVEY)
+    plain = read_any(path)
+    path.write_text(SURVEY.replace("# base", "\n# base"))
+    assert [each.value for each in read_any(path)] == [each.value for each in plain]
+    path.write_text("# level survey\n# base = 100 mm\n")
+    with pytest.raises(ReadingError):
+        read_any(path)
+
+
+def test_a_turn_that_was_read_twice_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "spindle.csv"
+    path.write_text("angle_deg,turn,deviation_um\n0,1,1\n90,1,2\n90,1,3\n")
+    with pytest.raises(ReadingError, match=r"line 4.*angle 90 of turn 1 was read before"):
+        figures_of(path)
+
+
+@pytest.mark.parametrize(
+    ("second", "says"),
+    [
+        ("14:05:30", r"line 3.*'14:05:30' is written unlike those above"),
+        ("2026-11-20T14:05:29", r"line 3.*is before that of the line above"),
+        ("2026-11-20T14:05:31+01:00", r"line 3.*is written unlike those above"),
+        ("2026-11-20", r"line 3.*is a day without a time of day"),
+        ("noon", r"line 3.*'noon' is no time"),
+    ],
+)
+def test_times_that_cannot_follow_each_other_are_refused(second: str, says: str) -> None:
+    table = parse_table(f"setup,time\na,2026-11-20T14:05:30\na,{second}\n", "file.csv")
+    with pytest.raises(ReadingError, match=says):
+        read_times(table.rows, table.columns[1])
+
+
+def test_a_number_without_a_unit_in_its_header_is_refused() -> None:
+    table = parse_table("setup,target\na,1\n", "file.csv")
+    with pytest.raises(ReadingError, match=r"line 2.*column 'target' has no unit.*'target_mm' or 'target_deg'"):
+        table.rows[0].quantity(table.columns[1])
