@@ -119,6 +119,7 @@ BAD_FILES: list[tuple[bytes, int | None, str]] = [
     (b"a = " + b"[\n" * 5000, None, "nested too deeply"),
     (b"a = 1\n" + b".".join([b"a"] * 2000) + b" = 1", 2, "more than 100 parts"),
     (b"a = { " + b" . ".join([b"'a'"] * 600) + b" = 1 }", 1, "more than 100 parts"),
+    (b" . ".join([rb'"a\""'] * 150) + b" = 1", None, "nested too deeply"),
     (b"a = '" + b"x" * 6000 + b"'", 1, "6006 characters"),
     (b"# " + b"x\n# " * 400_000, None, "larger than 250 kB"),
 ]

@@ -25,6 +25,15 @@ def test_squares_add_up_to_the_square_of_the_whole() -> None:
     assert next(s.rms for s in sources if s.kind == "sizes") < 1e-3 * known.accuracy.rms
 
 
+def test_sizes_that_are_learnt_are_a_source_of_their_own() -> None:
+    case = mixed('scales = "estimate"')
+    known = concluded(case, drawn(case, 40))
+    shares = {source.kind: source.rms for source in budget(known)}
+    assert shares["sizes"] > 0.1 * known.accuracy.rms
+    total = np.sqrt(sum(source.rms**2 for source in budget(known)))
+    assert total == pytest.approx(known.accuracy.rms, rel=1e-6)
+
+
 def test_before_any_reading_it_is_what_was_stated() -> None:
     known = concluded(mixed(), [])
     assert {source.kind for source in budget(known)} == {"detail", "prior", "unseen"}

@@ -39,3 +39,19 @@ def test_without_a_mean_it_is_the_bound_of_what_is_open() -> None:
     box, root = whole_travel(errors), errors.prior_root()
     sizes = linearity._sizes(errors, np.zeros(errors.size), root, box)
     assert linearity._beyond(errors, np.zeros(errors.size), root, box) == pytest.approx(linear_to(errors, sizes, box))
+
+
+def test_no_size_leaves_out_a_mean_a_band_or_a_rest() -> None:
+    """Against the largest of |m| + 2 s over 25 places of the travel, s by drawing from the belief and from the rest."""
+    errors, rng = ErrorModel(load_machine("one-axis")), np.random.default_rng(4)
+    mean, factor = 1e-6 * rng.standard_normal(errors.size), 1e-6 * rng.standard_normal((errors.size, errors.size))
+    box, term = whole_travel(errors), errors.names["EXX"]
+    (low, high) = box[term.axes[0]]
+    rows, rest = term.rows(np.linspace(low, high, 25)), 20 * float(np.abs(factor).max())
+    drawn = (mean + rng.standard_normal((20_000, errors.size)) @ factor.T)[:, term.columns] @ rows.T
+    whole = drawn + rest * rng.standard_normal(drawn.shape)
+    expected = np.max(np.abs(rows @ mean[term.columns]) + 2 * whole.std(axis=0))
+    assert linearity._size(term, mean, factor, box, rest) == pytest.approx(expected, rel=0.02)
+    bare = np.max(np.abs(rows @ mean[term.columns]) + 2 * drawn.std(axis=0))
+    assert linearity._size(term, mean, factor, box, 0.0) == pytest.approx(bare, rel=0.02)
+    assert expected > 3 * bare

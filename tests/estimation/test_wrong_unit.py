@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation import wrong_unit
 from axiscal.estimation.case import Case
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
@@ -35,6 +36,17 @@ def test_readings_a_thousand_times_off_are_refused(scales: str, factor: float) -
     for seed in range(4):
         with pytest.raises(ReadingError, match="instead of um"):
             refuse_implausible(_times(_readings(description, 1.0, seed), factor), description, "r.csv")
+
+
+def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of fifteen readings, seven slips are slips of a reading each, and eight are those of the file."""
+    monkeypatch.setattr(wrong_unit, "_refuse_other_unit", lambda *_: None)
+    description, _ = described("one-axis", 1.0, "stated")
+    readings = _readings(description, 1.0, 0)
+    slips = [replace(each, value=1e-1 * (1 + number)) for number, each in enumerate(readings)]
+    refuse_implausible([*slips[:7], *readings[7:]], description, "r.csv")
+    with pytest.raises(ReadingError, match="8 of 15 readings are some"):
+        refuse_implausible([*slips[:8], *readings[8:]], description, "r.csv")
 
 
 @pytest.mark.parametrize("scales", ["stated", "estimate"])

@@ -96,8 +96,10 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
     strange = concluded(case_of(described), read_on(0, Imagined(2.5, 0.1), seed=77))
     assert strange.membership is not None
     assert strange.membership.sister < 0.01
+    most = farthest(strange)
+    assert most is not None
     assert "not like its sisters" in membership_words(strange)
-    assert farthest(strange) is not None
+    assert f"{most.name} is {most.away:.1f} of their standard deviations away" in membership_words(strange)
 
 
 def test_before_the_first_reading_the_mixture_is_that_of_the_four_beliefs(taught: str) -> None:
