@@ -16,7 +16,7 @@ from axiscal.campaign.kept import Kept
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
-from axiscal.estimation.deciding import Contest, contest
+from axiscal.estimation.deciding import FEWEST, Contest, contest
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
@@ -68,7 +68,7 @@ class Knowing:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
         now = readings, skipped
         if self._contest[0] != now:
-            self._contest = now, contest(self.known(readings), skipped)
+            self._contest = now, contest(self.known(readings), skipped) if len(readings) >= FEWEST else None
         return self._contest[1]
 
     def plan_basis(self, readings: Readings, skipped: Sequence[Gap]) -> str:

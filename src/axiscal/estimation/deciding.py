@@ -36,7 +36,7 @@ from axiscal.record.events import Gap
 
 _RIVAL = 0.1
 """A cause competes with the likeliest one where its odds are no less than a tenth of those."""
-_FEWEST, _CANDIDATES = 6, 160
+FEWEST, _CANDIDATES = 6, 160
 """Fewer readings leave everything open; one of so many candidates is near the best of a curve of some tens of knots."""
 _TELLS = 2.0
 """Standard deviations by which the two predictions differ where a reading decides: less would be asked for in vain."""
@@ -67,7 +67,7 @@ def contest(known: Estimation, gaps: Sequence[Gap] = ()) -> Contest | None:
     gaps : where no reading could be taken
     """
     readings = plausible_with_sides(known)
-    if not _FEWEST <= len(readings) <= MOST:
+    if not FEWEST <= len(readings) <= MOST:
         return None
     rivals = _rivals(watched(known.case.observation, readings, known.case.inherited))
     return None if rivals is None else _decided(known.case, readings, rivals, gaps)
