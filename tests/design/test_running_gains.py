@@ -113,3 +113,18 @@ def test_columns_made_anew_are_those_of_the_tables() -> None:
         assert own == pytest.approx(of_tables, rel=1e-8)
     assert anew._followed is None
     assert kept._followed is not None
+
+
+@pytest.mark.parametrize("readings", [3, 40])
+def test_slots_looked_at_together_are_looked_at_as_if_alone(readings: int) -> None:
+    asked = splines(1, 7, 0.1, 500)
+    rng = np.random.default_rng(readings)
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores.enter_all(asked.lattice.within(rng.integers(len(asked.lattice), size=readings)))
+    masks = rng.random((readings, len(scores.pool))) < 0.7
+    slots = rng.permutation(readings).tolist()
+    together = list(scores.replacements(slots, lambda _, slot: masks[slot], 0.0))
+    for slot, found in zip(slots, together, strict=True):
+        alone = scores.replacement(slot, masks[slot])
+        assert found.candidate == alone.candidate
+        np.testing.assert_allclose(found[1:], alone[1:], rtol=1e-10)

@@ -31,7 +31,7 @@ def test_a_product_of_few_entries_is_that_of_the_whole_matrix() -> None:
     columns, rows = np.nonzero(whole.T)
     first = np.searchsorted(columns, np.arange(6))
     right = rng.normal(size=(5, 4))
-    found = sparse_product(whole[rows, columns], rows, first, 9, right)
+    found = sparse_product(whole[rows, columns], rows, first, 9)(right)
     np.testing.assert_allclose(found, whole @ right, atol=1e-14)
 
 

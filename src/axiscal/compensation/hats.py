@@ -59,7 +59,7 @@ class Hats:
         count, left = len(self.points), 1 - share
         stored = np.stack([self.weights * left, self.weights * share], axis=1).ravel()
         places, first = np.stack([index, index + 1], axis=1).ravel(), 2 * np.arange(len(share) + 1)
-        right = sparse_product(stored, places, first, count, curve)
+        right = sparse_product(stored, places, first, count)(curve)
         before, beside, after = np.zeros((3, count - 1))
         for sums, each in ((before, left * left), (beside, left * share), (after, share * share)):
             np.add.at(sums, index, self.weights * each)

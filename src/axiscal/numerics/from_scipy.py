@@ -75,14 +75,19 @@ def log_normal_share(below: Array) -> Array:
     return shares
 
 
-def sparse_product(values: Array, rows: NDArray[np.intp], first: NDArray[np.intp], count: int, right: Array) -> Array:
-    """Return S B, (count,) or (count, m), of a matrix S that is stored column by column.
+def sparse_product(
+    values: Array, rows: NDArray[np.intp], first: NDArray[np.intp], count: int
+) -> Callable[[Array], Array]:
+    """Return what makes S B, (count,) or (count, m), of B (n,) or (n, m) with a matrix S stored column by column.
 
     values, rows : (k,) entries and where they stand; first : (n + 1,) where those of each column begin
-    right : (n,) or (n, m)
     """
-    stored = _function("scipy.sparse", "csc_array")((values, rows, first), shape=(count, len(right)))
-    product: Array = stored @ right
+    stored = _function("scipy.sparse", "csc_array")((values, rows, first), shape=(count, len(first) - 1))
+
+    def product(right: Array) -> Array:
+        made: Array = stored @ right
+        return made
+
     return product
 
 

@@ -25,8 +25,8 @@ from axiscal.numerics import Array
 
 _BLOCK = 4096
 """Rows made at once: of memory, not of the result."""
-_NEAR = 256
-"""Rows of a product that stay in the cache: of speed, not of the result."""
+_NEAR = 81920
+"""Numbers of rows that stay in the cache while they are multiplied: of speed, not of the result."""
 _FEW = 4
 """Columns up to which one product each is faster: of speed, not of the result."""
 MEMORY = 1e9
@@ -222,7 +222,8 @@ class Pool:
 
 def _dotted(rows: Array, columns: Array, into: Array) -> None:
     """Multiply a few rows at a time with every vector.  rows : (m, n); columns : (c, n); into : (c, m)."""
-    for start in range(0, len(rows), _NEAR):
-        part = rows[start : start + _NEAR]
+    height = max(1, _NEAR // max(rows.shape[1], 1))
+    for start in range(0, len(rows), height):
+        part = rows[start : start + height]
         for column, sums in zip(columns, into, strict=True):
-            np.dot(part, column, out=sums[start : start + _NEAR])
+            np.dot(part, column, out=sums[start : start + height])

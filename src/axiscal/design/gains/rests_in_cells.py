@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from axiscal.measurement.cells import RestEffects
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import sparse_product
+from axiscal.numerics.remembered import remembered
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,13 +40,20 @@ class RestsInCells:
 
     def add(self, observation: Observation, vectors: Array, into: Array) -> None:
         """Add what the rows of cells with columns make of vectors, in place.  vectors : (c, n); into : (c, numbers)"""
-        columns = observation.cell_columns.columns
-        visited = np.flatnonzero(columns >= 0)
-        counts = self.first[visited + 1] - self.first[visited]
-        total = int(counts.sum())
-        if not total:
-            return
-        first = np.concatenate([np.zeros(1, dtype=np.intp), np.cumsum(counts)])
-        entries = np.arange(total) + np.repeat(self.first[visited] - first[:-1], counts)
-        right = vectors[:, columns[visited]].T
-        into += sparse_product(self.reach[entries], self.numbers[entries], first, into.shape[1], right).T
+        columns, product = _visited(observation, self, into.shape[1])
+        if len(columns):
+            into += product(vectors[:, columns].T).T
+
+
+@remembered
+def _visited(
+    observation: Observation, rests: RestsInCells, numbers: int
+) -> tuple[NDArray[np.intp], Callable[[Array], Array]]:
+    """Return the columns of visited cells that some of so many numbers feel, and what makes their part of a product."""
+    columns = observation.cell_columns.columns
+    visited = np.flatnonzero(columns >= 0)
+    counts = rests.first[visited + 1] - rests.first[visited]
+    visited, counts = visited[counts > 0], counts[counts > 0]
+    first = np.concatenate([np.zeros(1, dtype=np.intp), np.cumsum(counts)])
+    entries = np.arange(int(counts.sum())) + np.repeat(rests.first[visited] - first[:-1], counts)
+    return columns[visited], sparse_product(rests.reach[entries], rests.numbers[entries], first, numbers)

@@ -10,6 +10,7 @@ A reading enters and leaves with all its numbers at once, and so do many reading
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
@@ -22,8 +23,10 @@ from axiscal.design.gains.reading_columns import ReadingColumns
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
-from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.numerics.ties import ALIKE, first_best, first_best_each
 
+_SMALLEST = 1e-9
+"""Share of the noise of a reading that counts as left of it where nothing is: no division by nought."""
 _ALONE = 1e-7
 """Share of the noise of a reading: where its own variance is nearer to the noise, it alone holds an unknown."""
 
@@ -58,6 +61,10 @@ class Replacement(NamedTuple):
     candidate: int
     gain: float
     own: float
+
+
+Allowed = Callable[["Scores", int], NDArray[np.bool_]]
+"""(scores, slot) -> which candidates (M,) may stand in that slot."""
 
 
 class Scores:
@@ -190,6 +197,38 @@ class Scores:
         best = first_best(gains, ALIKE)
         return Replacement(best, float(gains[best]), own)
 
+    def replacements(self, slots: Sequence[int], allowed: Allowed, better: float) -> Iterator[Replacement]:
+        """Yield the same for several slots, where rows are short from one product of all of them.
+
+        allowed : (scores, slot) -> which candidates (M,) may stand in that slot
+        """
+        if self._short and slots:
+            yield from self._from_short_rows(slots, np.array([allowed(self, slot) for slot in slots]))
+        else:
+            yield from (self.replacement(slot, allowed(self, slot), better) for slot in slots)
+
+    @property
+    def _short(self) -> bool:
+        """Whether columns are made anew from rows of one number, 8 m n bytes, in place of tables of all of them."""
+        return self._followed is None and self.pool.scalar and self.state.observation.size <= len(self.members)
+
+    def _from_short_rows(self, slots: Sequence[int], allowed: NDArray[np.bool_]) -> Iterator[Replacement]:
+        """Yield the replacements of several slots, each as if it alone was left.  allowed : (slots, M)"""
+        here, count = np.array(slots, dtype=np.intp), self.pool.count
+        noise, omega = self._noises[here], self.above[count + here]
+        grown = 1.0 / np.maximum(2 * noise - self.below[count + here], _SMALLEST * noise)
+        h = self.state.factor @ (self._stacked()[here] @ self.state.factor).T
+        seen = self.pool.products(self.state.observation, np.hstack([h, self.state.weighed(h)[0]])).T
+        cross, half = seen[: len(here)], seen[len(here) :]
+        scaled = cross * -grown[:, None]
+        half -= scaled * (omega / 2)[:, None]
+        gains = self.above[:count] - 2 * scaled * half
+        gains /= self.below[:count] - scaled * cross
+        gains[~allowed] = -np.inf
+        best = first_best_each(gains, ALIKE)
+        for candidate, gain, own in zip(best.tolist(), gains[np.arange(len(best)), best], grown * omega, strict=True):
+            yield Replacement(candidate, float(gain), float(own))
+
     def _had_left(self, slot: int) -> LeftOver:
         """Return numerators and denominators of all numbers were a reading not taken."""
         grown, omega = self._leaving(slot)
@@ -229,11 +268,11 @@ class Scores:
         here = numbers.start
         if numbers.stop - here == 1:
             spread, omega = float(self.below[here]) - noise, float(self.above[here])
-            return np.array([[1.0 / max(noise - spread, 1e-9 * noise)]]), np.array([[omega]])
+            return np.array([[1.0 / max(noise - spread, _SMALLEST * noise)]]), np.array([[omega]])
         own = slice(here - self.pool.count, numbers.stop - self.pool.count)
         crossed, reached = self.follow().of(own, numbers)
         values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed)
-        grown: Array = vectors / np.maximum(values, 1e-9 * noise) @ vectors.T
+        grown: Array = vectors / np.maximum(values, _SMALLEST * noise) @ vectors.T
         return grown, reached
 
     def _columns(self, slot: int) -> tuple[Array, Array]:
@@ -242,7 +281,7 @@ class Scores:
         From tables, 40 m k bytes to bring up to date at every change, or made anew, 8 m n bytes, where rows are short.
         """
         numbers = self._numbers(slot)
-        if self._followed is None and self.pool.scalar and self.state.observation.size <= len(self.members):
+        if self._short:
             h = self.state.factor @ (self._padded(self.members[slot]) @ self.state.factor).T
             seen = self._products(np.hstack([h, self.state.weighed(h)[0]]))
             return seen[:, :1], seen[:, 1:]

@@ -14,6 +14,7 @@ only candidates that this does not rule out are looked at in full.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -23,7 +24,7 @@ from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, LowRank
 from axiscal.design.gains.reading_columns import take_off
-from axiscal.design.gains.running_gains import Replacement, Scores
+from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.design.plan.objective import Objective, Standing
 from axiscal.design.plan.watch import Watch
@@ -143,6 +144,10 @@ class DefendedScores(Scores):
             best = max(best, float(gains.max()))
         index = first_best(gains, ALIKE)
         return Replacement(index, float(gains[index]), own)
+
+    def replacements(self, slots: Sequence[int], allowed: Allowed, better: float) -> Iterator[Replacement]:
+        """Yield the same for several slots, one after another."""
+        return (self.replacement(slot, allowed(self, slot), better) for slot in slots)
 
     def _looked_without(self, slot: int) -> _Looked:
         left, mine = self._had_left(slot), self._numbers(slot)

@@ -6,13 +6,10 @@ lattice by the exact step, under what all the others tell.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.design.gains.gain import Scorer
-from axiscal.design.gains.running_gains import Scores
+from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.plan.move_all import moved
 from axiscal.design.plan.patience import Patience, work_of_climb
 from axiscal.design.step.best_step import best_of, climbed_on_chart
@@ -22,13 +19,12 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
 
-Allowed = Callable[[Scores, int], NDArray[np.bool_]]
-"""(scores, slot) -> which candidates (M,) may stand in that slot."""
-
 _SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-7
 """Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
+_AHEAD = 32
+"""Slots that are looked at together, since none of the looks before found anything: of time, not of the result."""
 _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
@@ -46,18 +42,19 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
     """
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        before = changes
-        for slot in ranked(-scores.losses(), ALIKE):
-            if work > _WORK:
-                return
-            if scores.held_alone(int(slot)):
-                continue
-            if looked.get(int(slot)) == changes:  # nothing has moved since it was looked at
-                continue
-            looked[int(slot)] = changes
-            changed = _exchanged(scores, int(slot), allowed, better)
-            changes += changed
-            work += 4.0 * len(scores.pool) + changed * _work_of_change(scores)
+        before, order, ahead = changes, ranked(-scores.losses(), ALIKE).tolist(), 1
+        while order:
+            part, order, ahead = order[:ahead], order[ahead:], min(2 * ahead, _AHEAD)
+            slots = [slot for slot in part if looked.get(slot) != changes and not scores.held_alone(slot)]
+            for number, found in enumerate(scores.replacements(slots, allowed, better)):
+                if work > _WORK:
+                    return
+                looked[slots[number]] = changes
+                exchanged = _exchanged(scores, slots[number], found, better)
+                work += 4.0 * len(scores.pool) + exchanged * _work_of_change(scores)
+                if exchanged:  # the others have to be looked at anew
+                    changes, order, ahead = changes + 1, part[part.index(slots[number]) + 1 :] + order, 1
+                    break
         if changes == before:
             return
 
@@ -68,12 +65,11 @@ def _work_of_change(scores: Scores) -> float:
     return products + 20.0 * scores.state.factor.size
 
 
-def _exchanged(scores: Scores, slot: int, allowed: Allowed, better: float) -> bool:
-    best, gain, own = scores.replacement(slot, allowed(scores, slot), better)
-    if not gain > own * (1 + better):
+def _exchanged(scores: Scores, slot: int, found: Replacement, better: float) -> bool:
+    if not found.gain > found.own * (1 + better):
         return False
     scores.leave(slot)
-    scores.enter(best, slot)
+    scores.enter(found.candidate, slot)
     return True
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_accuracy import RunningAccuracy
-from axiscal.design.gains.running_gains import Scores
+from axiscal.design.gains.running_gains import Allowed, Scores
 from axiscal.design.plan.defended import DefendedScores
-from axiscal.design.plan.exchange import Allowed, exchange
+from axiscal.design.plan.exchange import exchange
 from axiscal.design.plan.greedy import Trial, affordable
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.out_and_back import returns
