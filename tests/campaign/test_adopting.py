@@ -74,6 +74,28 @@ def test_a_branch_is_taken_over_once_and_what_it_has_read_since_later(
         assert campaign.known().accuracy.rms > 0
 
 
+def test_what_was_taken_back_here_is_said_and_taken_once_more_where_asked(
+    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    read(branch, read_on(1)[8:11])
+    there = values(branch)
+    assert run(["adopt", str(main), str(branch)]) == 0
+    for _ in range(2):
+        assert run(["undo", str(main)]) == 0
+    capsys.readouterr()
+    assert run(["adopt", str(main), str(branch)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "no reading that was not taken over before" in said
+    assert "2 readings of it were taken over and taken back here since; --again takes them once more" in said
+    assert values(main) == there[:7]
+    assert run(["adopt", str(main), str(branch), "--again"]) == 0
+    assert values(main) == there
+    assert "taken back here" not in capsys.readouterr().out
+    assert run(["adopt", str(main), str(branch), "--again", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["taken"], document["taken_back_here"]) == (0, 0)
+
+
 def test_what_two_have_read_with_one_set_up_is_a_question_for_a_person(
     main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -155,6 +155,9 @@ def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
         there = known.case.yardstick.measure(known.whole).rms
     (machine,) = due_dates([tmp_path / "few.axiscal"], began, target=8e-6).machines
     assert there < machine.now < 1.3 * 4e-6
+    for target, said in ((1.1 * there, "and what is not kept is more"), (0.9 * there, "was not as good")):
+        assert run(["due", str(tmp_path), "--target", f"{1e6 * target:.9f} um"]) == 0
+        assert said in capsys.readouterr().out
     write_record(tmp_path / "plain.axiscal", slide(serial="2"), few)
     write_record(tmp_path / "other.axiscal", slide(serial="3", travel=600), few)
     (tmp_path / "slide.type.json").write_text(taught.text())

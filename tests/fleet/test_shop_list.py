@@ -16,7 +16,7 @@ from axiscal.exceptions import RecordError
 from axiscal.fleet.bringing import brought
 from axiscal.fleet.shop_list import shop_list, target_words
 from axiscal.record.folder_index import FolderIndex
-from tests.generators.sisters import read_on, slide, write_record
+from tests.generators.sisters import read_on, shop, slide, write_record
 
 
 def note(path: Path, text: str) -> None:
@@ -74,6 +74,17 @@ def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.
     assert "Left out: torn.axiscal" in said
     assert "3 records of 3 machines" in said
     assert run(["fleet", str(folder / "nowhere")]) == 1
+
+
+def test_a_machine_without_a_serial_number_is_one_of_its_own(tmp_path: Path) -> None:
+    shop(tmp_path, 3)
+    (tmp_path / "fork.axiscal").write_bytes((tmp_path / "slide-0.axiscal").read_bytes())
+    note(tmp_path / "fork.axiscal", "here")
+    note(tmp_path / "slide-0.axiscal", "there")
+    for number in (1, 2):
+        write_record(tmp_path / f"again-{number}.axiscal", slide(serial="7"), read_on(5, again=number))
+    found = shop_list(tmp_path)
+    assert (len(found.listed), found.machines) == (6, 4)
 
 
 def test_two_that_went_on_differently_are_both_listed_and_named(folder: Path) -> None:

@@ -29,17 +29,24 @@ _SHOWN = 13
 
 @dataclass(frozen=True, slots=True)
 class Adopted:
-    """taken : readings taken over; shared : events both begin with; undone : earlier readings the branch took back"""
+    """taken : readings taken over; shared : events both begin with; undone : earlier readings the branch took back
+
+    back : readings of the branch that were taken over and do not stand here any more
+    """
 
     taken: int
     shared: int
     undone: tuple[int, ...]
+    back: int = 0
 
 
-def adopted(campaign: Campaign, own: EventLog, branch: EventLog, same_mounting: bool = False) -> Adopted:
+def adopted(
+    campaign: Campaign, own: EventLog, branch: EventLog, same_mounting: bool = False, again: bool = False
+) -> Adopted:
     """Take the readings of a branch over into a campaign, all or none.
 
     own : the campaign's log; same_mounting : set-ups that both have read stayed mounted
+    again : what was taken over and taken back here since is taken over once more
     Raises RecordError where they are no branches of one campaign, or a set-up has been read in both.
     """
     mine, theirs = own.texts(), branch.texts()
@@ -52,14 +59,16 @@ def adopted(campaign: Campaign, own: EventLog, branch: EventLog, same_mounting: 
         return Adopted(0, shared, ())
     since = _taken_until(campaign.state, theirs) or shared
     there = fold(branch.events()[:since])
+    taken = _without(there.readings, before.readings)
     here = _without(campaign.state.readings, before.readings)
-    new = _not_among(_without(now.readings, there.readings), here)
+    new = _not_among(_without(now.readings, before.readings if again else there.readings), here)
     if not same_mounting:
-        said = {reading.setup for reading in set(there.readings) - set(before.readings)}
+        said = {reading.setup for reading in taken}
         _refuse_shared(campaign.state.readings, [each for each in new if each.setup not in said], branch.path)
     if new:
         campaign.adopt(new, _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs)))
-    return Adopted(len(new), shared, tuple(sorted(undone)))
+    back = () if again else _not_among([each for each in taken if each in set(now.readings)], here)
+    return Adopted(len(new), shared, tuple(sorted(undone)), len(back))
 
 
 def _without(readings: Iterable[Reading], others: Iterable[Reading]) -> list[Reading]:

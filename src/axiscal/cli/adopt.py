@@ -21,6 +21,9 @@ def adopt(
     same_mounting: Annotated[
         bool, typer.Option("--same-mounting", help="Set-ups that both have read stayed mounted for both.")
     ] = False,
+    again: Annotated[
+        bool, typer.Option("--again", help="Also those that were taken over before and taken back here since.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Take the readings of a branch over into the campaign that it left; the branch stays as it is.
@@ -34,11 +37,18 @@ def adopt(
     """
     with opened_to_write(record) as campaign, opened_log(record, write=False) as own:
         with opened_log(branch, write=False) as other:
-            found = adopted(campaign, own, other, same_mounting)
+            found = adopted(campaign, own, other, same_mounting, again)
         readings = len(campaign.state.readings)
     if json:
         document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}
-        say_document({"schema": "axiscal-adopt/1", **document, "taken_back_there": list(found.undone)})
+        say_document(
+            {
+                "schema": "axiscal-adopt/1",
+                **document,
+                "taken_back_there": list(found.undone),
+                "taken_back_here": found.back,
+            }
+        )
     else:
         for line in _lines(record, branch, found, readings):
             say(line)
@@ -47,7 +57,14 @@ def adopt(
 def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[str]:
     lines = [f"{record}: {count_text(found.taken, 'reading')} of {branch} taken over; it has {readings} now."]
     if not found.taken:
-        lines = [f"{record}: {branch} has no reading that is not here already."]
+        which = "was not taken over before" if found.back else "is not here already"
+        lines = [f"{record}: {branch} has no reading that {which}."]
+    if found.back:
+        said = "was" if found.back == 1 else "were"
+        lines.append(
+            f"{record}: {count_text(found.back, 'reading')} of it {said} taken over and taken back here since; --again "
+            f"takes {'it' if found.back == 1 else 'them'} once more."
+        )
     if found.undone:
         numbers = ", ".join(map(str, found.undone))
         lines.append(

@@ -92,6 +92,8 @@ def _line(machine: DueMachine, width: int) -> str:
     day = "not within 20 years" if machine.due is None else machine.due.isoformat()
     if machine.due == machine.last:
         day = "at once: its last campaign was not as good"
+        if machine.then <= machine.target:
+            day = f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
     renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
     rms, target = micrometres(machine.now), micrometres(machine.target)
     said = f"{machine.name:{width}}  {machine.last}  {rms:>9}  {target:>9}  {day}"
@@ -109,6 +111,7 @@ def _document(found: Shop) -> dict[str, object]:
                 "last": each.last.isoformat(),
                 "minutes": each.minutes,
                 "target_um": to_unit(each.target, "um"),
+                "rms_then_um": to_unit(each.then, "um"),
                 "rms_um": to_unit(each.now, "um"),
                 "due": None if each.due is None else each.due.isoformat(),
                 "renewed": list(each.renewed),

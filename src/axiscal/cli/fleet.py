@@ -79,8 +79,7 @@ def _lines(found: ShopList) -> list[str]:
         lines += [f"To be minded: {each.file.name}: {said}." for said in minded if said]
     lines += [f"Left out: {file.name}: {why}." for file, why in found.left_out]
     counts = {kind.kind: kind.events for kind in found.kinds}
-    machines = len({(each.known.machine, each.known.serial) for each in found.listed})
-    totals = count_text(len(found.listed), "record"), count_text(machines, "machine")
+    totals = count_text(len(found.listed), "record"), count_text(found.machines, "machine")
     return [*lines, f"{totals[0]} of {totals[1]}; {count_text(sum(counts.values()), 'event')} in the folder."]
 
 

@@ -43,7 +43,8 @@ class DueMachine:
     """One machine and its last campaign.
 
     name : of machine and serial number; record : of that campaign; last : its day; minutes : of machine time it took
-    target : m; now : RMS of what is left today with its tables, m; due : the day it passes the target, None for never
+    target : m; then : RMS that its last campaign came to, before anything had changed, m
+    now : RMS of what is left today with its tables, m; due : the day it passes the target, None for never
     renewed : the axes that were renewed since
     """
 
@@ -53,6 +54,7 @@ class DueMachine:
     last: date
     minutes: float
     target: float
+    then: float
     now: float
     due: date | None
     renewed: tuple[str, ...]
@@ -195,8 +197,9 @@ def _due(
     due = None if days is None else last + timedelta(days=days)
     name = record.description.machine.name + (f" {record.serial}" if record.serial else "")
     now = left(max((today - last).days, 0) * _DAY)
+    then = known.case.yardstick.measure(known.whole).rms
     return DueMachine(
-        name, record.file, record.digest, last, known.seconds / 60.0, wanted, now, due, record.renewed
+        name, record.file, record.digest, last, known.seconds / 60.0, wanted, then, now, due, record.renewed
     )  # fmt: skip
 
 

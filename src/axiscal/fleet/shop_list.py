@@ -47,9 +47,12 @@ class Known:
 
 @dataclass(frozen=True, slots=True)
 class ShopRecord:
-    """A record of the shop: its name's chain, how many events, what it comes to, and what is to be minded of it."""
+    """A record of the shop: which campaign it is of, the chain behind its last event, how many events it has, what it
+    comes to, and what is to be minded of it.
+    """
 
     file: Path
+    campaign: str
     chain: str
     events: int
     known: Known
@@ -64,6 +67,14 @@ class ShopList:
     left_out: tuple[tuple[Path, str], ...]
     kinds: tuple[Kinds, ...]
     why_apart: str
+
+    @property
+    def machines(self) -> int:
+        """How many machines they are of: one without a serial number is a machine of its own for each campaign."""
+        which = [
+            (each.known.machine, each.known.serial, "" if each.known.serial else each.campaign) for each in self.listed
+        ]
+        return len(set(which))
 
 
 def shop_list(shop: Path, told: Callable[[str], None] = lambda said: None) -> ShopList:
@@ -87,7 +98,7 @@ def shop_list(shop: Path, told: Callable[[str], None] = lambda said: None) -> Sh
             except AxiscalError as fault:
                 left.append((record.file, why_not(fault)))
                 continue
-            listed.append(ShopRecord(record.file, record.chain, record.last, known, remark))
+            listed.append(ShopRecord(record.file, record.campaign, record.chain, record.last, known, remark))
         listed.sort(key=lambda each: (each.known.last or each.known.begun, each.file.name), reverse=True)
         return ShopList(tuple(listed), tuple(left), tuple(index.kinds()), index.why_apart)
 
