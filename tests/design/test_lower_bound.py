@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.design.bound.certificate import rank_bound
 from axiscal.design.bound.lower_bound import lower_bound
+from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Places
@@ -55,3 +56,32 @@ def test_what_few_readings_must_leave() -> None:
     assert rank_bound(state, 5) <= value * (1 + 1e-12)
     assert rank_bound(state, 0) == pytest.approx(state.value)
     assert rank_bound(state, 1000) == 0.0
+
+
+@pytest.mark.parametrize("readings", [4, 12])
+def test_of_very_many_candidates_some_come_first(readings: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = levered(300)
+    pool, state, count = Pool(asked.observation, asked.lattice), asked.state, float(readings)
+    places = pool.lattice.within(np.linspace(0, len(pool) - 1, readings).astype(np.intp))
+    costs = np.ones(len(pool) + readings)
+    together = lower_bound(pool, state, places, costs, count).value
+    monkeypatch.setattr("axiscal.design.bound.lower_bound._MANY", 100)
+    monkeypatch.setattr("axiscal.design.bound.lower_bound._SOME", 60)
+    first = lower_bound(pool, state, places, costs, count).value
+    assert 0.9 * together < first <= state.after_readings(places).value
+    generator = np.random.default_rng(0)
+    for _ in range(50):
+        chosen = pool.lattice.within(generator.integers(len(pool), size=readings))
+        assert first <= state.after_readings(chosen).value
+
+
+def test_weights_of_some_candidates_prove_the_same_of_all() -> None:
+    asked = levered(200)
+    pool, places = Pool(asked.observation, asked.lattice), asked.lattice.within(slice(0, 9))
+    whole = Relaxation(pool, asked.state, places, np.ones(len(pool) + 9), 9.0)
+    kept = np.arange(len(pool) + 9) % 3 != 1
+    some = whole.within(kept)
+    value = some.solved().value
+    whole.begin_from(some, kept)
+    assert whole.dual().value == pytest.approx(value, rel=1e-6)
+    np.testing.assert_allclose(whole.slopes(whole.dual())[kept], some.slopes(some.dual()), rtol=1e-6)

@@ -24,6 +24,9 @@ from axiscal.numerics import Array
 _ROUNDS = 60
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
 _CLOSE = 2e-3
+_MANY, _SOME, _AGAIN = 4000, 3000, 2
+"""Candidates from which on a part of them comes first, how many these are, and how often the others are looked at: of
+time, any weights prove."""
 _ROUGHLY, _CLOSELY, _OF_GAP = 1e-2, 1e-5, 0.03
 """Share of J by which weights may be off at first and at last, and of the gap between: of time, any round proves."""
 _TURNS = 9
@@ -57,7 +60,7 @@ def lower_bound(pool: Pool, state: Covariance, places: Places, costs: Array, lim
     by_rank = rank_bound(state, numbers)
     relaxation = Relaxation(pool, state, places, costs, limit)
     reached = state.after_readings(places).value if len(places) else 0.0
-    steps = list(settling(relaxation, reached))
+    steps = list(_settling_of_all(relaxation, reached))
     best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1], reached))
     return Bound(by_rank, True) if by_rank >= best else Bound(best, False)
 
@@ -77,7 +80,7 @@ def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:
             least = last.dual.floor(last.spent, count, zeros)
             continue
         best = 0.0
-        for step in settling(whole.within(mine), plan):
+        for step in _settling_of_all(whole.within(mine), plan):
             best = max(best, step.dual.floor(step.spent, count, zeros))
             if best >= least:
                 break
@@ -95,6 +98,31 @@ class Round(NamedTuple):
     def bound(self, numbers: int) -> float:
         """Return the bound that it proves; only in the last step with a share of Z, and the rank of a plan."""
         return self.dual.floor(self.spent, numbers) if self.last else self.dual.whole - self.spent
+
+
+def _settling_of_all(relaxation: Relaxation, plan: float) -> Iterator[Round]:
+    """Bring the weights to the optimum; of very many candidates first those of some that are spread evenly.
+
+    The others are near these, so that few are much above the level then, and get a weight where they are.
+    """
+    count = len(relaxation.pool)
+    if count <= _MANY:
+        yield from settling(relaxation, plan)
+        return
+    kept = np.ones(len(relaxation.everything), dtype=bool)
+    kept[:count] = np.isin(np.arange(count), np.linspace(0, count - 1, _SOME).astype(np.intp))
+    some = relaxation.within(kept)
+    for _ in settling(some, plan):
+        pass
+    relaxation.begin_from(some, kept)
+    dual = relaxation.dual()
+    slopes, spent = _slopes(relaxation, dual)
+    best = Round(dual, spent, last=True)
+    for _ in range(_AGAIN):
+        step = _over_all(relaxation, best.dual, slopes, plan)
+        slopes, _ = _slopes(relaxation, step.dual)
+        best = max(best, step, key=lambda each: each.dual.whole - each.spent)
+    yield best
 
 
 def settling(relaxation: Relaxation, plan: float | None = None) -> Iterator[Round]:

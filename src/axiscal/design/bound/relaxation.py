@@ -72,6 +72,18 @@ class Relaxation:
         places = self.places.within(kept[count:])
         return Relaxation(pool, self.state, places, self.costs[kept], self.limit, self.rests)
 
+    def begin_from(self, some: Relaxation, kept: NDArray[np.bool_]) -> None:
+        """Begin with the weights that some of the candidates and places have come to, (M + places,) which."""
+        weighty = some.weights * some.costs[some.support] > _GONE * some.limit
+        self.support = np.flatnonzero(kept)[some.support[weighty]]
+        self.weights = some.weights[weighty]
+        self.weights = self.weights * (self.limit / float(self.costs[self.support] @ self.weights))
+
+    def dual(self) -> Dual:
+        """Return the matrix that the weights lead to as they stand."""
+        state, along, owner = self._rows()
+        return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
+
     def begin_everywhere(self) -> None:
         """Begin with the same weight on every candidate of the pool."""
         self.support = np.arange(len(self.pool))
