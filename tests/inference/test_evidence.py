@@ -111,3 +111,25 @@ def test_only_the_rests_that_ask_for_it_are_learnt() -> None:
     (only,) = wanted(machine_from_text(MILL))
     assert only.owner == "EXZ"
     assert only.stated == pytest.approx(0.3e-6)
+
+
+@pytest.mark.parametrize("inherited", [False, True])
+def test_the_second_derivative_is_that_of_the_slope(inherited: bool) -> None:
+    """Against differences of the slope, of higher order; sizes, lengths, rests and noises."""
+    machine, rng = machine_from_text(MILL), np.random.default_rng(5)
+    observation = _observation(machine)
+    scales, prior = all_scales(machine, observation.setups), None
+    if inherited:
+        scales = tuple(scale for scale in scales if scale.kind in ("rest", "noise"))
+        prior = np.zeros(observation.errors.size), observation.errors.prior_covariance()
+    evidence = Evidence(observation, _places(40, rng), scales, prior)
+    at = rng.normal(0, 0.3, len(scales))
+
+    def slope(step: float, of: Array) -> Array:
+        ends = [evidence.log_density(at + side * step * of)[1] for side in (1, -1)]
+        return (ends[0] - ends[1]) / (2 * step)
+
+    naive = -np.array([(4 * slope(5e-3, unit) - slope(1e-2, unit)) / 3 for unit in np.eye(len(at))])
+    found = evidence.curvature(at)
+    assert found == pytest.approx(naive, abs=3e-6 * np.abs(naive).max())
+    assert found == pytest.approx(found.T)

@@ -37,6 +37,20 @@ def test_where_the_readings_say_nothing_the_draws_are_as_wide_as_the_prior() -> 
     assert float(found.weights @ (found.logs[:, 0] - mean) ** 2) == pytest.approx(4.0, rel=0.3)
 
 
+def test_draws_do_not_turn_with_the_last_digits_of_a_curvature() -> None:
+    """Thirty scales, most of which curve alike: another rounding of the curvature leaves every draw where it was."""
+    rng, size = np.random.default_rng(4), 30
+    prior = np.eye(size) + 0.5
+    curvature = prior + np.diag([30.0, 20.0, *[1.0] * (size - 2)])
+    rounded = rng.normal(size=(size, size)) * 1e-10
+    both = [
+        mixture(lambda logs: -0.5 * float(logs @ curvature @ logs), np.zeros(size), each, prior, 100)
+        for each in (curvature, curvature + rounded + rounded.T)
+    ]
+    assert both[1].logs == pytest.approx(both[0].logs, abs=1e-7)
+    assert both[0].size > 0.4 * len(both[0].logs)
+
+
 def _read(observation: Observation, count: int) -> list[Reading]:
     rng = np.random.default_rng(2)
     places = np.linspace(0.03, 0.97, count)

@@ -9,9 +9,10 @@ wide priors and are integrated out, which makes this the restricted likelihood o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +24,23 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import inverse_of_product, solution
+from axiscal.numerics.from_scipy import inverse_of_product, solution, sparse_product
 from axiscal.numerics.gaussian import lower_root
+
+_STEP = 1e-3
+"""Of a logarithm: differences of the exact slope lose below 1e-6 to bending or rounding, ten times off too."""
+
+
+class _Slopes(NamedTuple):
+    """What the scales do to K at some factors.
+
+    noises : (m,) the variances of the numbers; priors : of each error that shows ∂(s² R)/∂log θ by numbers of scales
+    rests : of each the square of its rest
+    """
+
+    noises: Array
+    priors: list[list[tuple[int, Array]]]
+    rests: list[float]
 
 
 class Evidence:
@@ -58,8 +74,10 @@ class Evidence:
             rows = self.rows[:, : len(prior[0])]
             self.values = self.values - rows @ prior[0]
             self._fixed = self._fixed + rows @ prior[1] @ rows.T
-        self.noise, self._std_stated = numbers.noise, numbers.std_stated
-        self._owners = [readings[int(i)].setup for i in numbers.reading]
+        self.noise = numbers.noise
+        owners = np.array([readings[int(i)].setup for i in numbers.reading])
+        noises = {scale.owner: i for i, scale in enumerate(scales) if scale.kind == "noise"}
+        self._noisy = {i: np.flatnonzero((owners == name) & ~numbers.std_stated) for name, i in noises.items()}
         self._terms, machine = observation.errors.terms, observation.machine
         entries: list[Entry] = [*machine.errors, *machine.planes]
         self._entries = {entry.name: entry for entry in entries}
@@ -72,7 +90,23 @@ class Evidence:
         alpha = inverse @ self.values
         value = -0.5 * float(self.values @ alpha) - float(np.log(np.diag(lower)).sum())
         pull = np.outer(alpha, alpha) - inverse
-        return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, logs)
+        return value - 0.5 * len(lower) * float(np.log(2 * np.pi)), self._gradient(pull, self._slopes(logs))
+
+    def curvature(self, logs: Array) -> Array:
+        """Return minus the second derivative of log p(y | θ) by the logarithms of the factors, (n, n).
+
+            −∂² log p = −½ tr(P_j K_i) − ½ tr((α αᵀ − K⁻¹) K_ij),    P_j = S_j − S_j y αᵀ − α yᵀ S_j
+
+        with α = K⁻¹ y, S_j = K⁻¹ K_j K⁻¹, and indices for derivatives of K by the logarithm of a factor.
+        """
+        inverse = inverse_of_product(lower_root(self.covariance(logs)))
+        alpha, slopes = inverse @ self.values, self._slopes(logs)
+        result = -self._bent(np.outer(alpha, alpha) - inverse, slopes, logs)
+        for j, between in self._sandwiched(inverse, slopes):
+            moved = np.outer(between @ self.values, alpha)
+            result[j] -= self._gradient(between - moved - moved.T, slopes)
+        curved: Array = (result + result.T) / 2
+        return curved
 
     def log_likelihood(self, logs: Array) -> float:
         """Return log p(y | θ) alone."""
@@ -132,8 +166,7 @@ class Evidence:
             result += self._shown @ self._priors(logs) @ self._shown.T
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
-            entry = self._entries[part.term.name]
-            entries[sharing.entries] += self._scale("rest", entry.name, entry.first_rest, logs) ** 2 * sharing.values
+            entries[sharing.entries] += self._rest_square(part, logs) * sharing.values
         return result
 
     def _priors(self, logs: Array) -> Array:
@@ -156,36 +189,73 @@ class Evidence:
         return entry, entry.std * self._factor("std", name, logs), (first, second)
 
     def _variances(self, logs: Array) -> Array:
-        factors = np.array([self._factor("noise", owner, logs) for owner in self._owners])
-        variances: Array = self.noise * np.where(self._std_stated, 1.0, factors**2)
+        variances = self.noise.copy()
+        for i, mine in self._noisy.items():
+            variances[mine] *= float(np.exp(logs[i])) ** 2
         return variances
 
-    def _gradient(self, pull: Array, logs: Array) -> Array:
+    def _slopes(self, logs: Array) -> _Slopes:
+        each = [list(self._by_scale(part, logs)) for part in self._parts]
+        return _Slopes(self._variances(logs), each, [self._rest_square(part, logs) for part in self._parts])
+
+    def _gradient(self, pull: Array, slopes: _Slopes) -> Array:
         """½ Σ pull ∘ ∂K/∂log θ."""
-        result = np.zeros(len(self.scales))
-        variances = self._variances(logs)
-        for (kind, owner), i in self._index.items():
-            if kind == "noise":
-                mine = np.array([name == owner for name in self._owners]) & ~self._std_stated
-                result[i] = float(np.diag(pull)[mine] @ variances[mine])
-        pulled, start = pull @ self._shown, 0
-        for part, sharing in zip(self._parts, self._sharing, strict=True):
-            stop = start + part.rows.shape[1]
-            self._add_gradient(part, part.rows.T @ pulled[:, start:stop], logs, result)
-            start = stop
-            if (at := self._index.get(("rest", part.term.name))) is not None:
-                shared = float(pull.reshape(-1)[sharing.entries] @ sharing.values)
-                result[at] = self._scale("rest", part.term.name, 0.0, logs) ** 2 * shared
+        result, own, each = np.zeros(len(self.scales)), np.diag(pull), pull.reshape(-1)
+        for i, mine in self._noisy.items():
+            result[i] = float(own[mine] @ slopes.noises[mine])
+        for k, (inner, sharing) in enumerate(zip(self._inner(pull), self._sharing, strict=True)):
+            for i, slope in slopes.priors[k]:
+                result[i] = 0.5 * float(np.sum(slope * inner))
+            if (at := self._index.get(("rest", self._parts[k].term.name))) is not None:
+                result[at] = slopes.rests[k] * float(each[sharing.entries] @ sharing.values)
         return result
 
-    def _add_gradient(self, part: ErrorPart, inner: Array, logs: Array, result: Array) -> None:
-        """Add what size and length of an error do.  inner : (k, k) Gᵀ pull G"""
+    def _inner(self, pull: Array) -> list[Array]:
+        """Return Gᵀ pull G of every error that shows in the readings, each (k, k)."""
+        if all(kind in ("rest", "noise") for kind, _ in self._index):
+            return [np.zeros((0, 0))] * len(self._parts)
+        cuts = np.cumsum([part.rows.shape[1] for part in self._parts])[:-1]
+        pulled = np.split(pull @ self._shown, cuts, axis=1)
+        return [part.rows.T @ mine for part, mine in zip(self._parts, pulled, strict=True)]
+
+    def _by_scale(self, part: ErrorPart, logs: Array) -> Iterator[tuple[int, Array]]:
+        """Yield what size and lengths of an error do to its prior, ∂(s² R)/∂log θ (k, k), by the number of a scale."""
         scales = self._scales_of(part.term.name, logs)
         if (i := self._index.get(("std", part.term.name))) is not None:
-            result[i] = float(np.sum(prior_of(part.term, *scales) * inner))
+            yield i, 2 * prior_of(part.term, *scales)
         for number, owner in enumerate(dict.fromkeys(length_owners(scales[0]))):
             if (i := self._index.get(("length", owner))) is not None:
-                result[i] = 0.5 * float(np.sum(by_length(part.term, *scales, number) * inner))
+                yield i, by_length(part.term, *scales, number)
+
+    def _rest_square(self, part: ErrorPart, logs: Array) -> float:
+        entry = self._entries[part.term.name]
+        return self._scale("rest", entry.name, entry.first_rest, logs) ** 2
+
+    def _sandwiched(self, inverse: Array, slopes: _Slopes) -> Iterator[tuple[int, Array]]:
+        """Yield K⁻¹ ∂K/∂log θ K⁻¹ (m, m) by the number of each scale."""
+        count = len(inverse)
+        for i, mine in self._noisy.items():
+            yield i, 2 * (inverse[:, mine] * slopes.noises[mine]) @ inverse[mine]
+        for k, (part, sharing) in enumerate(zip(self._parts, self._sharing, strict=True)):
+            seen = inverse @ part.rows
+            for i, slope in slopes.priors[k]:
+                yield i, seen @ slope @ seen.T
+            if (at := self._index.get(("rest", part.term.name))) is not None:
+                row, column = np.divmod(sharing.entries, count)
+                first = np.searchsorted(row, np.arange(count + 1))  # E is its own transpose
+                shared = sparse_product(sharing.values, column, first, count, inverse)
+                yield at, 2 * slopes.rests[k] * inverse @ shared
+
+    def _bent(self, pull: Array, slopes: _Slopes, logs: Array) -> Array:
+        """½ Σ pull ∘ ∂²K/∂log θ ∂log θ: only scales of one error meet, and rests and noises count as their squares."""
+        result = np.diag(2 * self._gradient(pull, slopes))
+        for part, own, inner in zip(self._parts, slopes.priors, self._inner(pull), strict=True):
+            for i, _ in own:
+                step = _STEP * (np.arange(len(logs)) == i)
+                ends = zip(*(self._by_scale(part, logs + side * step) for side in (1, -1)), strict=True)
+                for (j, after), (_, before) in ends:
+                    result[i, j] = 0.25 / _STEP * float(np.sum((after - before) * inner))
+        return result
 
 
 def _as_smooth(entry: Entry, smoothness: float) -> Entry:

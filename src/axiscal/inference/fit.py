@@ -25,8 +25,6 @@ from axiscal.numerics.from_scipy import lowest
 from axiscal.numerics.threads import one_thread
 
 _FARTHEST = 4.6
-_STEP = 1e-3
-"""Of a logarithm: differences of the exact slope lose below 1e-6 to bending or rounding, ten times off too."""
 _STEPS, _FEW_STEPS = 200, 40
 """Iterations; whatever they reach is a set of scales like any other, and is judged by the readings."""
 _MOST = 300
@@ -97,7 +95,7 @@ def _possible(evidence: Evidence, scales: tuple[Scale, ...]) -> Mixture:
     return mixture(
         lambda logs: evidence.log_likelihood(logs) - 0.5 * float(logs @ weak @ logs),
         best,
-        _curvature(lambda logs: objective(logs)[1], best),
+        evidence.curvature(best) + weak,
         weak,
         len(evidence.values),
     )
@@ -138,14 +136,6 @@ def _objective(evidence: Evidence, scales: tuple[Scale, ...]) -> Callable[[Array
         return 0.5 * float(logs @ pull) - value, pull - slope
 
     return objective
-
-
-def _curvature(slope: Callable[[Array], Array], at: Array) -> Array:
-    """Return the derivative of a slope at the most probable logarithms, (n, n)."""
-    steps = _STEP * np.eye(len(at))
-    curvature = np.array([(slope(at + step) - slope(at - step)) / (2 * _STEP) for step in steps])
-    symmetric: Array = (curvature + curvature.T) / 2
-    return symmetric
 
 
 def _starts(scales: tuple[Scale, ...]) -> list[Array]:

@@ -1,9 +1,10 @@
 """All scales that the readings leave possible, each with its weight: draws about the most probable ones.
 
 A band made at one set of scales is too narrow where the readings hardly tell the scales. So they are averaged over
-(Rue, Martino and Chopin 2009): draws θ_l from a multivariate t of six degrees of freedom about the most probable
-logarithms θ̂, its shape the inverse curvature H of minus the log posterior there (Laplace), weights
-w_l ∝ p(θ_l | y) / q(θ_l). A curvature counts as no flatter than the scales' own prior.
+(Rue, Martino and Chopin 2009): draws θ_l from a multivariate t about the most probable logarithms θ̂, its shape the
+inverse curvature H of minus the log posterior there (Laplace), weights w_l ∝ p(θ_l | y) / q(θ_l). It has as many
+degrees of freedom as there are scales, six at the least: with six and dozens of scales the factor that all parts of a
+draw share, 0.7 to 1.7, alone left a few of them. A curvature counts as no flatter than the scales' own prior.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ import numpy as np
 
 from axiscal.numerics import Array
 
-_FREEDOM = 6.0
-"""Tails heavier than a normal's, so that no scale is proposed too seldom; the weights make any proposal right."""
+_FREEDOM = 6
+"""At the least: tails heavier than a normal's, so that no scale is proposed too seldom; the weights make any proposal
+right."""
 _SEED = 48
 """Any seed: an estimate is to be the same every time."""
 _FEWEST, _MOST, _NUMBERS = 48, 192, 12_000
@@ -68,11 +70,11 @@ def mixture(density: Callable[[Array], float], best: Array, curvature: Array, pr
 
 
 def _drawn(density: Callable[[Array], float], best: Array, root: Array, count: int) -> Mixture:
-    rng, size = np.random.default_rng(_SEED), len(best)
-    draws = rng.standard_normal((count, size)) * np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, (count, 1)))
+    rng, size, freedom = np.random.default_rng(_SEED), len(best), max(_FREEDOM, len(best))
+    draws = rng.standard_normal((count, size)) * np.sqrt(freedom / rng.chisquare(freedom, (count, 1)))
     draws[0] = 0.0
     logs = best + draws @ root.T
-    proposed = -(_FREEDOM + size) / 2 * np.log1p(np.sum(draws**2, axis=1) / _FREEDOM)
+    proposed = -(freedom + size) / 2 * np.log1p(np.sum(draws**2, axis=1) / freedom)
     ratios = np.array([density(each) for each in logs]) - proposed
     weights = np.exp(ratios - ratios.max())
     whole = float(ratios.max() + np.log(np.mean(weights)) + np.linalg.slogdet(root)[1])
@@ -80,8 +82,12 @@ def _drawn(density: Callable[[Array], float], best: Array, root: Array, count: i
 
 
 def _root(curvature: Array, prior: Array) -> Array:
-    """Return R with R Rᵀ the inverse of the curvature, where that is no flatter than the prior, (n, n)."""
+    """Return R with R Rᵀ the inverse of the curvature, where that is no flatter than the prior, (n, n).
+
+    The symmetric one in units of the prior: columns along the directions of the curvature would change their sign, or
+    turn where two of them curve alike, by the last digit of a curvature, and with them every draw.
+    """
     whitening = np.linalg.inv(np.linalg.cholesky(prior))
     values, vectors = np.linalg.eigh(whitening @ curvature @ whitening.T)
-    root: Array = whitening.T @ (vectors / np.sqrt(np.maximum(values, 1.0)))
+    root: Array = whitening.T @ (vectors / np.sqrt(np.maximum(values, 1.0))) @ vectors.T
     return root
