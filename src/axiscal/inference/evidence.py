@@ -243,7 +243,7 @@ class Evidence:
             if (at := self._index.get(("rest", part.term.name))) is not None:
                 row, column = np.divmod(sharing.entries, count)
                 first = np.searchsorted(row, np.arange(count + 1))  # E is its own transpose
-                shared = sparse_product(sharing.values, column, first, count, inverse)
+                shared = sparse_product(sharing.values, column, first, count)(inverse)
                 yield at, 2 * slopes.rests[k] * inverse @ shared
 
     def _bent(self, pull: Array, slopes: _Slopes, logs: Array) -> Array:
