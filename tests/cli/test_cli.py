@@ -286,7 +286,7 @@ def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside
     outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d")
     first, second, *others = outcome.out.splitlines()
     result = json.loads(Path("d/result.json").read_text())
-    assert first.startswith(f"U = {result['U_um']:.3g} um in space (95%, k = {result['k']:.2f}), for a tool of ")
+    assert first.startswith(f"U = {result['U_um']:.3g} um in space (95 %, k = {result['k']:.2f}), for a tool of ")
     assert "as warm as when it was read, with zeros that wander as is usual, 5 um/h, of the 2 errors" in first
     assert "that are described (EXX EXX_reversal)" in first
     assert f"Standard uncertainty {result['rms_um']:.3g} um RMS" in second

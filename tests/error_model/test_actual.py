@@ -7,6 +7,7 @@ import pytest
 
 from axiscal.error_model.actual import deviation_of, levers_at
 from axiscal.error_model.linear_bound import linear_to, longest_arm
+from axiscal.error_model.linear_ways import linear_along, linear_ways
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.machine import builtin_names, load_machine
@@ -67,6 +68,42 @@ def test_no_machine_is_farther_from_linear_than_the_bound(name: str, factor: flo
         left = np.linalg.norm(exact - model.rows(poses, sides) @ at, axis=1).max()
         worst = max(worst, left / linear_to(model, sizes, box))
     assert 0.02 < worst < 1.0
+
+
+@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("factor", [1.0, 20.0])
+def test_no_machine_is_farther_from_linear_along_a_direction_than_its_bound(name: str, factor: float) -> None:
+    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
+    _held_along(model, rng, factor)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nor_is_a_made_up_machine(seed: int) -> None:
+    _held_along(ErrorModel(random_machine(seed)), np.random.default_rng(seed), 5.0)
+
+
+def _held_along(model: ErrorModel, rng: np.random.Generator, factor: float) -> None:
+    """Hold the exact chain of machines that are drawn, and of those with every error at its size, to the bounds."""
+    box, worst = whole_travel(model), 0.0
+    for _ in range(15):
+        poses, sides = random_poses(model.machine, 60, rng)
+        at = _drawn(model, rng, factor)
+        sizes = np.array([np.abs(f.rows(f.coordinates(poses)) @ at[f.columns]).max() for f in model.terms])
+        left = deviation_of(model, at, poses, sides).displacement - model.rows(poses, sides) @ at
+        bound = linear_ways(model, sizes, box)
+        assert np.all(np.abs(left).max(axis=0) <= bound * (1 + 1e-9) + 1e-15)
+        worst = max(worst, float((np.abs(left).max(axis=0) / np.maximum(bound, 1e-15)).max()))
+    assert worst > 5e-4
+
+
+def test_a_height_over_a_bed_is_nearer_to_linear_than_the_tool_in_space() -> None:
+    model = ErrorModel(load_machine("printer-gantry"))
+    sizes = np.array([2 * np.sqrt(np.diag(f.covariance).max()) for f in model.terms])
+    box = (*whole_travel(model),)
+    low = tuple((0.0, 1e-3) if axis.name == "Z" else side for axis, side in zip(model.machine.axes, box, strict=True))
+    along, space = (linear_along(model, sizes, low, ways) for ways in ((False, False, True), (True, True, True)))
+    assert along < space / 5
+    assert space == linear_to(model, sizes, low)
 
 
 @pytest.mark.parametrize("seed", range(8))

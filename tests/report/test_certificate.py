@@ -138,7 +138,7 @@ def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
     assert b"value_2" not in data_files(summary)["readings.csv"]
     assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
-    assert values_text(last.values, "um").endswith(" / 0.250 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
+    assert values_text(last.values, "um").endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:

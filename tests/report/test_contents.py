@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from axiscal.evaluation import PositioningTest, evaluate
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.report.arrow_pictures import volume_panels
+from axiscal.report.sentences import left_out_words
 from axiscal.report.side_by_side import files_of_controls
 from axiscal.report.standard import iso230_blocks
 from axiscal.report.summary import TableOffer
@@ -81,6 +84,23 @@ def test_readings_that_are_a_test_after_iso_230_2_get_its_figures() -> None:
     assert block.axis == "X"
     for name in ("A", "E", "R", "B", "M"):
         assert block.figures[name] == pytest.approx(1e6 * getattr(wanted, name), rel=1e-9)
+
+
+def test_a_reading_that_was_not_believed_takes_its_run_out_of_the_test() -> None:
+    readings, test = _test_readings()
+    wrong = 16  # in the second run upwards
+    readings[wrong] = replace(readings[wrong], value=1e-3)
+    (block,) = iso230_blocks(_described(CAMPAIGN), readings, {wrong})
+    assert test.up is not None
+    wanted = evaluate(PositioningTest(test.targets, test.up[:, [0, 2]], test.down))
+    for name in ("A", "E", "R", "B", "M"):
+        assert block.figures[name] == pytest.approx(1e6 * getattr(wanted, name), rel=1e-9)
+    assert left_out_words(block) == "Without the run of reading 17, which was not believed."
+
+
+def test_a_test_with_too_few_whole_runs_is_none() -> None:
+    readings, _ = _test_readings()
+    assert iso230_blocks(_described(CAMPAIGN), readings, {0, 14}) == []
 
 
 def test_readings_with_a_gap_are_no_such_test() -> None:

@@ -42,7 +42,7 @@ def test_a_campaign_without_readings_has_a_page() -> None:
     )
     page = render(_bare(curves=[curve]))
     assert "Before any reading the tool point is known to <strong>U = 23.4\u00a0µm</strong> in space" in page
-    assert "Expanded uncertainty, 95%, k = 1.65, for a tool of 120 mm. Along x 11.0, y 12.0, z 13.0" in page
+    assert "Expanded uncertainty, 95\u00a0%, k = 1.65, for a tool of 120 mm. Along x 11.0, y 12.0, z 13.0" in page
     assert "Standard uncertainty 14.2\u00a0µm RMS" in page
     assert "hardly touched by the readings" in page
     assert "truth" not in page[: page.index("<script>")].split("</style>")[1].replace('"truth"', "")

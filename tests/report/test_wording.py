@@ -8,8 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axiscal.accuracy.expanded import BAND
 from axiscal.campaign.ended_words import because_text, reached_as_seen
-from axiscal.report.sentences import coordinate, curve_note, duration, figure, iso_name, quantity, short, target_text
+from axiscal.language.spoken import said, speaking
+from axiscal.report.drawing.pixel_scale import PixelScale
+from axiscal.report.sentences import (
+    constant_note,
+    coordinate,
+    curve_note,
+    duration,
+    figure,
+    iso_name,
+    quantity,
+    short,
+    target_text,
+)
 from axiscal.report.summary import ConstantSummary, CurveSummary
 from axiscal.report.whiskers import scales
 
@@ -70,7 +83,7 @@ def _curve(std: float, seen: float, prior: float) -> CurveSummary:
 
 
 def test_a_curve_says_what_it_owes_to_the_readings() -> None:
-    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, was ±19.6; 0% from readings"
+    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, was ±19.6; 0 % from readings"
     assert curve_note(_curve(10.0, 9.9, 10.0)).endswith(", hardly touched by the readings")
 
 
@@ -100,3 +113,28 @@ def test_a_small_constant_is_not_crushed_by_a_large_one() -> None:
     wide, narrow = scales([reversal, zero, slope])[::-1]
     assert [w.constant.name for w in wide.whiskers] == ["z", "s"]
     assert [w.constant.name for w in narrow.whiskers] == ["r"]
+
+
+def test_a_constant_has_the_decimals_of_its_uncertainty() -> None:
+    for mean, half, text in (
+        (-1360.4188, 7.171, "−1\u202f360.42 ± 7.17\u00a0µm"),
+        (-5.92e-4, 0.205, "−0.001 ± 0.205\u00a0µm"),
+        (1e-5, 58.83, "0.0 ± 58.8\u00a0µm"),
+        (2.5, 0.0, "2.50 ± 0\u00a0µm"),
+        (12.0, 1960.0, "12 ± 1\u202f960\u00a0µm"),
+    ):
+        assert constant_note(ConstantSummary("C", "", mean, half / BAND, 1.0, "um")) == text
+
+
+def test_a_sentence_has_no_exponent_where_a_person_writes_none() -> None:
+    assert said("{size:.2g} um, {share:.0%}", size=228.0, share=0.5) == "230 um, 50 %"
+    assert said("{size:.2g} um", size=2.3e7) == "2.3e+07 um"
+    with speaking("de"):
+        assert said("{size:.2g} um", size=1.26e2) == "130 um"
+
+
+@pytest.mark.parametrize(("low", "high", "count"), [(-35, 35, 2), (-300, 300, 2), (0.2, 0.9, 1), (1e4, 3e4, 1)])
+def test_a_scale_has_two_ticks_at_least(low: float, high: float, count: int) -> None:
+    ticks = PixelScale(low, high, 0.0, 100.0).ticks(count)
+    assert 2 <= len(ticks) <= 7
+    assert all(0.0 <= at <= 100.0 for at, _ in ticks)

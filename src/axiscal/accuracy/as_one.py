@@ -12,10 +12,11 @@ import numpy as np
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.gauge import Hidden
+from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array, rigid
 from axiscal.numerics.spread import even_points
-from axiscal.units import format_quantity
+from axiscal.units import said_quantity
 
 _POSES = 500
 """The share of a strain or turn is then known to a few percent."""
@@ -36,13 +37,15 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
     if scale > _SAID * unseen:
         text = (
             "Your instruments cannot see the common scale of X, Y and Z: a bar of known length, or a laser, shows it. "
+            "It makes {size} of the {whole} that cannot be seen."
         )
-        yield Hidden(("EXX", "EYY", "EZZ"), text + _part(scale, unseen), scale)
+        yield Hidden(("EXX", "EYY", "EZZ"), said(text, **_part(scale, unseen)), scale)
     if turn > _SAID * unseen and yardstick.alignment is None:
         text = (
             "Your instruments cannot see how the part lies: it is aligned by probing, which aligned = true takes off. "
+            "It makes {size} of the {whole} that cannot be seen."
         )
-        yield Hidden((), text + _part(turn, unseen), turn)
+        yield Hidden((), said(text, **_part(turn, unseen)), turn)
 
 
 def uniform_parts(yardstick: Yardstick) -> tuple[float, float]:
@@ -73,5 +76,5 @@ def _places(yardstick: Yardstick) -> Array:
     return poses
 
 
-def _part(size: float, whole: float) -> str:
-    return f"It makes {format_quantity(size, 'um', 2)} of the {format_quantity(whole, 'um', 2)} that cannot be seen."
+def _part(size: float, whole: float) -> dict[str, str]:
+    return {"size": said_quantity(size, "um", 2), "whole": said_quantity(whole, "um", 2)}

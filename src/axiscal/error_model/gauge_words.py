@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.error_model.iso230 import words
 from axiscal.error_model.model import ErrorModel, Term
 from axiscal.error_model.plane import PlaneError
-from axiscal.language.spoken import counted, joined, later, listed, put, said
+from axiscal.language.spoken import counted, either_of, joined, later, put, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
@@ -180,7 +180,7 @@ def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
             "about {about} would, or a tool of another length; the tool point does not depend on it."
         )
         if mine:
-            subject, either = _listed([_phrase(a) for a in mine]), listed(said(" or "), about)
+            subject, either = _listed([_phrase(a) for a in mine]), either_of(about) if about else ""
             text = said(turned if about else alone, axis=axis.name, subject=subject, about=either)
             yield Hidden(tuple(a.function.name for a in mine), text)
 

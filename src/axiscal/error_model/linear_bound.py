@@ -26,15 +26,21 @@ def linear_to(model: ErrorModel, sizes: Array, box: Box) -> float:
 
     sizes : (terms,) m or rad, what no term exceeds; box : bounds per axis, m or rad
     """
+    displaced, turned, tilted = motion_sizes(model, sizes)
+    theta = float(np.sum(np.linalg.norm(turned, axis=1) + 2 * np.linalg.norm(tilted, axis=1)))
+    shifts = float(np.sum(np.linalg.norm(displaced, axis=1)))
+    return (math.expm1(theta) - theta) * longest_arm(model.machine, box) + math.expm1(theta) * shifts
+
+
+def motion_sizes(model: ErrorModel, sizes: Array) -> tuple[Array, Array, Array]:
+    """Return what no displacement, rotation and tilt of an axis exceeds, (axes, 3) each.  sizes : as above"""
     count = len(model.machine.axes)
     displaced, turned, tilted = (np.zeros((count, 3)) for _ in range(3))
     for term, size in zip(model.terms, sizes.tolist(), strict=True):
         straight = term.kind == "location" and not model.machine.axes[term.axis].rotary
         part = tilted if straight else turned if term.angular else displaced
         part[term.axis, term.component % 3] += size / 2 if term.kind == "reversal" else size
-    theta = float(np.sum(np.linalg.norm(turned, axis=1) + 2 * np.linalg.norm(tilted, axis=1)))
-    shifts = float(np.sum(np.linalg.norm(displaced, axis=1)))
-    return (math.expm1(theta) - theta) * longest_arm(model.machine, box) + math.expm1(theta) * shifts
+    return displaced, turned, tilted
 
 
 def longest_arm(machine: Machine, box: Box) -> float:

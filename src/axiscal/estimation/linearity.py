@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.error_model.linear_bound import linear_to
+from axiscal.error_model.linear_ways import linear_along
 from axiscal.error_model.model import ErrorModel, Term
 from axiscal.error_model.volume import Box
 from axiscal.estimation.estimation import Estimation
@@ -21,7 +22,8 @@ _SURE = 0.1
 
 
 class Linearity(NamedTuple):
-    """bound : m, no machine within the 95 % bands differs by more from its first order at the tool
+    """bound : m, no machine within the 95 % bands differs by more from its first order at the tool, along the
+        directions that count
 
     largest : the largest ν of a reading, or a bound on it; reading : its number
     """
@@ -41,7 +43,7 @@ def linearity(estimation: Estimation) -> Linearity:
     """Return how linear machine and readings are."""
     case, known = estimation.case, estimation.stages.absorbed
     box, errors, belief = case.description.target.volume, case.errors, known.knowledge.belief
-    bound = linear_to(errors, _sizes(errors, belief.mean, belief.factor, box), box)
+    bound = linear_along(errors, _sizes(errors, belief.mean, belief.factor, box), box, case.description.target.counted)
     finest = min((setup.noise for setup in case.description.setups), default=np.inf)
     left = _beyond(errors, belief.mean, belief.factor, box) / finest
     if left < _SURE * GAUSSIAN and not case.bends:

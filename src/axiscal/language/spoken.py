@@ -30,6 +30,8 @@ LANGUAGES = {"en": "English", "de": "Deutsch"}
 """Those there are, each by its own name."""
 DECIMALS = {"en": ".", "de": ","}
 """What stands before the decimals."""
+_LONG = 1e6
+"""Below it a person writes a number without an exponent."""
 _SPOKEN = ContextVar("language", default="en")
 _Thing = TypeVar("_Thing")
 
@@ -74,6 +76,13 @@ def joined(parts: Sequence[str]) -> str:
     if len(parts) < 2:
         return parts[0] if parts else ""
     return said("{first} and {last}", first=listed(", ", parts[:-1]), last=parts[-1])
+
+
+def either_of(parts: Sequence[str]) -> str:
+    """Return parts of which one is meant as they stand in a sentence: "A, B or C"."""
+    if len(parts) < 2:
+        return parts[0] if parts else ""
+    return said("{first} or {last}", first=listed(", ", parts[:-1]), last=parts[-1])
 
 
 def capital(text: str) -> str:
@@ -168,7 +177,11 @@ class _Filling(Formatter):
     def format_field(self, value: Any, format_spec: str) -> str:
         """Return one value as text."""
         shown: str = format(value, format_spec)
-        return decimals(shown) if isinstance(value, float) else shown
+        if not isinstance(value, float):
+            return shown
+        if "e+" in shown and abs(value) < _LONG:
+            shown = f"{float(shown):.0f}"
+        return decimals(f"{shown[:-1]} %" if shown.endswith("%") else shown)
 
 
 _FILLING = _Filling()

@@ -13,7 +13,7 @@ from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
-from axiscal.language.spoken import later, put, said
+from axiscal.language.spoken import later, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
@@ -33,7 +33,7 @@ _UNKNOWNS = {
     "place": later("place"),
     "scale": later("scale"),
     "slope": later("slope"),
-    "square": later("square"),
+    "square": later("turn of the square"),
     "station": later("station"),
     "tool": later("tool"),
     "turn": later("turn"),
@@ -130,7 +130,7 @@ def _setup_unknowns(wide: Banded, truth: VirtualMachine | None) -> list[Constant
             result.append(
                 ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
-                    words=said("{unknown} of the set-up", unknown=_unknown_words(unknown.name)),
+                    words=_unknown_words(unknown.name),
                     mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
                     std=to_unit(float(np.linalg.norm(wide.knowledge.belief.factor[column])), unit),
                     prior_std=to_unit(unknown.std, unit),
@@ -142,9 +142,14 @@ def _setup_unknowns(wide: Banded, truth: VirtualMachine | None) -> list[Constant
 
 
 def _unknown_words(name: str) -> str:
-    """Return the name of an unknown of a set-up: "zero", "station_x"; that of a ball stays as it is."""
-    stem, between, way = name.partition("_")
-    return put("{stem}{rest}", stem=said(_UNKNOWNS[stem]), rest=between + way) if stem in _UNKNOWNS else name
+    """Return what an unknown of a set-up is, such as "station_x", or "low_x" of its ball "low"."""
+    stem, _, way = name.rpartition("_") if name[-2:] in ("_x", "_y", "_z") else (name, "", "")
+    if stem not in _UNKNOWNS:
+        known = said("place of the ball {ball}, {way}", ball=stem, way=way)
+        return known if way else said("{unknown} of the set-up", unknown=name)
+    unknown = said(_UNKNOWNS[stem])
+    whole = said("{unknown} of the set-up", unknown=unknown)
+    return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
 
 
 def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[ConstantSummary]:
@@ -174,12 +179,14 @@ def _drifts(estimation: Estimation, truth: VirtualMachine | None) -> list[Consta
 class _Part:
     """One reading, with what the whole model leaves of it.
 
-    row : (size,) of its first number; left : that number less what is expected of it; std : of its noise, m or rad
+    moves : axes that its set-up moves; row : (size,) of its first number
+    left : that number less what is expected of it; std : of its noise, m or rad
     whole : variance that the priors of all errors give it together
     """
 
     number: int
     reading: Reading
+    moves: Sequence[int]
     row: Array
     left: float
     std: float
@@ -187,8 +194,8 @@ class _Part:
     rejected: bool
 
     def bears_on(self, function: ErrorFunction) -> bool:
-        """Whether the reading was expected to depend on this error noticeably."""
-        return _share(self.row, function) > _BEARS_ON * self.whole
+        """Whether its set-up moves the axis, and the reading was expected to depend on this error noticeably."""
+        return function.axis in self.moves and _share(self.row, function) > _BEARS_ON * self.whole
 
     def point(self, wide: Banded, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
@@ -211,13 +218,15 @@ def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> l
     wide = estimation.banded
     functions, mean = wide.case.errors.functions, wide.knowledge.belief.mean
     refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    moves = {setup.name: setup.moves for setup in wide.case.description.setups}
     parts = []
     numbers = seen(wide.knowledge.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
         left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
-        parts.append(_Part(reading.numbered(index), reading, row, left, std, whole, index in refused))
+        moved = moves[reading.setup]
+        parts.append(_Part(reading.numbered(index), reading, moved, row, left, std, whole, index in refused))
     return parts
 
 

@@ -70,7 +70,7 @@ def _content(curve: CurveSummary) -> list[float]:
     halves = [BAND * std for std in numbers(curve.std, f"std of {curve.name}", size)]
     edges = [mean + sign * half for mean, half in zip(means, halves, strict=True) for sign in (1, -1)]
     truth = [] if curve.truth is None else list(curve.truth[1])
-    return [*edges, *truth, *(point.value for point in curve.points), 0.0]
+    return [*edges, *truth, *(point.value for point in curve.points if not point.rejected), 0.0]
 
 
 def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figure:
@@ -121,7 +121,9 @@ def _truth(curve: CurveSummary) -> list[Figure]:
 
 def _points(curve: CurveSummary) -> list[Figure]:
     kinds = (False, "circle", "var(--ink)"), (True, "circle-open", "var(--alarm)")
-    chosen = (([p for p in curve.points if p.rejected is rejected], s, c) for rejected, s, c in kinds)
+    low, high = finite_range(_content(curve))
+    near = [point for point in curve.points if low <= point.value <= high]
+    chosen = (([p for p in near if p.rejected is rejected], s, c) for rejected, s, c in kinds)
     return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
 
 

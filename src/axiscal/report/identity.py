@@ -28,7 +28,7 @@ def pairs(summary: Summary) -> list[tuple[str, str]]:
         (said("Measured"), measured),
         (said("Remarks"), known.remarks),
     ]
-    artefacts = [(name, _equipment(each)) for name, each in known.artefacts.items()]
+    artefacts = [(said("Artefact {name}", name=name), _equipment(each)) for name, each in known.artefacts.items()]
     return [(name, text) for name, text in (*rows, *artefacts) if text]
 
 

@@ -11,12 +11,11 @@ from axiscal.report.summary import Finding
 from axiscal.units import said_quantity, to_unit
 
 
-def linear_of(found: Linearity) -> Linear:
-    """Return the same for people."""
+def linear_of(found: Linearity, where: str) -> Linear:
+    """Return the same for people.  where : "in space", or along which directions"""
     bound = to_unit(found.bound, "um")
-    words = "Linear to {size}: by no more the first order is off at the tool for a machine within these bands."
-    digits = 2 if bound < 99.5 else 3  # two digits of a hundred are written with a power of ten
-    return Linear(bound, found.largest, said(words, size=said_quantity(found.bound, "um", digits)))
+    words = "Linear to {size} {where}: the first order is off at the tool by no more, for a machine within these bands."
+    return Linear(bound, found.largest, said(words, size=said_quantity(found.bound, "um", 2), where=where))
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:

@@ -23,11 +23,16 @@ from axiscal.report.headline import in_space
 from axiscal.report.identity import UNSAID, pairs, setup_rows
 from axiscal.report.listed import listed
 from axiscal.report.sentences import (
+    approach_words,
+    as_read,
     constant_note,
     curve_note,
     figure,
+    first_number_words,
     iso_name,
+    left_out_words,
     occasion,
+    of_read_setups,
     percent,
     position_text,
     quantity,
@@ -147,7 +152,7 @@ class _Document:
             "budget": [[spelt(r.words), quantity(r.rms_um, "um"), percent(r.share)] for r in s.budget],
             "constants": [
                 [c.name, spelt(c.words), constant_note(c), f"± {quantity(BAND * c.prior_std, c.unit)}"]
-                for c in s.constants
+                for c in of_read_setups(s)
             ],
             "readings": [_reading_row(row) for row in readings.rows],
             "other_readings": readings.words,
@@ -163,6 +168,7 @@ class _Document:
             ],
             "volume_words": "" if s.volume is None else volume_words(s, arrow_pictures.magnification(s.volume)),
             "accuracy": self._drawn(figures.accuracy(s), _WIDE) if s.history else None,
+            "true": s.truth is not None,
             "groups": [*self._groups(s.curves), *self._groups(s.reversals)],
             "planes": [
                 {"name": each.plane.name, "words": each.plane.caption, "maps": [
@@ -173,7 +179,8 @@ class _Document:
             ],
             "iso": [
                 {"heading": said("ISO 230-2, axis {axis}", axis=block.axis),
-                 "file": self._drawn(figures.iso230(block), _WIDE), "figures": [
+                 "file": self._drawn(figures.iso230(block), _WIDE), "sides": bool(block.mean_down),
+                 "note": left_out_words(block), "figures": [
                     [iso_name(name), quantity(value, block.value_unit), _uncertain(block.uncertainties.get(name))]
                     for name, value in block.figures.items()
                 ]}
@@ -204,6 +211,7 @@ class _Document:
                 "in twenty may lie outside."
             ),
             residual_words(s),
+            *first_number_words(s),
         ]
         errors = headline.errors_named(s)
         people = (said("Operator"), s.particulars.operator), (said("Responsible"), s.particulars.responsible)
@@ -251,7 +259,7 @@ def _in_template() -> tuple[str, ...]:
 
 
 def _uncertain(value: float | None) -> str:
-    return "" if value is None else f"U {figure(value)} (k = 2)"
+    return "" if value is None else figure(value)
 
 
 def _rejected(each: Rejection) -> str:
@@ -266,9 +274,9 @@ def _reading_row(row: HistoryRow) -> list[str]:
         f"{row.reading}{' ×' if row.rejected else ''}",
         row.setup or "",
         position_text(row.position),
-        row.approach,
+        approach_words(row),
         values_text(row.values, row.unit),
-        "" if row.innovation is None else quantity(row.innovation, row.unit),
-        "" if z is None else figure(z),
+        "" if row.innovation is None else as_read(row.innovation),
+        "" if z is None else as_read(z),
         figure(row.rms_um),
     ]

@@ -7,14 +7,16 @@ import re
 from collections.abc import Sequence
 
 from axiscal.accuracy.expanded import BAND
-from axiscal.language.spoken import counted, decimals, said
-from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Position, Summary
+from axiscal.language.spoken import counted, decimals, joined, said
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
-_UNIT = re.compile(r"(?<=[0-9]) (um|urad|degC)\b")
+_UNIT = re.compile(r"(?<=[0-9]) (?:(um|urad|degC)\b|%)")
 _LOST = 0.01
 """Share of the RMS from which it is worth a sentence."""
+_LONG = 1e6
+"""From here on a number is written with an exponent."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 _NO_BREAK = "\u00a0"
@@ -27,7 +29,7 @@ def unit_text(unit: str) -> str:
 
 def spelt(text: str) -> str:
     """Return a sentence with the units of its numbers as people write them; "um" is a word in other languages."""
-    return _UNIT.sub(lambda found: _NO_BREAK + _SHOWN[found[1]], text)
+    return _UNIT.sub(lambda found: _NO_BREAK + _SHOWN.get(found[1], "%"), text)
 
 
 def percent(share: float) -> str:
@@ -40,11 +42,11 @@ def figure(value: float) -> str:
     size = abs(value)
     if size == 0:
         return "0"
-    if not 1e-3 <= float(f"{size:.3g}") < 1e6:
+    if not 1e-3 <= float(f"{size:.3g}") < _LONG:
         mantissa, exponent = f"{value:.2e}".split("e")
         return _minus(decimals(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"))
     digits = max(0, 2 - math.floor(math.log10(float(f"{size:.3g}"))))
-    return _minus(decimals(f"{value:,.{digits}f}".replace(",", _NARROW_SPACE)))
+    return to_decimals(value, digits)
 
 
 def short(value: float) -> str:
@@ -60,8 +62,19 @@ def quantity(value: float, unit: str) -> str:
 
 
 def values_text(values: Sequence[float], unit: str) -> str:
-    """Return the numbers of one reading as "1.2 / 0.3 / -0.4 um", its unit once; "" where there is none."""
-    return "" if not values else " / ".join([*map(figure, values[:-1]), quantity(values[-1], unit)])
+    """Return the numbers of one reading as "1.20 / 0.30 / -0.40 um", its unit once; "" where there is none."""
+    return "" if not values else f"{' / '.join(map(as_read, values))}{_NO_BREAK}{unit_text(unit)}"
+
+
+def as_read(value: float) -> str:
+    """Return a number that was read: to a hundredth, finer than which hardly an instrument reads."""
+    return figure(value) if abs(value) >= _LONG else to_decimals(value, 2)
+
+
+def to_decimals(value: float, digits: int) -> str:
+    """Return value with so many decimals."""
+    shown = f"{value:,.{digits}f}".replace(",", _NARROW_SPACE)
+    return _minus(decimals(shown.removeprefix("-") if float(f"{value:.{digits}f}") == 0 else shown))
 
 
 def duration(minutes: float) -> str:
@@ -112,6 +125,25 @@ def residual_words(summary: Summary) -> str:
     )
 
 
+def first_number_words(summary: Summary) -> list[str]:
+    """Return which number of a reading with several is compared, where there is such a reading."""
+    several = any(row.others for row in summary.history)
+    return [said("Of a reading with several numbers it is the first, along x.")] if several else []
+
+
+def left_out_words(block: Iso230) -> str:
+    """Return which readings a test after ISO 230-2 does without, "" where it has all."""
+    if not block.left_out:
+        return ""
+    numbers = joined([str(number) for number in block.left_out])
+    return counted(
+        "Without the run of reading {numbers}, which was not believed.",
+        "Without the runs of readings {numbers}, which were not believed.",
+        len(block.left_out),
+        numbers=numbers,
+    )
+
+
 def unseen_size(summary: Summary) -> float:
     """Return the RMS that no allowed reading can take away, um; 0 where it is lost in the RMS."""
     return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
@@ -148,8 +180,23 @@ def curve_note(curve: CurveSummary) -> str:
 
 
 def constant_note(constant: ConstantSummary) -> str:
-    """Return a constant as "12.1 ± 2.2 µrad" (95 %)."""
-    return f"{figure(constant.mean)} ± {quantity(BAND * constant.std, constant.unit)}"
+    """Return a constant as "12.10 ± 2.21 µrad" (95 %): as many decimals as its uncertainty has."""
+    half = BAND * constant.std
+    shown, point = figure(half), decimals(".")
+    if half == 0 or "×" in shown or abs(constant.mean) >= _LONG:
+        return f"{figure(constant.mean)} ± {quantity(half, constant.unit)}"
+    return f"{to_decimals(constant.mean, len(shown.partition(point)[2]))} ± {quantity(half, constant.unit)}"
+
+
+def of_read_setups(summary: Summary) -> list[ConstantSummary]:
+    """Return the constants without those of set-ups in which nothing was read, where anything was."""
+    silent = tuple(f"{use.name}: " for use in summary.setups if summary.readings and not use.readings)
+    return [each for each in summary.constants if not each.name.startswith(silent)]
+
+
+def approach_words(row: HistoryRow) -> str:
+    """Return from which sides a place was come to: "X+ Y−"."""
+    return _minus(row.approach)
 
 
 def position_text(position: Position | None) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,19 +24,30 @@ _ALONG = 0.999
 """Cosine of the angle between a set-up and the axis along which it is a test of positioning."""
 
 
-def iso230_blocks(description: CampaignDescription, readings: Sequence[Reading]) -> list[Iso230]:
-    """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2."""
+def iso230_blocks(
+    description: CampaignDescription, readings: Sequence[Reading], doubted: Collection[int] = ()
+) -> list[Iso230]:
+    """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2.
+
+    doubted : readings, counted from 0, that were not believed: their runs are left out
+    """
     blocks = []
     for setup in description.setups:
-        test = _test(description, setup, [reading for reading in readings if reading.setup == setup.name])
+        mine = [(number, reading) for number, reading in enumerate(readings) if reading.setup == setup.name]
+        wrong = [reading.numbered(number) for number, reading in mine if number in doubted]
+        kept = [replace(reading, value=np.nan) if number in doubted else reading for number, reading in mine]
+        test = _test(description, setup, kept)
         if test is not None:
             axis = description.machine.axes[setup.moves[0]]
-            blocks.append(iso230_block(axis.name, evaluate(test, setup.noise)))
+            blocks.append(replace(iso230_block(axis.name, evaluate(test, setup.noise)), left_out=wrong))
     return blocks
 
 
 def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Reading]) -> PositioningTest | None:
-    """Return a set-up's readings as a test; None where they are none: each target as often from each side."""
+    """Return a set-up's readings as a test; None where they are none: each target as often from each side.
+
+    A reading of nan takes its run out, the n-th reading of every target from its side.
+    """
     if not _positions(description, setup):
         return None
     axis = setup.moves[0]
@@ -56,8 +68,10 @@ def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Rea
 def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], side: int) -> Array | None:
     """Return the readings of one direction, (targets, runs); None where not every target was read as often."""
     rows = [found.get((target, side), []) for target in targets]
-    counts = {len(row) for row in rows}
-    return np.array(rows) if len(counts) == 1 and min(counts) >= _FEWEST_RUNS else None
+    if len({len(row) for row in rows}) > 1:
+        return None
+    whole = np.array(rows)[:, ~np.any(np.isnan(rows), axis=0)]
+    return whole if whole.shape[1] >= _FEWEST_RUNS else None
 
 
 def _positions(description: CampaignDescription, setup: Setup) -> bool:

@@ -36,7 +36,7 @@ from axiscal.planning.vouched import vouched_of
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
-from axiscal.report.headline import conditions, counted_along
+from axiscal.report.headline import conditions, counted_along, in_space
 from axiscal.report.linear import linear_of, not_gaussian
 from axiscal.report.planes import planes
 from axiscal.report.promises import CheckReadings, Uncertainty
@@ -101,7 +101,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     ruling = ruling_of(estimation)
     if ruling.verdict == "widened":
         rows[-1] = _with_figures(rows[-1], estimation)
-    linear = linearity(estimation)
+    linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
         title=said("Calibration of {machine}", machine=description.machine.name),
@@ -117,7 +117,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         worst_um=rows[-1].worst_um,
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
-        expanded=_expanded(estimation),
+        expanded=expanded,
         vouched=vouched_of(estimation.case, defended(estimation)),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
@@ -134,7 +134,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         unshown=unshown(target, estimation),
         target_reached=reaches(target, estimation),
         truth=extras.truth_check,
-        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings),
+        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, _refused(estimation)),
         reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
@@ -147,7 +147,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=_ended(campaign),
-        linear=linear_of(linear),
+        linear=linear_of(linear, in_space(expanded)),
     )
 
 
@@ -213,7 +213,7 @@ def _reversal(curve: CurveSummary) -> bool:
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
     """Return how well the machine was known after each reading, and how much each surprised."""
-    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    refused = _refused(estimation)
     tools = _tool_points(estimation.case, campaign.state.readings)
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first, None)]
@@ -221,6 +221,11 @@ def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
         row = _row(estimation.case, reading, reading.numbered(index), moment, tool)
         rows.append(replace(row, rejected=index in refused))
     return rows
+
+
+def _refused(estimation: Estimation) -> set[int]:
+    """Return the readings, counted from 0, that were not believed."""
+    return {doubt.reading for doubt in estimation.outliers if doubt.rejected}
 
 
 def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:

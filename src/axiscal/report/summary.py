@@ -180,6 +180,7 @@ class Iso230:
     """ISO 230-2 figures of one axis: per target the mean and std of each direction, and A, E, R, B, M by name.
 
     uncertainties : expanded (k = 2), for the figures whose uncertainty is known
+    left_out : readings that were not believed; the test is without their runs
     """
 
     axis: str
@@ -192,6 +193,7 @@ class Iso230:
     std_down: Sequence[float]
     figures: Mapping[str, float]
     uncertainties: Mapping[str, float] = field(default_factory=dict)
+    left_out: Sequence[int] = ()
 
 
 @dataclass(frozen=True, slots=True)

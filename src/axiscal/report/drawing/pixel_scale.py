@@ -48,6 +48,8 @@ class PixelScale:
         return [value for value in values if self.low <= math.log10(value) <= self.high]
 
 
+_FEWEST = 2
+"""Ticks without which a picture has no scale."""
 _MANY = 5
 """Ticks from which there is room for 1, 2 and 5 of several decades."""
 
@@ -60,6 +62,14 @@ def tick_text(value: float) -> str:
 
 def _even(low: float, high: float, count: int, step: float | None) -> list[float]:
     size = step or _round((high - low) / max(count, 1))
+    found = _multiples(low, high, size)
+    while len(found) < _FEWEST and step is None and high > low:
+        size = _round(size / 3)  # 5, 2, 1: the next round step down
+        found = _multiples(low, high, size)
+    return found
+
+
+def _multiples(low: float, high: float, size: float) -> list[float]:
     first, last = math.ceil(low / size - _SLACK), math.floor(high / size + _SLACK)
     return [float(f"{number * size:.9g}") for number in range(first, last + 1)]
 
