@@ -56,14 +56,16 @@ def follow(page: Path, folder: Path) -> list[tuple[list[str], int]]:
 
 
 def draw(page: Path, folder: Path) -> None:
-    """Draw where the set-ups of a page can be read, from above and from the front, beside each other."""
+    """Draw where the set-ups of a page can be read: from above, or from the front where no Y moves."""
     for name, text in files(page).items():
         (folder / name).write_text(text, encoding="utf-8")
     campaign = read_campaign(folder / "campaign.toml", target_needed=False, asking=False)
     lattice = spread(campaign.machine, campaign.setups, _SHOWN)
     rows = zip(lattice.setups.tolist(), lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
     places = [Place(campaign.setups[setup].name, tuple(pose), tuple(side)) for setup, pose, side in rows]
-    figure = in_machine(campaign, places, View(0, 1, "from above"))
+    moved = {campaign.machine.axes[axis].letter for setup in campaign.setups for axis in setup.moves}
+    view = View(0, 2, "from the front") if moved == {"Z"} else View(0, 1, "from above")
+    figure = in_machine(campaign, places, view)
     figure["data"] = [trace for trace in figure["data"] if trace.get("name")]
     _keep(f"{page.stem}.svg", paper_svg(figure, 520))
 
