@@ -200,9 +200,12 @@ def _strangers(found: dict[tuple[str, int], dict[str, Any]], types: int) -> Iter
     kinds = {"a sister": [Reached(*each) for row in rows for each in row["ways"][str(max(SISTERS))]]}
     for name in rows[0]["strangers"]:
         kinds[name] = [Reached(*row["strangers"][name]) for row in rows]
-    yield f"Against what ten sisters of a type teach, {STRANGERS.name}:"
+    yield f"Against what ten sisters of a type teach, {STRANGERS.name}: a machine with B0Z off by four of its"
+    yield "stated std, one with the scale of Z off by 40 um over its travel, and one of another type that it shares"
+    yield "nothing with. *Called a stranger* is what the warning `not-a-sister` says; in the next column the type's own"
+    yield "belief holds less than half."
     yield ""
-    yield "| the machine | called a stranger | or 2.4 times as far off | readings | held by all | by the first |"
+    yield "| the machine | called a stranger | its type alone below half | readings | held by all | by the first |"
     yield "|---|---|---|---|---|---|"
     for name, of in kinds.items():
         called, noticed = (sum(sum(each.shares[:first]) < 0.5 for each in of) for first in (2, 1))

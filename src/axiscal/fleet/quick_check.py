@@ -1,6 +1,7 @@
 """A dozen readings that say whether a machine is still as its last campaign left it.
 
-The places are those that say most of a machine that has drifted since: a plan with ρ² C + (1 − ρ²) C₀ as the prior.
+The places are those that say most of a machine that has drifted since: a plan with ρ² C + (1 − ρ²) C₀ as the prior,
+moved until crashes show (`crash_places`).
 Its readings z = R a + e have to fit N(ρ m, ·): χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m). Where
 the campaign knew the machine's type, what all sisters have stays (`wearing`).
 """
@@ -19,6 +20,7 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
+from axiscal.fleet.crash_places import showing_crashes
 from axiscal.fleet.tables_left import control_of
 from axiscal.fleet.wearing import Wearing
 from axiscal.fleet.without_tables import without_tables
@@ -32,7 +34,7 @@ from axiscal.measurement.reading_rows import places_of
 from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import with_rooms
 from axiscal.planning.proposal import proposed
 
 READINGS = 12
@@ -100,8 +102,9 @@ class QuickCheck:
         return cls(described, Inherited(known.whole.mean[:size], factor @ factor.T), kept, control, Wearing.of(known))
 
     def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
-        """Return the places that say most; raises PlanError."""
-        return placed(self.case, proposed(self.case, Limits(count), progress=told, guard=False).plan)
+        """Return the places that say most, moved until crashes show; raises PlanError."""
+        plan = proposed(self.case, Limits(count), progress=told, guard=False, bounded=False).plan
+        return with_rooms(self.case, showing_crashes(self.case, plan.places))
 
     def sheet(self, places: Sequence[Place]) -> str:
         """Return the places as a file to fill in."""

@@ -1,0 +1,55 @@
+"""A check is read where crashes show: by how much they do is compared with dense algebra, number by number."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.estimation.case import Case
+from axiscal.fleet.crash_places import _CrashRows, crashes, showing_crashes
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from tests.generators.campaigns import mixed
+from tests.generators.sisters import slide
+
+
+def _loss(case: Case, places: Places) -> float:
+    """Return the sum over the crashes, by a Cholesky root of the scatter of all numbers."""
+    rows, variances = list[Array](), list[Array]()
+    for index in range(len(places)):
+        one = places.at(index)
+        for seen in case.observation.rows_each(int(one.setups[0]), one.poses, one.approaches):
+            rows.append(seen.rows)
+            variances.append(seen.variances)
+    whole = np.concatenate(rows)
+    root = np.linalg.cholesky(whole @ case.prior.covariance @ whole.T + np.diag(np.concatenate(variances)))
+    looked_for = crashes(case.errors)
+    off = np.linalg.solve(root, whole[:, : looked_for.shape[1]] @ looked_for.T)
+    return float(np.sum(np.exp(-np.sum(off**2, axis=0) / 12.0)))
+
+
+def test_how_far_crashes_stand_out_is_what_dense_algebra_says() -> None:
+    case = mixed()
+    first, second = (np.flatnonzero(case.lattice.setups == setup) for setup in (0, 1))
+    places = case.lattice.within(np.concatenate([first[[0, 3, 9]], second[[0, 5, 11, 40]]]))
+    assert len(set(places.setups.tolist())) == 2  # of one value and of three
+    found = _CrashRows(case, places, crashes(case.errors)).losses([0, 2, 3, 4])
+    assert np.isinf(found[[0, 2, 3, 4]]).all()
+    for index in (1, 5, 6):
+        np.testing.assert_allclose(found[index], _loss(case, places.within(np.array([0, 2, 3, 4, index]))), rtol=1e-8)
+
+
+def test_readings_that_would_not_show_a_scale_are_moved_until_they_do() -> None:
+    case = Case(slide())
+    names = [term.name for term in case.errors.terms]
+    assert names == ["EXX", "EXX_reversal"]
+    looked_for = crashes(case.errors)
+    assert looked_for.shape == (1, case.errors.size)
+    np.testing.assert_allclose(looked_for[0, [0, -2]], [-60e-6, 60e-6], rtol=1e-6)
+    middle = np.argsort(np.abs(case.lattice.poses[:, 0] - 0.25))[:5]
+    before = case.lattice.within(middle)
+    after = showing_crashes(case, before)
+    assert len(after) == 5
+    assert np.ptp(before.poses[:, 0]) < 0.02
+    assert np.ptp(after.poses[:, 0]) > 0.4
+    assert _loss(case, after) < 0.5 * _loss(case, before)
+    assert showing_crashes(case, Places.none(1)).poses.shape == (0, 1)
