@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,23 @@ def test_what_cannot_be_read_is_refused_in_words(text: str, said: str) -> None:
         described(text)
     assert said in str(refused.value)
     assert "campaign.toml, line" in str(refused.value)
+
+
+@pytest.mark.parametrize("length", ["150 mm", "200 mm", "237 mm", "251 mm"])
+@pytest.mark.parametrize("plane", ["zx", "yz"])
+def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str) -> None:
+    """Its ends were rounded to the nearest degree, beyond what is reached: the same refusal came again."""
+    bar = BAR.replace("150 mm", length) + f'plane = "{plane}"\n'
+    with pytest.raises(InputError) as refused:
+        described(bar + 'arc = ["0 deg", "360 deg"]\n')
+    (given,) = re.findall(r"arc = \[.*?\]", str(refused.value))
+    (setup,) = described(f"{bar}{given}\n").setups
+    assert isinstance(setup.chart, Circle)
+
+
+def test_where_hardly_anything_of_an_arc_is_reached_another_one_is_named() -> None:
+    with pytest.raises(InputError, match=r'Give arc = \["-100 deg", "100 deg"\]'):
+        described(BAR + 'plane = "zx"\narc = ["178 deg", "182 deg"]\n')
 
 
 def test_on_a_machine_without_rotary_axes_a_ball_would_be_one_pose() -> None:

@@ -26,8 +26,7 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
     if np.all(taken):
         return 0.0, math.tau
     start, count = _longest(taken)
-    low = math.ceil(angles[start] / _WHOLE_DEGREES - 1e-9) * _WHOLE_DEGREES
-    high = math.floor((angles[start] + (count - 1) * _FINE) / _WHOLE_DEGREES + 1e-9) * _WHOLE_DEGREES
+    low, high = _whole(angles[start], angles[start] + (count - 1) * _FINE)
     if high - low < _SHORTEST:
         what = f'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
         raise DescriptionError(what, "Give another plane, station or length, or park the rotary axes elsewhere")
@@ -48,9 +47,17 @@ def refuse_gap(circle: Circle, name: str) -> None:
     ]
     leaves = f"leaves the travel of {', '.join(away)}" if away else "meets a stem, or what is to be kept out,"
     first, count = _longest_of(taken)
-    ends = [round(math.degrees(angles[k])) for k in (first, first + max(count, 1) - 1)]
+    low, high = _whole(angles[first], angles[first + max(count, 1) - 1])
+    if high - low < _SHORTEST:
+        low, high = reached_arc(circle, name)
     what = f'the bar of "{name}" {leaves} at {math.degrees(bad):.0f} deg'
-    raise DescriptionError(what, f'Give arc = ["{ends[0]} deg", "{ends[1]} deg"]')
+    raise DescriptionError(what, f'Give arc = ["{math.degrees(low):.0f} deg", "{math.degrees(high):.0f} deg"]')
+
+
+def _whole(low: float, high: float) -> tuple[float, float]:
+    """Return the whole degrees within an arc, rad."""
+    first, last = low / _WHOLE_DEGREES - 1e-9, high / _WHOLE_DEGREES + 1e-9
+    return math.ceil(first) * _WHOLE_DEGREES, math.floor(last) * _WHOLE_DEGREES
 
 
 def _taken(circle: Circle, angles: Array) -> NDArray[np.bool_]:
