@@ -19,7 +19,7 @@ from axiscal.machine.driving import Driving
 from axiscal.measurement.chart_places import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
-from tests.generators.kinematics import in_travel, tip
+from tests.generators.kinematics import in_travel, pose_with_tip, tip
 from tests.generators.program_ways import STEP, Reader, words
 
 NEST = """
@@ -146,6 +146,30 @@ def test_rotary_axes_come_to_a_reading_from_the_side_that_was_planned(controller
             assert come >= axis.overrun - math.radians(2e-3)
             checked += 1
     assert checked >= 12
+
+
+@pytest.mark.parametrize("controller", ["linuxcnc", "heidenhain"])
+def test_slides_come_to_a_reading_in_touch_from_the_side_that_was_planned(controller: str) -> None:
+    """On the last degree to it: a straight way from afar comes at another slant than one from an overrun away."""
+    campaign = described(NEST.replace("15 deg", "5 deg"))
+    machine, checked = campaign.machine, 0
+    places = places_of(campaign, 40, 3)
+    done = read(campaign, places, controller)
+    trace = [(what, pose) for what, poses, _ in done for pose in poses]
+    rotary = [k for k, axis in enumerate(machine.axes) if axis.rotary]
+    for k, (what, pose) in enumerate(trace):
+        if not what.startswith("READING"):
+            continue
+        start = next(before for _, before in reversed(trace[:k]) if np.abs(before - pose)[rotary].max() > 1e-6)
+        short = min(1.0, math.radians(1.0) / float(np.abs(start - pose)[rotary].max()))
+        come = pose - pose_with_tip(machine, pose + short * (start - pose), BALL)
+        place = places[int(what.split()[1]) - 1]
+        for axis_number, axis in enumerate(machine.axes):
+            side = place.approach[axis_number]
+            if not axis.rotary and side != 0:
+                assert come[axis_number] * side > 0, (what, axis.name)
+                checked += 1
+    assert checked >= 60
 
 
 @pytest.mark.parametrize("controller", controllers())

@@ -12,6 +12,7 @@ from axiscal.gcode.kept_out import KeptOut
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
+from axiscal.measurement.charts.arrivals import KNOWN
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
@@ -54,9 +55,17 @@ class Ways:
         return begin
 
     def comes_right(self, here: Array, there: Array, side: Array) -> bool:
-        """Whether a straight way comes from the right side over the whole overrun."""
-        overrun = np.array([end.overrun for end in self._ends])
-        return bool(np.all((side == 0) | ((there - here) * side >= overrun - _SLACK)))
+        """Whether a straight way comes from the right side over the whole overrun, and so do the axes that follow.
+
+        These go by its slant: coming far along one coordinate and hardly along another a slide may come from elsewhere.
+        """
+        overrun, gone, asked = np.array([end.overrun for end in self._ends]), there - here, side != 0
+        if not np.all(~asked | (gone * side >= overrun - _SLACK)):
+            return False
+        last = float(np.max(overrun[asked] / np.abs(gone[asked]), initial=0.0))
+        at, slanted, begun = self.chart.poses(np.stack([there, there - last * gone, there - side * overrun]))
+        known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
+        return bool(np.all((np.abs(at - begun) < known) | ((at - slanted) * np.sign(at - begun) >= known)))
 
     def legs(self, here: Array, there: Array) -> Array | None:
         """Return over which places (k, size) a way goes in touch; None where there is none."""
