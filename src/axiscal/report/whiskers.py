@@ -61,7 +61,7 @@ def _magnitudes(constants: list[ConstantSummary]) -> list[list[ConstantSummary]]
 def _scale(unit: str, constants: list[ConstantSummary]) -> UnitScale:
     reach = max(_reach(constant) for constant in constants) or 1.0
     step = _round_step(reach / 2.5)
-    ticks = [(_place(step * i, reach), short(step * i)) for i in range(-2, 3) if abs(step * i) <= reach]
+    ticks = [(_place(step * i, reach), short(step * i)) for i in (-2, 0, 2)]  # more would not fit a narrow screen
     return UnitScale(unit_text(unit), ticks, [_whisker(constant, reach) for constant in constants])
 
 
