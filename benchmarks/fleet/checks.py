@@ -35,7 +35,7 @@ moves = ["X", "Y", "Z"]
 reach = {{ X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"] }}
 approach = "both"
 """
-KEPT, TRIALS, COUNTS, EACH = 0.95, 300, (6, 8, 12), 10
+KEPT, TRIALS, COUNTS, EACH = 0.95, 200, (12, 8, 6), 10
 """Share that is kept; machines; readings of a check; readings of each set-up in the campaign before."""
 
 

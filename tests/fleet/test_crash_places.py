@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Inherited
 from axiscal.fleet.crash_places import _CrashRows, crashes, showing_crashes
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -53,3 +53,13 @@ def test_readings_that_would_not_show_a_scale_are_moved_until_they_do() -> None:
     assert np.ptp(after.poses[:, 0]) > 0.4
     assert _loss(case, after) < 0.5 * _loss(case, before)
     assert showing_crashes(case, Places.none(1)).poses.shape == (0, 1)
+
+
+def test_where_crashes_show_already_readings_stay_where_drifts_show_most() -> None:
+    described = slide()
+    stated = Case(described).errors.prior_covariance()
+    drifted = Case(described, Inherited(np.zeros(len(stated)), 0.19 * stated))
+    even = np.array([np.argmin(np.abs(drifted.lattice.poses[:, 0] - x)) for x in np.linspace(0.01, 0.49, 12)])
+    before = drifted.lattice.within(even)
+    assert _loss(drifted, before) < 0.02
+    assert sorted(showing_crashes(drifted, before).poses[:, 0]) == sorted(before.poses[:, 0])

@@ -21,6 +21,8 @@ _FAR = 3.0
 """Standard deviations as stated that a crash is off: nearer is no crash, and farther shows anyway."""
 _USUAL = 12.0
 """χ² of twelve readings of a machine in order: half or twice as much moves readings by little."""
+_WORTH = 0.02
+"""A reading moves for this much of one crash: where crashes show already it stays where drifts show most."""
 _ROUNDS = 4
 """Times that each reading may move; the third hardly moves one."""
 
@@ -53,19 +55,15 @@ def showing_crashes(case: Case, places: Places) -> Places:
         return places
     lattice = case.lattice.within(np.isin(case.lattice.setups, places.setups))
     candidates = _CrashRows(case, Places.joined([places, lattice]), looked_for)
-    chosen, before = list(range(len(places))), np.inf
+    chosen = list(range(len(places)))
     for _ in range(_ROUNDS):
         for turn in range(len(chosen)):
             others = chosen[:turn] + chosen[turn + 1 :]
             losses = candidates.losses(others)
             mine = candidates.places.setups == candidates.places.setups[chosen[turn]]
             best = int(np.argmin(np.where(mine, losses, np.inf)))
-            if losses[best] < losses[chosen[turn]] * (1 - 1e-9):
+            if losses[best] < losses[chosen[turn]] - _WORTH:
                 chosen[turn] = best
-        now = float(np.min(candidates.losses(chosen[1:])))
-        if now >= before * (1 - 1e-3):
-            break
-        before = now
     return _ordered(case, candidates.places.within(np.array(chosen, dtype=np.intp)))
 
 
