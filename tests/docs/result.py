@@ -107,6 +107,9 @@ class DepartureValue(Fields):
     bearable_um: float = Field(description="least promise that no more than 5 % of such would spoil unseen; 0: any")
     unit: str = Field(description="um or urad")
     counted: bool = Field(description="whether `defended_um` counts it")
+    odds: float | None = Field(description="against the model, by the readings; null: they were too few to be asked")
+    size_um: float | None = Field(description="what size they make it, in `unit`, of a drift in an hour")
+    words: str | None = Field(description="the same in words")
 
 
 class Warning(Fields):

@@ -89,6 +89,9 @@ DEPARTURE = {
     "bearable_um": 0.0,
     "unit": "um",
     "counted": True,
+    "odds": 12.5,
+    "size_um": 4.0,
+    "words": 'the zero of "laser" seems to drift by 4 ± 1 um in an hour',
 }
 SUMMARY = Summary(
     title="t",

@@ -32,8 +32,9 @@ from axiscal.measurement.place_texts import approach_text, direction_text, readi
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.stages import stage
-from axiscal.planning.vouched import vouched_of
+from axiscal.planning.vouched import Vouched, vouched_of
 from axiscal.planning.what_if import traditional
+from axiscal.report.contradictions import explaining
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions, counted_along, in_space
@@ -118,7 +119,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
         expanded=expanded,
-        vouched=vouched_of(estimation.case, defended(estimation)),
+        vouched=_vouched(estimation),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),
@@ -186,6 +187,11 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     standard = to_unit(ruling_of(estimation).standard, "um")
     along = counted_along(estimation.stated)
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard, along)
+
+
+def _vouched(estimation: Estimation) -> Vouched:
+    found = vouched_of(estimation.case, defended(estimation))
+    return replace(found, departures=explaining(found.departures, estimation))
 
 
 def _checks(found: Checks | None) -> CheckReadings | None:
