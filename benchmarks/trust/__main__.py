@@ -91,7 +91,8 @@ _CAUSES = """
 One axis of 1 m, curve 10 µm smooth over 200 mm, noise 0.5 µm, {readings} readings out and back at random places, one a
 minute, {machines} machines. *Said*: the readings contradict the model by odds of twenty to one, looked at after every
 reading; with nothing wrong that happens in at most one of twenty. *Right*: of these, the likeliest cause is the one
-that was put in. (`make trust PART=causes`)
+that was put in. A bad reading and a detail that one reading alone meets are the same to these readings, until there
+is another one at that place. (`make trust PART=causes`)
 
 | put in | said | right |
 |---|---|---|
