@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.planning.what_if import PLANNED, TRADITIONAL, Alternative
+from axiscal.report import sentences
 from axiscal.report.digits import numbers
 from axiscal.report.drawing.shown import shown
 from axiscal.report.drawing.svg_picture import Figure
@@ -34,7 +35,7 @@ def render(title: str, found: Sequence[Alternative], questions: Sequence[str] = 
 def figure(found: Sequence[Alternative]) -> Figure:
     """Return RMS against minutes of machine time, a line for each way."""
     drawn = [draw(each, colour(i, each)) for draw in (_trace, _end) for i, each in enumerate(found)]
-    y = axis_style("TCP standard deviation, RMS, µm", type="log")
+    y = axis_style("standard uncertainty, RMS, µm", type="log")
     x = axis_style("minutes of machine time", rangemode="tozero")
     return {
         "data": sorted(drawn, key=lambda trace: trace["line" if "line" in trace else "marker"]["color"] == _OURS),
@@ -55,9 +56,9 @@ def table_row(each: Alternative) -> dict[str, str | int]:
         "name": each.name,
         "readings": each.readings,
         "minutes": f"{to_unit(each.seconds[-1], 'min'):.1f}",
-        "rms": f"{to_unit(each.rms[-1], 'um'):.3g}",
-        "worst": f"{to_unit(each.worst[-1], 'um'):.3g}",
-        "bound": "" if each.bound is None else f"{to_unit(each.bound, 'um'):.3g}",
+        "rms": sentences.figure(to_unit(each.rms[-1], "um")),
+        "worst": sentences.figure(to_unit(each.worst[-1], "um")),
+        "bound": "" if each.bound is None else sentences.figure(to_unit(each.bound, "um")),
         "mounted": " · ".join(each.setups),
     }
 
