@@ -15,9 +15,10 @@ from tests.generators.laser_axis import CAMPAIGN, MACHINE, read
 from tests.generators.laser_axis import machine as laser_machine
 
 
-def test_squares_add_up_to_the_square_of_the_whole() -> None:
+@pytest.mark.parametrize("count", [2, 24])
+def test_squares_add_up_to_the_square_of_the_whole(count: int) -> None:
     case = mixed()
-    known = concluded(case, drawn(case))
+    known = concluded(case, drawn(case, count))
     sources = budget(known)
     assert {source.kind for source in sources} <= set(KINDS)
     total = np.sqrt(sum(source.rms**2 for source in sources))

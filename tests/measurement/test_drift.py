@@ -126,6 +126,7 @@ def test_a_stated_drift_is_found_and_the_bands_hold_which_they_do_not_without() 
         silent.append(_covered(_estimated(_description(STILL), readings), machine))
         (path,) = paths(known, drifting.setups[0])
         truth = np.array([machine.drifts["laser"](float(time))[0] for time in path.times])
+        assert path.prior[0] == 0.0 < path.prior[1]
         beyond.append((path.mean - truth + truth[0])[1:] / path.std[1:])
     assert np.mean(shares) > 0.91
     assert np.mean(silent) < 0.88

@@ -186,6 +186,13 @@ def test_a_longer_tool_at_spheres_is_found_or_within_what_is_promised(text: str,
     assert any("Measure the tool" in each.text for each in case.hidden) is not told
 
 
+def test_what_the_tool_hides_is_what_an_exactly_known_tool_would_show() -> None:
+    doubtful, exact = (Case(_at_spheres(_TABLE, tool)).yardstick.unseen_rms for tool in ("", 'tool_length = "0 um"\n'))
+    (said,) = (each for each in Case(_at_spheres(_TABLE, "")).hidden if "Measure the tool" in each.text)
+    assert said.effect == pytest.approx(np.sqrt(doubtful**2 - exact**2), rel=1e-6)
+    assert 0.1 * doubtful < said.effect < 0.999 * doubtful
+
+
 def _length_found(known: Estimation) -> tuple[float, float]:
     """Return mean and std of tool_z, m."""
     names = [unknown.name for unknown in known.case.observation.unknowns]
