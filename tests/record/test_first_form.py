@@ -66,6 +66,19 @@ def test_an_earlier_record_has_the_same_name_before_and_after_it_goes_on(tmp_pat
         assert values(record.events()) == [*LEFT, 1e-6]
 
 
+@pytest.mark.parametrize("write", [False, True])
+def test_a_log_of_another_state_beside_an_earlier_record_takes_nothing_back(write: bool, tmp_path: Path) -> None:
+    path = earlier("closed.axiscal", tmp_path)
+    log = earlier("left.axiscal", tmp_path).with_name("left.axiscal-wal").rename(tmp_path / "closed.axiscal-wal")
+    before = path.read_bytes()
+    with pytest.raises(RecordError, match=r"damaged: closed\.axiscal-wal beside it is of another state.*move it away"):
+        Record.open(path, write=write)
+    assert (path.read_bytes(), log.exists()) == (before, True)
+    log.unlink()
+    with Record.open(path, write=write) as record:
+        assert set(CLOSED) <= set(values(record.events()))
+
+
 def test_an_impossible_entry_of_an_earlier_record_is_named(tmp_path: Path) -> None:
     path = earlier("closed.axiscal", tmp_path)
     database = sqlite3.connect(path)

@@ -26,13 +26,33 @@ def logs_beside(path: Path) -> tuple[Path, ...]:
 def first_events(path: Path) -> tuple[Stored, ...]:
     """Return all events of a record of the first form, those of a log beside it included; nothing there is touched.
 
-    Raises DamageError, OSError.
+    Raises DamageError, also where the log is of another state of the record: one only adds to what was there. OSError.
     """
     try:
-        with _still(path) as address, closing(sqlite3.connect(address, uri=True)) as connection:
-            return tuple(_events(connection))
+        with _still(path) as address:
+            events = _events_at(address)
     except sqlite3.Error as error:
         raise DamageError(str(error)) from error
+    for log in logs_beside(path):
+        if log.exists() and events[: len(alone := _events_alone(path))] != alone:
+            raise DamageError(f"{log.name} beside it is of another state of it and takes entries back; move it away")
+    return events
+
+
+def _events_alone(path: Path) -> tuple[Stored, ...]:
+    """Return what the file holds without a log; nothing where it cannot be read without it."""
+    with contextlib.suppress(sqlite3.Error, DamageError):
+        return _events_at(_alone(path))
+    return ()
+
+
+def _events_at(address: str) -> tuple[Stored, ...]:
+    with closing(sqlite3.connect(address, uri=True)) as connection:
+        return tuple(_events(connection))
+
+
+def _alone(path: Path) -> str:
+    return f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
 
 
 @contextlib.contextmanager
@@ -40,7 +60,7 @@ def _still(path: Path) -> Iterator[str]:
     """Yield the address of a database that can be read without writing: the file itself, or with logs a copy of all."""
     logs = [log for log in logs_beside(path) if log.exists()]
     if not logs:
-        yield f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+        yield _alone(path)
         return
     with tempfile.TemporaryDirectory(prefix="axiscal-") as folder:
         for each in (path, *logs):
