@@ -57,11 +57,14 @@ def main(words: Sequence[str]) -> int:
     )
     parser.add_argument("--again", action="store_true", help="also what was tried on these sources before")
     parser.add_argument("--minutes", type=float, default=math.inf, help="no new row is begun after so many")
+    parser.add_argument("--row", type=int, action="append", help="only this row of the table, from 1")
     parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
     args = parser.parse_args(words)
     print("| what was tried | how many | lost | |\n|---|---|---|---|", flush=True)
     begin, lost, kept = time.monotonic(), 0, Kept("reliability-long" if args.long else "reliability")
     for number, tried in enumerate(trials(args.long, args.python)):
+        if args.row and number + 1 not in args.row:
+            continue
         if time.monotonic() - begin > 60 * args.minutes:
             print("The same command goes on here.", flush=True)
             break
