@@ -7,11 +7,13 @@ import re
 import numpy as np
 import pytest
 
+from axiscal.estimation import mirrors
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.progressed import mode
 from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.progressive.polish import Optimum
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
@@ -91,3 +93,13 @@ def test_the_second_order_of_each_number_is_that_of_its_tracer() -> None:
     expected = BentReadings(apart, same).second_order(apart.prior.mean, apart.prior.factor)
     np.testing.assert_allclose(found, expected, rtol=1e-10)
     assert re.fullmatch(r"zero_\d", case.description.setups[0].unknowns[0].name)
+
+
+def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:
+    case = at_once("300 mm", "100 mm")
+    here, there = np.zeros(case.observation.size), np.zeros(case.observation.size)
+    there[list(case.station_columns(0)[2])] = 0.1, 0.0, -0.2
+    x, y, z = (1e3 * each for each in case.description.setups[0].standing[2])
+    said = mirrors._ambiguity(case, 0, 2, Optimum(here, 1.0), Optimum(there, 2.0)).what
+    assert said.startswith('station 3 of "')
+    assert f"as well at ({x:.1f}, {y:.1f}, {z:.1f}) mm as at ({x + 100:.1f}, {y:.1f}, {z - 200:.1f}) mm" in said
