@@ -60,7 +60,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--row", type=int, action="append", help="only this row of the table, from 1")
     parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
     args = parser.parse_args(words)
-    print("| what was tried | how many | lost | |\n|---|---|---|---|", flush=True)
+    print("| row | what was tried | how many | lost | |\n|---|---|---|---|---|", flush=True)
     begin, lost, kept = time.monotonic(), 0, Kept("reliability-long" if args.long else "reliability")
     for number, tried in enumerate(trials(args.long, args.python)):
         if args.row and number + 1 not in args.row:
@@ -72,7 +72,7 @@ def main(words: Sequence[str]) -> int:
         found = find() if args.again or not args.long else kept.get(f"{number} {args.python}", find)
         trial = Trial(**found)
         lost += trial.lost
-        print(f"| {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)
+        print(f"| {number + 1} | {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)
     print(f"\n{time.monotonic() - begin:.0f} s", flush=True)
     return 1 if lost else 0
 
