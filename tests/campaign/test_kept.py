@@ -16,10 +16,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import standing
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.estimation import case, estimate
+from axiscal.estimation import estimate
 from axiscal.estimation.case import Case
 from axiscal.estimation.deciding import FEWEST, contest
-from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
 from axiscal.estimation.watching import watched_so_far
@@ -205,22 +204,6 @@ def test_few_readings_leave_no_file(tmp_path: Path) -> None:
         campaign.adopt(_readings(description, kept.FEWEST - 1))
         campaign.known()
     assert not kept.kept_beside(path).exists()
-
-
-def test_how_the_volume_is_measured_is_found_once_before_the_first_reading(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    description, path = _described(tmp_path), tmp_path / "c.axiscal"
-    with Campaign.create(path, description) as campaign:
-        first = campaign.known()
-    content = kept.kept_beside(path).read_bytes()
-    expected = estimated(first.stated, _readings(description, 3)).accuracy
-    monkeypatch.setattr(case, "volume_moments", None)  # made no more
-    _same(_known(path), first)
-    with Campaign.open(path) as campaign:
-        campaign.adopt(_readings(description, 3))
-        np.testing.assert_allclose(campaign.known().accuracy, expected, rtol=1e-9)
-    assert kept.kept_beside(path).read_bytes() == content
 
 
 def test_whether_causes_compete_is_not_asked_of_the_first_readings(

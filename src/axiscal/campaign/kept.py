@@ -44,7 +44,7 @@ from axiscal.record.events import Event, Stored
 from axiscal.record.payload import encode
 
 FEWEST = 64
-"""Of fewer readings all is found anew in little time, from what is kept of none: it holds how accuracy is measured."""
+"""Of fewer readings all is found anew in less time than a file would save."""
 _EVERY = 32
 """So many readings later it is kept anew: taking them in again is quick."""
 _TITLE = b"axiscal known 1\n"
@@ -91,13 +91,15 @@ class Kept:
     """What is known of one campaign, beside its record.  first : its first event, which holds the description"""
 
     def __init__(self, record: Path, first: Stored) -> None:
-        self._record, self._first, self._count = record, first, -1
+        self._record, self._first, self._count = record, first, 0
         self._answers: dict[str, object] | None = None
         self._readings: tuple[Reading, ...] = ()
         self._found = False
 
     def recalled(self, readings: Sequence[Reading]) -> Estimation | None:
         """Return what the first of the readings made known; None where nothing was kept, or of other readings."""
+        if len(readings) < FEWEST:
+            return None
         found = _read(kept_beside(self._record), _key(self._first.event))
         if not isinstance(found, Estimation) or not _begins(found, readings):
             return None
@@ -107,8 +109,7 @@ class Kept:
     def keep(self, known: Estimation) -> None:
         """Write what is known where it has grown by enough; where the folder takes no file it is not kept."""
         count = len(known.readings)
-        grown = count - self._count >= _EVERY or count < self._count
-        if not ((count >= FEWEST and grown) or (count == 0 and self._count < 0)) or not self._record.exists():
+        if count < FEWEST or 0 <= count - self._count < _EVERY or not self._record.exists():
             return  # a record on a server has no place beside it
         self._count = count
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
