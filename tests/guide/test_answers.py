@@ -75,6 +75,28 @@ def test_three_values_stand_in_one_line(text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "0.0012 -0.0004 0.0008 mm",
+        "1.2um,-0.4um,0.8um",
+        "0.0012 -4e-4 8e-4 mm",
+        "0.0012 mm, -0.0004 mm, 0.0008 mm",
+        "1.2; -0.4; 0.8 um",
+    ],
+)
+def test_a_unit_after_the_last_of_three_is_of_all(text: str) -> None:
+    typed = answer(text, NEST)
+    assert isinstance(typed, Value)
+    np.testing.assert_allclose(typed.values, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["0.0012 mm -0.4 0.8", "1.2 -0.0004 mm 0.0008 mm", "1.2 -0.4 mm 0.8"])
+def test_units_of_some_values_are_refused(text: str) -> None:
+    with pytest.raises(AxiscalError, match="a unit for some of its values"):
+        answer(text, NEST)
+
+
+@pytest.mark.parametrize(
     ("text", "word"),
     [
         ("", Word("show")),

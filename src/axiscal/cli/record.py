@@ -16,10 +16,11 @@ from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.exceptions import RecordError
+from axiscal.guide.answers import value_texts
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
-from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.units import format_quantity, parse_quantity, to_unit
@@ -28,7 +29,8 @@ from axiscal.units import format_quantity, parse_quantity, to_unit
 def record(
     record: RecordFile,
     value: Annotated[
-        list[str] | None, typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".')
+        list[str] | None,
+        typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".'),
     ] = None,
     std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
     skip: Annotated[str | None, typer.Option(metavar="REASON", help="The reading cannot be taken, and why.")] = None,
@@ -58,6 +60,7 @@ def record(
       axiscal record mill.axiscal 2.1um --std 0.2um
       axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
       axiscal record mill.axiscal "0.4 um" --next
+      axiscal record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
       axiscal record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
       axiscal record mill.axiscal --skip "the beam is blocked here"
       axiscal record mill.axiscal --leave "the laser has to go back"
@@ -167,8 +170,7 @@ def _keep(
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
     mounted = campaign.description.setup(place.setup)
     dimension = INSTRUMENTS[mounted.instrument].reads
-    parts = [part.strip() for part in text.split(",")] if values_of(mounted) > 1 else [text]
-    value, *others = (parse_quantity(part, dimension) for part in parts)
+    value, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
     spread = None if std is None else parse_quantity(std, dimension)
     return campaign.record(value, spread, at=place, accepted=accept, others=tuple(others))
 

@@ -13,10 +13,10 @@ from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.units import from_unit, parse_quantity
+from axiscal.units import parse_quantity
 
-_PLAIN = re.compile(r"[+−-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)")
-_SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|\s+(?=[+−-]?[.,]?[0-9])")
+_PLAIN = re.compile(r"[+−-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
+_SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|(?<=[^\W\d]),|\s+(?=[+−-]?[.,]?[0-9])")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,25 +62,32 @@ def answer(text: str, setup: Setup) -> Value | Word:
     if word[0].isalpha():
         what = said('"{text}" is no reading and no word known here', text=text.strip())
         raise ReadingError(what, said("Type ? for what can be typed"))
-    return Value(_values(text.strip(), setup))
+    return Value(np.array([_value(part, setup) for part in value_texts(text.strip(), setup)]))
 
 
-def _values(text: str, setup: Setup) -> Array:
+def value_texts(text: str, setup: Setup) -> list[str]:
+    """Return the texts of the values of a reading; a unit after the last alone is of all. Raises ReadingError."""
     count = values_of(setup)
-    parts = _SEVERAL.split(text) if count > 1 else [text]
+    parts = _SEVERAL.split(text.strip()) if count > 1 else [text]
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))
         what = said('"{text}" is {given}, and the instrument gives {count}', text=text, given=given, count=count)
-        raise ReadingError(what, said("Type them in one line, as in {example}", example="1.2 -0.4 0.8"))
-    return np.array([_value(part, setup) for part in parts])
+        raise ReadingError(what, said("Type them in one line, as in {example}", example="1.2 -0.4 0.8 um"))
+    numbers = [_PLAIN.match(part) for part in parts]
+    bare = [number is not None and number.end() == len(part) for part, number in zip(parts, numbers, strict=True)]
+    if all(bare[:-1]) and (last := numbers[-1]) is not None:
+        unit = parts[-1][last.end() :]
+        return [*(part + unit for part in parts[:-1]), parts[-1]]
+    if any(bare):
+        what = said('"{text}" has a unit for some of its values', text=text)
+        raise ReadingError(what, said("Give one unit after the last, or one for each"))
+    return parts
 
 
 def _value(text: str, setup: Setup) -> float:
+    dimension = INSTRUMENTS[setup.instrument].reads
     number = _PLAIN.match(text)
-    unit = "" if number is None else text[number.end() :].strip()
     if number is None:
-        return parse_quantity(text, INSTRUMENTS[setup.instrument].reads)
+        return parse_quantity(text, dimension)
     plain = number[0].replace(",", ".").replace("−", "-")
-    if not unit:
-        return float(from_unit(float(plain), reading_unit(setup)))
-    return parse_quantity(plain + text[number.end() :], INSTRUMENTS[setup.instrument].reads)
+    return parse_quantity(plain + (text[number.end() :].strip() or reading_unit(setup)), dimension)
