@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event, Thread
 
 import pytest
 
@@ -331,6 +332,33 @@ def test_of_two_that_know_the_same_one_question_keeps_one_and_behind_nothing_kno
     assert log.append(READING) == 5
     assert other.append(READING) == 6
     assert [stored.number for stored in log.events()] == [1, 2, 3, 4, 5, 6]
+    other.close()
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
+    known: bool, log: ServerLog, database: Database, address: str
+) -> None:
+    other, begun = Database(store_address(address)), Event()
+
+    def done_later(query: str, values: dict[str, object]) -> None:
+        with other.transaction(log.entry.id):
+            other.rows(query, **values)
+            begun.set()
+            time.sleep(0.5)  # a look in the meantime finds nothing
+
+    def unheard(query: str, **values: object) -> bool:
+        doing = Thread(target=done_later, args=(query, values))
+        doing.start()
+        assert begun.wait(20.0)
+        raise UnreachableError("The store does not answer", "Give the command again", "store")
+
+    database.at_once = unheard  # type: ignore[method-assign]
+    try:
+        assert log.append(READING, READING, after=3 if known else None) == 5
+    finally:
+        del database.at_once
+    assert log.last() == 5
     other.close()
 
 

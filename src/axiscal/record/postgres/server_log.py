@@ -114,10 +114,21 @@ class ServerLog(Closing):
         """Keep events as they were written elsewhere, in one transaction; else as `append`."""
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
-        if last := self._kept_at_once(rows, after):
-            return last
+        return self._kept_at_once(rows, after) or self._kept_after_a_look(rows, after)
+
+    def _kept_after_a_look(
+        self, rows: Sequence[EventText], after: int | None, asked: Sequence[ChainedText] = ()
+    ) -> int:
+        """Keep events behind what is there by now and return the number of the last one.
+
+        asked : the same, as the server went away with them: behind the lock they are there by now or never
+        """
+        known = len(self._texts)
         with self._database.transaction(self.entry.id):
             self._catch_up()
+            there = self._texts[known : known + len(asked)]
+            if asked and [(each.row.at, each.chain) for each in there] == [(e.row.at, e.chain) for e in asked]:
+                return known + len(asked)
             refuse_overtaken(len(self._texts), after, self.path)
             story = self._story.then(rows, self.path)
             texts = self._behind(rows)
@@ -148,23 +159,16 @@ class ServerLog(Closing):
         except OvertakenError:
             return None
         except UnreachableError as failure:
-            return known + len(texts) if self._found(texts, failure) else None
+            try:
+                return self._kept_after_a_look(rows, after, texts)
+            except UnreachableError:
+                raise not_known(failure) from None
         except RecordError:
             self._catch_up()  # where the store is damaged that is what is said
             raise
         self._texts += texts
         self._story = story
         return known + len(texts)
-
-    def _found(self, texts: Sequence[ChainedText], failure: RecordError) -> bool:
-        """Whether the server has events after all that it went away with, by their contents and their times."""
-        known = len(self._texts)
-        try:
-            self._catch_up()
-        except UnreachableError:
-            raise not_known(failure) from None
-        there = self._texts[known : known + len(texts)]
-        return [(each.row.at, each.chain) for each in there] == [(each.row.at, each.chain) for each in texts]
 
     def last(self) -> int:
         """Return the number of the last event."""
