@@ -1,6 +1,7 @@
 """What the tables of a control leave of what a campaign found, for the years after it.
 
-A table holds what its control can hold. Over the volume, less one shift of everything, with ℓ what is left on the day
+A table holds what its control can hold. Over the volume, in the directions that count, less one shift of everything
+and what probing the part takes off, with ℓ what is left on the day
 of the campaign, k the mean of errors that age and f that of errors that were renewed, both less what never changes,
 what is left later is ℓ - (1 - ρ) k - f; its mean square needs the six products of the three alone.
 """
@@ -36,13 +37,14 @@ def products_left(known: Estimation, controller: str, renewed: NDArray[np.bool_]
     estimate = known.estimate()
     poses, approaches = spread_poses(estimate)
     rows, moving = estimate.model.rows(poses, approaches), estimate.mean - stays
-    fields = np.array(
-        [
-            left_by(estimate.machine, estimate.deviation, control, poses, approaches),
-            rows @ (moving * ~renewed),
-            rows @ (moving * renewed),
-        ]
-    )
-    centred = fields - fields.mean(axis=1, keepdims=True)
+    fields = [
+        left_by(estimate.machine, estimate.deviation, control, poses, approaches),
+        rows @ (moving * ~renewed),
+        rows @ (moving * renewed),
+    ]
+    alignment, counted = known.case.yardstick.alignment, list(known.case.yardstick.counted)
+    if alignment is not None:
+        fields = [alignment.left(poses, each) for each in fields]
+    centred = np.array([each - each.mean(axis=0) for each in fields])[..., counted]
     products: Array = np.einsum("apc,bpc->ab", centred, centred) / len(poses)
     return products
