@@ -1,9 +1,9 @@
 """What the tables of a control leave of what a campaign found, for the years after it.
 
 A table holds what its control can hold. Over the volume, in the directions that count, less one shift of everything
-and what probing the part takes off, with ℓ what is left on the day
-of the campaign, k the mean of errors that age and f that of errors that were renewed, both less what never changes,
-what is left later is ℓ - (1 - ρ) k - f; its mean square needs the six products of the three alone.
+and what probing the part takes off, with ℓ what is left on the day of the campaign, k the mean of errors that age and
+f that of errors that were renewed, both less what never changes, what is left later is ℓ - (1 - ρ) k - f; its mean
+square needs the six products of the three alone.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from axiscal.gcode.gliding import Driver
 from axiscal.gcode.steps import Arrival, Halt, Remark, Step, dwells
 from axiscal.gcode.targets import ReadingTarget
 from axiscal.gcode.touching_ways import Ways
+from axiscal.measurement.charts.arrivals import begun
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import sides_of
@@ -32,7 +33,7 @@ class InTouch:
         poses, approaches = (np.array([getattr(place, key) for _, place in readings]) for key in ("pose", "approach"))
         there = self._ways.chart.places(poses)
         sides = sides_of(self._ways.chart, there, approaches)
-        standing = self._ways.begun(there[:1], sides[:1])[0]
+        standing = begun(self._ways.chart, there[:1], sides[:1])[0]
         yield from self._start(standing)
         for (number, place), at, side in zip(readings, there, sides, strict=True):
             for stop in self._stops(standing, at, side):
@@ -59,7 +60,7 @@ class InTouch:
         straight = self._ways.legs(standing, there)
         if straight is not None and len(straight) == 2 and self._ways.comes_right(standing, there, side):
             return [there]
-        return [self._ways.begun(there[None], side[None])[0], there]
+        return [begun(self._ways.chart, there[None], side[None])[0], there]
 
     def _way(self, here: Array, there: Array) -> Iterator[Step]:
         """Yield a way in touch; where there is none the tool goes off, and comes back."""

@@ -12,7 +12,7 @@ from axiscal.gcode.kept_out import KeptOut
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
-from axiscal.measurement.charts.arrivals import KNOWN
+from axiscal.measurement.charts.arrivals import KNOWN, begun
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
@@ -49,11 +49,6 @@ class Ways:
         self._kept = KeptOut(self._room)
         self._ends = [chart.bounds(number) for number in range(chart.size)]
 
-    def begun(self, places: Array, sides: Array) -> Array:
-        """Return where the ways into places begin.  places, sides : (m, size)"""
-        begin: Array = places - sides * np.array([end.overrun for end in self._ends])
-        return begin
-
     def comes_right(self, here: Array, there: Array, side: Array) -> bool:
         """Whether a straight way comes from the right side over the whole overrun, and so do the axes that follow.
 
@@ -63,9 +58,10 @@ class Ways:
         if not np.all(~asked | (gone * side >= overrun - _SLACK)):
             return False
         last = float(np.max(overrun[asked] / np.abs(gone[asked]), initial=0.0))
-        at, slanted, begun = self.chart.poses(np.stack([there, there - last * gone, there - side * overrun]))
+        start = begun(self.chart, there[None], side[None])
+        at, slanted, begin = self.chart.poses(np.vstack([there, there - last * gone, start]))
         known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
-        return bool(np.all((np.abs(at - begun) < known) | ((at - slanted) * np.sign(at - begun) >= known)))
+        return bool(np.all((np.abs(at - begin) < known) | ((at - slanted) * np.sign(at - begin) >= known)))
 
     def legs(self, here: Array, there: Array) -> Array | None:
         """Return over which places (k, size) a way goes in touch; None where there is none."""
