@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
+from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case, Inherited
 from axiscal.fleet.crash_places import _CrashRows, crashes, showing_crashes
+from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from tests.generators.campaigns import mixed
-from tests.generators.sisters import slide
+from tests.generators.sisters import MACHINE, slide
+
+SECOND = """[axes.U]
+travel = ["0 mm", "100 mm"]
+[errors]
+EXU = { std = "5 um", knots = 4, length = "50 mm" }
+EYU = { std = "5 um", knots = 4, length = "50 mm" }
+"""
 
 
 def _loss(case: Case, places: Places) -> float:
@@ -53,6 +62,14 @@ def test_readings_that_would_not_show_a_scale_are_moved_until_they_do() -> None:
     assert np.ptp(after.poses[:, 0]) > 0.4
     assert _loss(case, after) < 0.5 * _loss(case, before)
     assert showing_crashes(case, Places.none(1)).poses.shape == (0, 1)
+
+
+def test_the_scale_of_a_second_slide_along_one_direction_is_looked_for_too() -> None:
+    machine = MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND)
+    errors = ErrorModel(machine_from_text(machine))
+    columns = {term.name: term.columns for term in errors.terms}
+    shown = [{name for name, own in columns.items() if np.any(each[own])} for each in crashes(errors)]
+    assert sorted(map(list, shown)) == [["EXU"], ["EXX"]]
 
 
 def test_where_crashes_show_already_readings_stay_where_drifts_show_most() -> None:

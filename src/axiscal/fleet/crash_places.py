@@ -35,9 +35,7 @@ def crashes(errors: ErrorModel) -> Array:
         along = np.zeros(errors.size)
         if term.kind == "location":
             along[term.columns] = std
-        elif (
-            term.kind == "motion" and term.name[1:2] == errors.machine.axes[term.axes[0]].letter and len(term.axes) == 1
-        ):
+        elif any(term.name == errors.machine.axes[axis].positioning_error for axis in term.axes):
             along[term.columns] = np.linspace(-std, std, term.columns.stop - term.columns.start)
         else:
             continue
