@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -133,3 +135,18 @@ def test_the_second_derivative_is_that_of_the_slope(inherited: bool) -> None:
     found = evidence.curvature(at)
     assert found == pytest.approx(naive, abs=3e-6 * np.abs(naive).max())
     assert found == pytest.approx(found.T)
+
+
+def test_readings_that_see_no_error_leave_sizes_as_stated() -> None:
+    """Nothing of this mill moves along y, where a slip of a finger may put an indicator."""
+    machine, rng = machine_from_text(MILL), np.random.default_rng(6)
+    blind = replace(_setups()[0], name="y", direction=(0.0, 1.0, 0.0))
+    observation = Observation(ErrorModel(machine), (blind,))
+    readings = [Reading("y", (x, -0.1), (1, 1), 1e-6 * rng.standard_normal()) for x in (0.1, 0.2, 0.3)]
+    scales = all_scales(machine, observation.setups)
+    evidence, still = Evidence(observation, readings, scales), np.array([scale.kind != "noise" for scale in scales])
+    at = np.zeros(len(scales))
+    assert np.all(evidence.log_density(at)[1][still] == 0)
+    assert np.all(evidence.curvature(at)[still] == 0)
+    found = fit(observation, readings, scales)
+    assert np.array(found.scales.factors)[still] == pytest.approx(1.0)

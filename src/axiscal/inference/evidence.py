@@ -212,7 +212,7 @@ class Evidence:
 
     def _inner(self, pull: Array) -> list[Array]:
         """Return Gᵀ pull G of every error that shows in the readings, each (k, k)."""
-        if all(kind in ("rest", "noise") for kind, _ in self._index):
+        if not self._parts or all(kind in ("rest", "noise") for kind, _ in self._index):
             return [np.zeros((0, 0))] * len(self._parts)
         cuts = np.cumsum([part.rows.shape[1] for part in self._parts])[:-1]
         pulled = np.split(pull @ self._shown, cuts, axis=1)
