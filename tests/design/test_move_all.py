@@ -11,7 +11,7 @@ from scipy.optimize import approx_fprime
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.plan.move_all import _free, _value, moved
-from axiscal.design.plan.task import Task
+from axiscal.design.plan.task import Limits, Task
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
@@ -21,8 +21,28 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
+from axiscal.planning.proposal import proposed
 from tests.generators.designs import levered, problem, random_poses, splines
 from tests.generators.kinematics import in_travel, tip
+
+TABLE = """name = "table"
+chain = "w-C'-b-t"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[errors]
+ECC = { std = "20 urad", knots = 8, length = "90 deg" }
+"""
+ALONE = """machine = "m.toml"
+[target]
+rms = "2 um"
+[[setups]]
+name = "table"
+instrument = "autocollimator"
+direction = "z"
+moves = ["C"]
+noise = "0.5 urad"
+unknowns = { zero = "100 urad" }
+"""
 
 
 def drawn(asked: Task, seed: int, count: int) -> Places:
@@ -42,6 +62,14 @@ def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
     np.testing.assert_array_equal(found.approaches, places.approaches)
     for axis, at in zip(asked.observation.machine.axes, found.poses.T, strict=True):
         assert np.all((axis.travel[0] <= at) & (at <= axis.travel[1]))
+
+
+def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_stay() -> None:
+    """A table read alone: its tool point lies on its axis, and nothing that it does counts."""
+    table = campaign_from_texts(ALONE, "c.toml", TABLE, "m.toml")
+    plan = proposed(Case(table), Limits(4)).plan
+    assert len(plan.places) == 4
+    assert plan.accuracy.rms == 0
 
 
 def test_seven_readings_on_seven_knots_find_their_places() -> None:

@@ -69,7 +69,7 @@ def moved(state: Covariance, places: Places) -> Places:
     state : before the first.  Coordinates on a raster stay; what leaves what its chart can give goes back.
     """
     free = _free(state, places)
-    if not len(free.reading):
+    if not len(free.reading) or not np.any(state.weighted):  # or the tool point moves by no error
         return places
     span = free.high - free.low
 
