@@ -453,7 +453,8 @@ def test_a_positioning_test_is_evaluated(axiscal: Command, tmp_path: Path) -> No
     ("row", "says"),
     [
         ("lazer,0,X+,1", 'no set-up "lazer"'),
-        ("laser,1e6,X+,1", "outside the travel"),
+        ("laser,1e6,X+,1", "too large for a machine"),
+        ("laser,1e5,X+,1", "outside the travel"),
         ("laser,-1,X+,1", "outside the travel"),
         ("laser,0,Y+,1", 'no axis "Y"'),
         ("laser,,X+,1", "X moves in the set-up"),

@@ -148,8 +148,10 @@ def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, c
     root = np.sqrt(hats.weights)[:, None]
     naive = np.linalg.lstsq(root * shapes, root * curves, rcond=None)[0]
     naive = np.vstack([naive, naive[:1]]) if closed else naive
-    assert hats.best(curves) == pytest.approx(naive, rel=1e-6, abs=1e-8 * np.abs(naive).max())
-    assert hats.best(curves[:, 0]) == pytest.approx(hats.best(curves)[:, 0], rel=1e-12)
+    # A sliver of a hat inside the bounds is held by little, so its value keeps half of the digits.
+    rounding = 1e-8 * np.abs(naive).max()
+    assert hats.best(curves) == pytest.approx(naive, rel=1e-6, abs=rounding)
+    assert hats.best(curves[:, 0]) == pytest.approx(hats.best(curves)[:, 0], rel=1e-6, abs=rounding)
 
 
 @given(st.integers(0, 10**6))
