@@ -114,7 +114,7 @@ def test_three_values_are_recorded_and_kept(tmp_path: Path, capsys: pytest.Captu
     Campaign.create(record, _description('instrument = "rtest"')).close()
     place = ["--at", "X=100 mm Y=200 mm Z=50 mm", "--setup", "0"]
     assert run(["record", str(record), "1 um, 2 um", *place]) == 1
-    assert "gives 3 values, not 2" in capsys.readouterr().err
+    assert "is 2 values, and the instrument gives 3" in capsys.readouterr().err
     assert run(["record", str(record), "1 um, 2 um, -3 um", *place]) == 0
     with Campaign.open(record) as campaign:
         assert campaign.state.readings[-1].values == pytest.approx((1e-6, 2e-6, -3e-6))

@@ -72,7 +72,10 @@ def value_texts(text: str, setup: Setup) -> list[str]:
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))
         what = said('"{text}" is {given}, and the instrument gives {count}', text=text, given=given, count=count)
-        raise ReadingError(what, said("Type them in one line, as in {example}", example="1.2 -0.4 0.8 um"))
+        example = " ".join(("1.2", "-0.4", "0.8", "0.3")[:count]) + " um"
+        if setup.stations:
+            raise ReadingError(what, said("Type one from each station in its order, as in {example}", example=example))
+        raise ReadingError(what, said("Type those along x, y and z, as in {example}", example=example))
     numbers = [_PLAIN.match(part) for part in parts]
     bare = [number is not None and number.end() == len(part) for part, number in zip(parts, numbers, strict=True)]
     if all(bare[:-1]) and (last := numbers[-1]) is not None:
