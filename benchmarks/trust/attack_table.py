@@ -140,9 +140,12 @@ def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
         for cell in CELLS
         if "sign" not in attack.words
     ]
-    reached = sum(silent <= _GOAL * machines for _, _, silent in cells)
+    reached = sum(each <= _GOAL * machines for _, _, each in cells)
     yield ""
     yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of silent machines."
+    silent, tried = sum(each for _, _, each in cells), len(cells) * machines
+    low, high = limits(silent, tried)
+    yield f"Over all of them {silent} of {tried} machines are silent, {silent / tried:.1%} ({low:.1%}–{high:.1%})."
     yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
     yield from _missed(cells, machines)
 
