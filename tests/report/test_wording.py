@@ -19,11 +19,12 @@ from axiscal.report.sentences import (
     duration,
     figure,
     iso_name,
+    position_heading,
     quantity,
     short,
     target_text,
 )
-from axiscal.report.summary import ConstantSummary, CurveSummary
+from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow
 from axiscal.report.whiskers import scales
 
 
@@ -138,3 +139,13 @@ def test_a_scale_has_two_ticks_at_least(low: float, high: float, count: int) -> 
     ticks = PixelScale(low, high, 0.0, 100.0).ticks(count)
     assert 2 <= len(ticks) <= 7
     assert all(0.0 <= at <= 100.0 for at, _ in ticks)
+
+
+@pytest.mark.parametrize(
+    ("axes", "said_above"),
+    [("XY", "position, mm"), ("C", "position, °"), ("XC", "position, mm and °"), ("", "position, mm")],
+)
+def test_the_heading_of_positions_has_the_units_that_occur(axes: str, said_above: str) -> None:
+    place = dict.fromkeys(axes, 1.0) or None
+    rows = [HistoryRow(n, "a", where, 1.0, 0, 1, 9.0, 9.0, 3.0) for n, where in enumerate((None, place))]
+    assert position_heading(rows) == said_above

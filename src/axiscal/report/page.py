@@ -29,6 +29,7 @@ _FILTERS = {
     "left_out_words": sentences.left_out_words,
     "values_text": sentences.values_text,
     "position": sentences.position_text,
+    "position_heading": sentences.position_heading,
     "standardised": sentences.standardised,
     "spelt": sentences.spelt,
     "curve_note": sentences.curve_note,

@@ -34,6 +34,7 @@ from axiscal.report.sentences import (
     occasion,
     of_read_setups,
     percent,
+    position_heading,
     position_text,
     quantity,
     residual_words,
@@ -156,6 +157,7 @@ class _Document:
             ],
             "readings": [_reading_row(row) for row in readings.rows],
             "other_readings": readings.words,
+            "position_heading": position_heading(readings.rows),
         }
 
     def _pictures(self) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.language.spoken import counted, decimals, joined, said
@@ -202,6 +202,14 @@ def approach_words(row: HistoryRow) -> str:
 def position_text(position: Position | None) -> str:
     """Return {"X": 120.0, "B": 30.0} as "X 120 · B 30"."""
     return "–" if position is None else " · ".join(f"{axis} {coordinate(v)}" for axis, v in position.items())
+
+
+def position_heading(rows: Iterable[HistoryRow]) -> str:
+    """Return what stands above positions, with the units that occur: of linear axes, of rotary ones or of both."""
+    units = {axis_unit(axis) for row in rows for axis in row.position or ()}
+    if units == {"deg"}:
+        return said("position, °")
+    return said("position, mm and °") if "deg" in units else said("position, mm")
 
 
 def coordinate(value: float) -> str:
