@@ -9,6 +9,7 @@ is no manifest, there is no set, and whoever writes there next brings it to its 
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -16,7 +17,7 @@ import re
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from axiscal.record.durable import exchanged, is_running, sync_folder, written
 from axiscal.report.summary import RecordState
@@ -25,6 +26,7 @@ RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
 _RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "report.pdf", "data", "certificate.xml", "tables"}
 _BEFORE = "before.json"
+_SCHEMA = "axiscal-manifest/1"
 _STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 
 
@@ -44,6 +46,8 @@ def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None)
         staging.mkdir()
     try:
         yield staging
+        if not whole:
+            _refuse_what_blocks(staging, folder)
         _sync_all(staging)
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
@@ -73,7 +77,7 @@ def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str
     """Write what a set consists of: state of the record, programs, the SHA-256 of every file; raises OSError."""
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".axiscal")
     document = {
-        "schema": "axiscal-manifest/1",
+        "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
         "versions": dict(sorted(versions.items())),
         "files": {path.relative_to(folder).as_posix(): _hash(path) for path in files},
@@ -92,18 +96,35 @@ def _holds_nothing_else(folder: Path, manifest: str) -> bool:
     real, here = folder.resolve(), Path.cwd()
     if folder.is_symlink() or os.path.ismount(real) or real == here or real in here.parents:
         return False
-    names = {path.name for path in folder.iterdir()}
-    own = _RESULTS if manifest == MANIFEST else _listed(folder / manifest) | {manifest}
-    return names <= own and os.access(real.parent, os.W_OK)
+    own = _listed(folder / manifest) | {manifest} | ({RECORD} if manifest == MANIFEST else set())
+    first = {PurePosixPath(name).parts[0] for name in own}
+    alone = all(path.name in first for path in folder.iterdir()) and set(_files(folder)) <= own
+    return alone and os.access(real.parent, os.W_OK)
+
+
+def _files(folder: Path) -> list[str]:
+    """Return the names of all files below a folder, links to folders among them."""
+    found = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return sorted(path.relative_to(folder).as_posix() for path in found)
 
 
 def _listed(manifest: Path) -> set[str]:
-    """Return the names in a folder that its manifest names, none where it has no manifest."""
+    """Return the files of a set by its manifest; none where it is no manifest of ours.
+
+    What it names outside of its folder is nobody's result: whoever believed that would remove other people's files.
+    """
     try:
-        files = json.loads(manifest.read_bytes())["files"]
-        return {Path(name).parts[0] for name in files if Path(name).name == name or ".." not in Path(name).parts}
-    except (OSError, ValueError, KeyError, TypeError, IndexError):
+        document = json.loads(manifest.read_bytes())
+        return {name for name in document["files"] if _inside(name)} if document["schema"] == _SCHEMA else set()
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return set()
+
+
+def _inside(name: str) -> bool:
+    """Whether a name can be that of a file in a set: below its folder, and no record, which no manifest names."""
+    path = PureWindowsPath(name)  # to which both / and \\ part folders
+    within = bool(path.parts) and not path.anchor and ".." not in path.parts
+    return within and path.suffix != ".axiscal" and name.isprintable()
 
 
 def _beside(folder: Path, live: Path | None) -> Path | None:
@@ -158,25 +179,37 @@ def _bring(staging: Path, folder: Path, manifest: str) -> None:
     _go_on(staging, folder)
 
 
+def _refuse_what_blocks(staging: Path, folder: Path) -> None:
+    """Raise OSError where a folder stands in the place of a file, or something else in the place of its folder."""
+    for name in _files(staging):
+        if (folder / name).is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(folder / name))
+        for parent in (folder / part for part in PurePosixPath(name).parents):
+            if parent.exists() and not parent.is_dir():
+                raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(parent))
+
+
 def _go_on(staging: Path, folder: Path) -> None:
     manifests = [path for path in staging.iterdir() if path.name.startswith("manifest")]
-    if manifests and (folder / manifests[0].name).exists():
-        manifests = []  # it was whole, and nothing of it has been brought
-    for old in _listed(staging / _BEFORE) if manifests else ():
-        _remove(folder / old)
-    for path in sorted(staging.iterdir()) if manifests else ():
-        if path not in (*manifests, staging / _BEFORE):
-            _remove(folder / path.name)
-            os.rename(path, folder / path.name)
-    sync_folder(folder)
-    for path in manifests:
-        os.replace(path, folder / path.name)
+    if manifests and not (folder / manifests[0].name).exists():  # else it was whole, and nothing of it has been brought
+        for old in sorted(_listed(staging / _BEFORE) - _listed(manifests[0])):
+            _remove(folder, old)
+        for name in _files(staging):
+            if staging / name not in (*manifests, staging / _BEFORE):
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                os.replace(staging / name, folder / name)
+        for part in {parent for name in _listed(manifests[0]) for parent in PurePosixPath(name).parents}:
+            sync_folder(folder / part)
+        for path in manifests:
+            os.replace(path, folder / path.name)
     sync_folder(folder)
     shutil.rmtree(staging)
 
 
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+def _remove(folder: Path, name: str) -> None:
+    """Remove a file of a set that is over, and the folders that held nothing else."""
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        (folder / name).unlink()
+    with contextlib.suppress(OSError):
+        for parent in list(PurePosixPath(name).parents)[:-1]:
+            (folder / parent).rmdir()
