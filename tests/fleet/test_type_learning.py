@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -170,3 +172,48 @@ def test_a_type_with_one_wrong_entry_is_one_sentence(taught: str, key: str, valu
 def test_sisters_that_nobody_has_learnt_from_are_no_silent_stated_prior() -> None:
     with pytest.raises(DescriptionError, match=r"\[sisters\]"):
         case_of(slide(first='sisters = { records = "*.axiscal" }\n'))
+
+
+def _undigested(taught: str) -> dict[str, Any]:
+    """Return what was learnt as it was written before it had a digest."""
+    document: dict[str, Any] = json.loads(taught)
+    del document["digest"]
+    return document
+
+
+def test_what_was_learnt_before_it_had_a_digest_is_read(taught: str) -> None:
+    assert type_prior(json.dumps(_undigested(taught))).text() == taught
+
+
+def test_each_changed_number_of_what_was_learnt_is_noticed(taught: str) -> None:
+    at = taught.index('"covariance"') + 60
+    dice = np.random.default_rng(5)
+    places = [*dice.integers(len(taught), size=200), *range(at, at + 20)]
+    for place in places:
+        other = "7" if taught[place] != "7" else "5"
+        with pytest.raises(RecordError, match="what the type has taught cannot be read"):
+            type_prior(f"{taught[:place]}{other}{taught[place + 1 :]}")
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        *(("learned", key, "x") for key in ("scale", "scale_std", "share", "share_std")),
+        *(("learned", key, math.nan) for key in ("scale", "scale_std", "share", "share_std")),
+        *(("learned", "share", value) for value in (-0.1, 1.1)),
+        *(("learned", key, -1.0) for key in ("scale", "scale_std", "share_std")),
+        *(("learned", key, math.inf) for key in ("scale", "scale_std", "share_std")),
+        *(("records", key, None) for key in ("file", "digest", "readings", "left_out")),
+        ("records", "readings", True),
+        ("records", "readings", 1.5),
+        ("", "doubt", 10**400),
+        ("", "directions", math.inf),
+        ("", "mean", [10**400]),
+    ],
+)
+def test_what_cannot_have_been_learnt_is_refused(taught: str, table: str, key: str, value: object) -> None:
+    document = _undigested(taught)
+    at = {"learned": document["learned"]["EXX"], "records": document["records"][0], "": document}[table]
+    at[key] = value
+    with pytest.raises(RecordError, match="what the type has taught cannot be read"):
+        type_prior(json.dumps(document))

@@ -8,7 +8,7 @@ twice as wide (0.3 d), with d the doubt that this machine is a sister at all.
 from __future__ import annotations
 
 import base64
-import binascii
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ class TypePrior:
             "covariance": _packed(self.covariance),
             "own": _packed(self.own),
         }
-        return json.dumps(document, ensure_ascii=False, indent=1) + "\n"
+        return json.dumps({**document, "digest": _digest(document)}, ensure_ascii=False, indent=1) + "\n"
 
 
 def is_type_text(text: str) -> bool:
@@ -123,6 +123,8 @@ def type_prior(text: str) -> TypePrior:
         document = json.loads(text)
         if document["schema"] != SCHEMA:
             raise ValueError(f"it is of the form {document['schema']!r}")
+        if document.get("digest", _digest(document)) != _digest(document):  # what was learnt before has none
+            raise ValueError("it has been changed since it was learnt, its digest does not fit")
         learned = {str(name): Learned(**fields) for name, fields in document["learned"].items()}
         records = tuple(SisterRecord(**fields) for fields in document["records"])
         mean = np.array(document["mean"], dtype=float)
@@ -139,7 +141,7 @@ def type_prior(text: str) -> TypePrior:
             bool(document.get("fine_knots", False)),
         )
         _check(found)
-    except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, binascii.Error) as error:
+    except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         what = f"what the type has taught cannot be read: {error}"
         raise RecordError(what, "Learn it anew with `axiscal type learn`") from None
     return found
@@ -149,13 +151,25 @@ def _check(found: TypePrior) -> None:
     size = ErrorModel(found.machine).size
     if found.mean.shape != (size,) or not np.all(np.isfinite(found.mean)):
         raise ValueError(f"it has {found.mean.size} unknowns, and its machine {size}, all of them finite")
-    if not all(0 < each.scale < np.inf for each in found.learned.values()):
-        raise ValueError("what was learnt of a size is not above zero")
+    for name, each in found.learned.items():
+        spread = 0 <= each.scale_std < np.inf and 0 <= each.share_std < np.inf
+        if not (0 < each.scale < np.inf and 0 <= each.share <= 1 and spread):
+            raise ValueError(f"what was learnt of {name[:40]!r} is no size above zero and no share of 0 to 1")
+    for record in found.records:
+        words = (record.file, record.digest, record.left_out)
+        if not all(isinstance(word, str) for word in words) or type(record.readings) is not int:
+            raise ValueError("one of its records is no file with a digest and a count of readings")
     if not 0 < found.doubt < 1:
         raise ValueError(f"{found.doubt} is no doubt between 0 and 1")
     for name, matrix in (("covariance", found.covariance), ("own part", found.own)):
         if not np.all(np.isfinite(matrix)) or np.linalg.eigvalsh(_correlated(matrix)).min() < -1e-8:
             raise ValueError(f"its {name} is none")
+
+
+def _digest(document: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of all that it says besides this."""
+    said = {key: value for key, value in document.items() if key != "digest"}
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
 def _correlated(matrix: Array) -> Array:
