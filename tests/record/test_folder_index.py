@@ -130,6 +130,40 @@ def test_an_index_torn_in_its_pages_is_made_anew(tmp_path: Path) -> None:
     assert refreshed(tmp_path) == (["a.axiscal"], found)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        *(f"DROP TABLE {table}" for table in ("records", "events", "findings")),
+        "ALTER TABLE events RENAME COLUMN payload TO other",
+        "ALTER TABLE findings ADD COLUMN other",
+    ],
+)
+def test_an_index_with_other_tables_is_made_anew(tmp_path: Path, change: str) -> None:
+    begun(tmp_path / "a.axiscal", "one", 3)
+    _, found = refreshed(tmp_path)
+    with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
+        other.execute(change)
+    assert refreshed(tmp_path) == (["a.axiscal"], found)
+
+
+@pytest.mark.parametrize("value", ["NULL", "''", "7", "x'ff'", "CAST(x'ff' AS TEXT)", "replace(answer, '7', '8')"])
+def test_an_answer_that_is_not_what_was_kept_is_none(tmp_path: Path, value: str) -> None:
+    with FolderIndex.open(tmp_path) as index:
+        index.keep("chain", "how far", '{"rms": 7}')
+        index.keep("chain", "how long", "")
+        assert index.found("chain", "how far") == '{"rms": 7}'
+        assert index.found("chain", "how long") == ""
+        assert index.found("another", "how far") is None
+    with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
+        other.execute(f"UPDATE findings SET answer = {value} WHERE question = 'how far'")
+        other.execute("UPDATE findings SET question = 'how many' WHERE question = 'how long'")
+    with FolderIndex.open(tmp_path) as index:
+        assert index.found("chain", "how far") is None
+        assert index.found("chain", "how many") is None
+        index.keep("chain", "how far", "8")
+        assert index.found("chain", "how far") == "8"
+
+
 def test_where_it_cannot_be_written_it_is_done_without(tmp_path: Path) -> None:
     begun(tmp_path / "a.axiscal", "one", 1)
     (tmp_path / INDEX).mkdir()

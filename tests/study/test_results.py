@@ -88,6 +88,29 @@ def test_another_database_is_left_alone(tmp_path: Path) -> None:
         _opened(tmp_path, resume=True)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        *("DELETE FROM study", "INSERT INTO study SELECT * FROM study"),
+        *(f"UPDATE study SET versions = {value}" for value in ("''", "'1'", "'[]'", "7", "x'ff'", "'[' || versions")),
+        *(f"UPDATE cases SET result = {value}" for value in ("''", "'null'", "'1'", "'[]'", "7", "x'ff'", "'{\"a\":'")),
+        *(
+            f"""UPDATE cases SET result = '{{"U_um":{value}}}'"""
+            for value in ("NaN", "1e999", "[]", "{}", "1" + 400 * "0")
+        ),
+        "UPDATE cases SET error = x'ff'",
+        "UPDATE cases SET key = x'ff'",
+    ],
+)
+def test_what_is_no_result_is_refused_in_a_sentence(tmp_path: Path, change: str) -> None:
+    with _opened(tmp_path) as results:
+        results.keep(Done("a", {"U_um": 0.1, "verdict": "holds", "reached": True, "said": None}))
+    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        database.execute(change)
+    with pytest.raises(StudyError, match="cannot be read"), _opened(tmp_path, resume=True) as results:
+        results.all()
+
+
 def test_a_database_that_is_full_is_said(tmp_path: Path) -> None:
     with _opened(tmp_path) as results:
         results._database.execute("PRAGMA max_page_count = 6")

@@ -8,6 +8,7 @@ It can be thrown away at any time: the records are what counts, and it is made a
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
@@ -23,7 +24,7 @@ from axiscal.record.opening import opened_log
 
 INDEX = ".fleet.sqlite"
 """Its name in the folder."""
-_KIND, _FORM = 0x41584958, 2
+_KIND, _FORM = 0x41584958, 3
 """By which SQLite knows the database as ours ("AXIX"), and its form; of another form it is made anew."""
 _PATIENCE = 4.0
 """Seconds to wait for another program that writes into it; it does without it then."""
@@ -163,14 +164,21 @@ class FolderIndex(Closing):
         return [Kinds(*row) for row in rows]
 
     def found(self, chain: str, question: str) -> str | None:
-        """Return what was kept as the answer to a question about the record of this name, None if nothing was."""
-        rows = self._rows("SELECT answer FROM findings WHERE chain = ? AND question = ?", chain, question)
-        return str(rows[0][0]) if rows else None
+        """Return what was kept as the answer to a question about the record of this name.
+
+        None where nothing was, or what is there is not what was kept.
+        """
+        for (kept,) in self._rows("SELECT answer FROM findings WHERE chain = ? AND question = ?", chain, question):
+            answer = str(kept).partition(" ")[2]
+            if kept == _with_digest(chain, question, answer):
+                return answer
+        return None
 
     def keep(self, chain: str, question: str, answer: str) -> None:
         """Keep the answer to a question about the record of this name."""
         with self._writing() as database:
-            database.execute("INSERT OR REPLACE INTO findings VALUES (?, ?, ?)", (chain, question, answer))
+            row = (chain, question, _with_digest(chain, question, answer))
+            database.execute("INSERT OR REPLACE INTO findings VALUES (?, ?, ?)", row)
 
     def _rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         return self._database.execute(query, values).fetchall()
@@ -215,6 +223,11 @@ def _fields(text: ChainedText) -> Iterable[str]:
     return row.at, row.kind, row.payload, text.chain
 
 
+def _with_digest(chain: str, question: str, answer: str) -> str:
+    """Return an answer behind the SHA-256 of all three."""
+    return f"{hashlib.sha256(f'{chain} {question} {answer}'.encode()).hexdigest()} {answer}"
+
+
 def _stamp(file: Path) -> Stamp:
     with contextlib.suppress(OSError):
         found = os.stat(file)
@@ -237,6 +250,7 @@ def _opened(path: Path) -> sqlite3.Connection:
 def _hurried(database: sqlite3.Connection) -> sqlite3.Connection:
     """Return a database that waits for no disk: what lost power tears is seen when it is opened, and made anew."""
     database.execute("PRAGMA synchronous = OFF")
+    database.text_factory = lambda raw: raw.decode(errors="replace")  # a flipped bit need not leave UTF-8
     return database
 
 
@@ -244,12 +258,19 @@ def _existing(path: Path) -> sqlite3.Connection:
     database = sqlite3.connect(path, timeout=_PATIENCE, isolation_level=None)
     try:
         kind, form = (database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version"))
-        if (kind, form) != (_KIND, _FORM) or database.execute("PRAGMA quick_check(1)").fetchone()[0] != "ok":
+        whole = database.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok" and _tables(database) == _TABLES
+        if (kind, form) != (_KIND, _FORM) or not whole:
             raise sqlite3.DatabaseError("it is not an index of this form")
     except BaseException:
         database.close()
         raise
     return database
+
+
+def _tables(database: sqlite3.Connection) -> str:
+    """Return the tables that a database has, as they were made."""
+    rows = database.execute("SELECT sql FROM sqlite_master WHERE type = 'table' ORDER BY rowid").fetchall()
+    return "".join(f"\n{sql};" for (sql,) in rows) + "\n"
 
 
 def _made(address: str) -> sqlite3.Connection:

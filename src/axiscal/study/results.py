@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -20,6 +21,7 @@ _SCHEMA = """
 CREATE TABLE study (text TEXT NOT NULL, digest TEXT NOT NULL, versions TEXT NOT NULL);
 CREATE TABLE cases (key TEXT PRIMARY KEY, result TEXT, error TEXT NOT NULL) WITHOUT ROWID;
 """
+_MOST = sys.float_info.max
 _DAMAGED = "Name another folder; what can be read of this one, sqlite3 shows"
 
 
@@ -53,17 +55,25 @@ class Results(Closing):
                 return
             if not begun or not {"study", "cases"} <= tables:
                 raise StudyError("This is no database of a study", "Name another folder", self.path)
-            ((of, by),) = self._database.execute("SELECT digest, versions FROM study")
+            begun_with = self._database.execute("SELECT digest, versions FROM study").fetchall()
             kept = self._count()
+        of, by = self._said_at_its_beginning(begun_with)
         if not resume and kept:
             remedy = "Go on with it by --resume, or name another --out"
             raise StudyError("This folder holds a study already", remedy, self.path)
         if of != digest:
             what = "The study, its campaign or its machine has been changed since these results were begun"
             raise StudyError(what, "Take the changes back, or name another --out", self.path)
-        if (first := json.loads(by).get("axiscal")) != versions.get("axiscal"):
+        if (first := by.get("axiscal")) != versions.get("axiscal"):
             what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
             raise StudyError(what, "Go on with that version, or name another --out", self.path)
+
+    def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
+        """Return the digest of the study and the versions of the programs; raises StudyError."""
+        match [(digest, _read(text)) for digest, text in rows]:
+            case [(digest, dict() as versions)]:
+                return digest, versions
+        raise StudyError("It cannot be read of which study these results are", _DAMAGED, self.path)
 
     def _begin(self, text: str, digest: str, versions: Mapping[str, str]) -> None:
         self._database.executescript(f"BEGIN; {_SCHEMA}")  # tables without the study in them could not be gone on with
@@ -76,8 +86,7 @@ class Results(Closing):
 
     def keys(self) -> set[str]:
         """Return the keys of the cases that are there."""
-        with self._said():
-            return {key for (key,) in self._database.execute("SELECT key FROM cases")}
+        return set(self.all())
 
     def keep(self, done: Done) -> None:
         """Write what came of a case, once; it is on the disk when this returns."""
@@ -89,10 +98,16 @@ class Results(Closing):
         """Return what came of every case that is there, by its key."""
         with self._said():
             rows = self._database.execute("SELECT key, result, error FROM cases").fetchall()
-        try:
-            return {key: Done(key, None if found is None else json.loads(found), error) for key, found, error in rows}
-        except ValueError:
-            raise StudyError("A result cannot be read", _DAMAGED, self.path) from None
+        return {str(key): self._done(key, found, error) for key, found, error in rows}
+
+    def _done(self, key: object, found: object, error: object) -> Done:
+        match key, found, error:
+            case (str(), None, str()):
+                return Done(key, None, error)
+            case (str(), str(), str()) if isinstance(result := _read(found), dict):
+                if all(map(_is_figure, result.values())):
+                    return Done(key, result, error)
+        raise StudyError(f"The result of the case {key!r:.60} cannot be read", _DAMAGED, self.path)
 
     @contextmanager
     def _said(self) -> Iterator[None]:
@@ -108,6 +123,19 @@ class Results(Closing):
     def close(self) -> None:
         """Close the database, and let others work in its folder."""
         self._held.close()
+
+
+def _read(text: object) -> object:
+    """Return what a JSON text says; None where it is none."""
+    try:
+        return json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        return None
+
+
+def _is_figure(value: object) -> bool:
+    """Whether a value can be one cell of the table."""
+    return value is None or isinstance(value, str) or (isinstance(value, int | float) and abs(value) <= _MOST)
 
 
 @contextmanager
