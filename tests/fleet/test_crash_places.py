@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case, Inherited
@@ -18,6 +19,17 @@ travel = ["0 mm", "100 mm"]
 [errors]
 EXU = { std = "5 um", knots = 4, length = "50 mm" }
 EYU = { std = "5 um", knots = 4, length = "50 mm" }
+"""
+
+
+TURNING = """chain = "w-C'-b-Y-t"
+[axes.C]
+travel = TRAVEL
+[axes.Y]
+travel = ["0 mm", "100 mm"]
+[errors]
+C0Y = { std = "40 urad" }
+ECC = { std = "20 urad", knots = 12, length = "60 deg" }
 """
 
 
@@ -70,6 +82,16 @@ def test_the_scale_of_a_second_slide_along_one_direction_is_looked_for_too() -> 
     columns = {term.name: term.columns for term in errors.terms}
     shown = [{name for name, own in columns.items() if np.any(each[own])} for each in crashes(errors)]
     assert sorted(map(list, shown)) == [["EXU"], ["EXX"]]
+
+
+@pytest.mark.parametrize(
+    ("travel", "looked_for"), [('["-180 deg", "180 deg"]', ["C0Y"]), ('["-100 deg", "100 deg"]', ["C0Y", "ECC"])]
+)
+def test_around_an_axis_that_turns_round_there_is_no_scale(travel: str, looked_for: list[str]) -> None:
+    errors = ErrorModel(machine_from_text(TURNING.replace("TRAVEL", travel)))
+    columns = {term.name: term.columns for term in errors.terms}
+    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
+    assert sorted(shown) == looked_for
 
 
 def test_where_crashes_show_already_readings_stay_where_drifts_show_most() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from datetime import UTC, date, datetime
+from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +18,13 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import TypePrior, individual, over
-from axiscal.exceptions import AmbiguityError, RecordError, TableError
+from axiscal.exceptions import AmbiguityError, PlanError, RecordError, TableError, TargetError
 from axiscal.fleet.aging import Aging, Pair, aging
 from axiscal.fleet.calendar_file import calendar
-from axiscal.fleet.due_dates import due_dates, rms_left
+from axiscal.fleet.due_dates import DueMachine, Wanted, due_dates
 from axiscal.fleet.type_learning import learnt_type
 from axiscal.fleet.wearing import Wearing
+from axiscal.fleet.worn_machine import WornMachine
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import DataEquation, data_equation
 from axiscal.measurement.reading import Reading
@@ -99,7 +100,7 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
     rows = errors.rows(poses, sides)[:, 0]
     shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
     true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
-    np.testing.assert_allclose(rms_left(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +110,7 @@ def taught(tmp_path_factory: pytest.TempPathFactory) -> TypePrior:
 
 @pytest.mark.parametrize("renewed", [(), ("X",)])
 def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tuple[str, ...]) -> None:
-    """A type's mean stays; machines are drawn with it as the readings leave it, which the formula takes apart."""
+    """Machines are drawn with what all have and what is their own, both as the readings leave them."""
     described, readings = slide(prior=taught.text()), read_on(7)[::3]
     known = concluded(case_of(described), readings)
     errors, kept = known.case.errors, 0.905 * 0.995
@@ -129,19 +130,16 @@ def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tup
     gain = np.linalg.inv(rows @ prior.covariance @ rows.T + np.eye(len(rows)))
     off = gain @ (equation.values[:, None] - rows @ (common + mine) - normal((len(rows), count)))
     common, mine = common + (prior.covariance - own) @ rows.T @ off, mine + own @ rows.T @ off
-    if renewed:
-        common = prior.mean[:, None] + drawn(prior.covariance - own)
     rho = 0.0 if renewed else kept
     left = common + rho * mine + np.sqrt(1 - rho**2) * drawn(own) - mean[:, None]
     poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
     seen = errors.rows(poses, np.repeat([[1.0], [-1.0]], 201, axis=0))[:, 0]
     shift = seen.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
     true = float(np.sqrt(np.mean(((seen - shift) @ left) ** 2)))
-    np.testing.assert_allclose(rms_left(known, _certain(0.905), renewed)(1.0), true, rtol=0.05)
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
     stated = concluded(Case(slide()), read_on(7))
-    assert rms_left(stated, _certain(0.905), renewed, taught=taught)(1.0) < rms_left(stated, _certain(0.905), renewed)(
-        1.0
-    )
+    by_type, plain = (WornMachine(stated, _certain(0.905), renewed, taught=of).rms(1.0) for of in (taught, None))
+    assert by_type < plain
 
 
 def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
@@ -153,7 +151,7 @@ def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
     with Campaign.open(tmp_path / "few.axiscal", write=False) as campaign:
         began, known = date.fromisoformat(campaign.begun[:10]), campaign.concluded()
         there = known.case.yardstick.measure(known.whole).rms
-    (machine,) = due_dates([tmp_path / "few.axiscal"], began, target=8e-6).machines
+    (machine,) = due_dates([tmp_path / "few.axiscal"], began, Wanted(8e-6)).machines
     assert there < machine.now < 1.3 * 4e-6
     for target, said in ((1.1 * there, "and what is not kept is more"), (0.9 * there, "was not as good")):
         assert run(["due", str(tmp_path), "--target", f"{1e6 * target:.9f} um"]) == 0
@@ -181,11 +179,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_last_campaign_of_each_machine_counts(folder: Path) -> None:
-    found = due_dates(folder.glob("*.axiscal"), DAY, target=15e-6)
+    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
     assert sorted(machine.record.name for machine in found.machines) == ["a-2.axiscal", "b.axiscal"]
     assert found.aging.pairs == 1
     for machine in found.machines:
-        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, target=15e-6)
+        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, Wanted(15e-6))
         now = next(each.now for each in later.machines if each.record == machine.record)
         assert (now > 15e-6) == (machine.due is not None)
     with pytest.raises(RecordError, match="No record can be read"):
@@ -204,18 +202,18 @@ def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_
         return concluded(case, readings)
 
     monkeypatch.setattr("axiscal.fleet.due_dates.concluded", estimated)
-    found = due_dates(folder.glob("*.axiscal"), DAY, target=15e-6)
+    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
     names = sorted(machine.record.name for machine in found.machines)
     assert names == ["a-2.axiscal", "b.axiscal", "longer.axiscal"]
     assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
 
 
 def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = due_dates(folder.glob("b.axiscal"), DAY, target=15e-6).machines[0]
+    before = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
     assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "Q"]) == 1
     assert "no axis" in capsys.readouterr().err
     assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
-    after = due_dates(folder.glob("b.axiscal"), DAY, target=15e-6).machines[0]
+    after = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
     assert after.renewed == ("X",)
     assert after.now > 1.2 * before.now
     with Campaign.open(folder / "b.axiscal", write=False) as campaign:
@@ -247,11 +245,11 @@ def test_a_calendar_without_dates_is_empty() -> None:
 def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
     files = [folder / "b.axiscal"]
-    whole = due_dates(files, DAY, target=15e-6).machines[0].now
-    table = due_dates(files, DAY, target=15e-6, tables="linuxcnc").machines[0].now
+    whole = due_dates(files, DAY, Wanted(15e-6)).machines[0].now
+    table = due_dates(files, DAY, Wanted(15e-6, tables="linuxcnc")).machines[0].now
     np.testing.assert_allclose(table, whole, rtol=0.05)  # over other poses, a table with its own points
     with pytest.raises(TableError):
-        due_dates(files, DAY, target=15e-6, tables="klipper")
+        due_dates(files, DAY, Wanted(15e-6, tables="klipper"))
     assert run(["due", str(folder), "--target", "15 um", "--tables", "nobody"]) == 1
     assert "not a controller" in capsys.readouterr().err
 
@@ -281,9 +279,9 @@ def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str
         tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
     counts = ["xyz".index(way) for way in "xyz" if f'"{way}"' in asked or "directions" not in asked]
     true = float(np.sqrt(np.mean(np.sum(tips[:, counts] ** 2, axis=1))))
-    np.testing.assert_allclose(rms_left(known, _certain(0.905), (), "linuxcnc")(1.0), true, rtol=0.05)
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), (), "linuxcnc").rms(1.0), true, rtol=0.05)
     if 1 in counts:
-        assert rms_left(known, _certain(0.905))(1.0) < 0.9 * true
+        assert WornMachine(known, _certain(0.905)).rms(1.0) < 0.9 * true
 
 
 def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
@@ -291,4 +289,65 @@ def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
     described = campaign_from_texts(text, "campaign.toml", slide(serial="U").machine.text, "machine.toml")
     file = write_record(folder / "u.axiscal", described, read_on(3))
     (machine,) = due_dates([file], DAY).machines
-    assert 30e-6 / 2.2 < machine.target < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it
+    assert 30e-6 / 2.2 < (machine.target or 0.0) < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it
+
+
+def test_a_tolerance_of_the_worst_place_and_measuring_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A machine that is due by its worst place is due before its RMS passes; a renewed one is less known."""
+    command = ["due", str(folder), "--today", "2030-01-01", "--target", "15 um", "--tolerance", "35 um", "--again"]
+    assert run([*command, "--json", "--calendar", str(folder / "due.ics")]) == 0
+    document = json.loads(capsys.readouterr().out)
+
+    def on(day: date, wanted: Wanted) -> dict[str, DueMachine]:
+        return {each.record.name: each for each in due_dates(folder.glob("*.axiscal"), day, wanted).machines}
+
+    for each in document["machines"]:
+        name, due, alone = each["record"], date.fromisoformat(each["due"]), on(DAY, Wanted(15e-6))[each["record"]].due
+        assert each["by_worst"]
+        assert alone is None or due < alone
+        assert each["again"]["readings"] > 0
+        assert each["again"]["minutes"] > 0
+        then, before = (on(day, Wanted(15e-6, 35e-6))[name].beyond for day in (due, due - timedelta(days=1)))
+        assert before is not None
+        assert then is not None
+        assert before <= 0.05 < then
+    assert "the worst place may be beyond" in (folder / "due.ics").read_text()
+    assert run(command) == 0
+    said = capsys.readouterr().out
+    assert "P(worst > 35 um)" in said
+    assert "by its worst place" in said
+    (drifted,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
+    (renewed,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert drifted.again is not None
+    assert renewed.again is not None
+    assert drifted.again.before.rms < renewed.again.before.rms
+    assert renewed.again.accuracy.rms <= 2e-6
+
+
+def test_a_machine_that_no_readings_make_good_enough_says_so(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def none(*_: object, **__: object) -> None:
+        raise PlanError("no readings reach 2 um", "Ask for more")
+
+    monkeypatch.setattr("axiscal.fleet.measured_again.proposed", none)
+    (far,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert (far.again, far.why_not) == (None, "no readings reach 2 um")
+    assert run(["due", str(folder), "--again"]) == 0
+    assert "again: no readings reach 2 um" in capsys.readouterr().out
+
+
+def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = slide(serial="R").text.replace('rms = "2 um"', "readings = 12")
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="R").machine.text, "machine.toml")
+    (folder / "r").mkdir()
+    file = write_record(folder / "r" / "r.axiscal", described, read_on(3))
+    with pytest.raises(TargetError, match="no RMS and no U"):
+        due_dates([file], DAY)
+    (machine,) = due_dates([file], DAY, Wanted(tolerance=20e-6, again=True)).machines
+    assert (machine.target, machine.by_worst) == (None, True)
+    assert machine.again is not None
+    assert len(machine.again.places) == 12
+    assert run(["due", str(file.parent), "--tolerance", "1 um"]) == 0
+    assert "at once: its worst place may be beyond" in capsys.readouterr().out

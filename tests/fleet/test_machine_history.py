@@ -13,8 +13,9 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import TargetError
 from axiscal.fleet.aging import YEAR
-from axiscal.fleet.due_dates import due_dates, rms_left
+from axiscal.fleet.due_dates import Wanted, due_dates
 from axiscal.fleet.machine_history import MachineHistory, histories, year_of
+from axiscal.fleet.worn_machine import WornMachine
 from axiscal.record import log
 from axiscal.report.history_page import render
 from tests.generators.sisters import read_on, slide, write_record
@@ -38,7 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def drawn(folder: Path) -> tuple[MachineHistory, str]:
     """Return the history of the machine, and the page."""
-    shop = due_dates(folder.glob("*.axiscal"), TODAY.date(), target=15e-6)
+    shop = due_dates(folder.glob("*.axiscal"), TODAY.date(), Wanted(15e-6))
     found = histories(shop, TODAY)
     return found[0], render(shop, found)
 
@@ -60,14 +61,14 @@ def test_a_machine_without_a_target_is_left_out_by_name(folder: Path) -> None:
 
 
 def test_between_campaigns_it_is_what_the_tables_of_the_last_one_leave(folder: Path) -> None:
-    shop = due_dates(folder.glob("*.axiscal"), TODAY.date(), target=15e-6)
+    shop = due_dates(folder.glob("*.axiscal"), TODAY.date(), Wanted(15e-6))
     (machine,) = histories(shop, TODAY)
     assert [record.file.name for record in machine.records] == ["a-0.axiscal", "a-1.axiscal"]
     before, renewed, after = machine.left
     first = shop.known[machine.records[0].digest]
     begun = year_of(datetime(2022, 3, 1, 8, tzinfo=UTC))
     for piece, axes in ((before, ()), (renewed, ("X",))):
-        left = rms_left(first, shop.aging, axes)
+        left = WornMachine(first, shop.aging, axes).rms
         np.testing.assert_allclose(piece[:, 1], [left(year - begun) for year in piece[:, 0]], rtol=1e-12)
     assert before[-1, 0] == renewed[0, 0] == machine.happened[0].year
     assert renewed[0, 1] > 1.5 * before[-1, 1]

@@ -148,7 +148,8 @@ class Yardstick:
         return Root(self.rows[self.variances(belief.factor).argmax()])
 
     @cached_property
-    def _poses(self) -> tuple[Array, Array]:
+    def poses(self) -> tuple[Array, Array]:
+        """Poses at which it measures and the sides from which their axes come, (m, q) each."""
         poses = self.places
         if not self.errors.reversing:
             return poses, np.ones_like(poses)
@@ -171,8 +172,8 @@ class Yardstick:
     @cached_property
     def _every_row(self) -> Array:
         """The same in every direction, counted or not."""
-        rows: Array = self.errors.rows(*self._poses) - self._shift
-        return rows if self.alignment is None else rows - self.alignment.taken_off(self._poses[0])
+        rows: Array = self.errors.rows(*self.poses) - self._shift
+        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
 
     @cached_property
     def _here(self) -> Array:
@@ -197,13 +198,18 @@ class Yardstick:
     @cached_property
     def _loose(self) -> Array:
         """What one standard deviation of each rest does at each pose, counted or not, (terms, m, 3), m."""
-        return self.errors.levers(self._poses[0]) * self.errors.rests[:, None, None]
+        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
+
+    @cached_property
+    def rests(self) -> Array:
+        """Covariance of what the rests do at each pose, in the directions that count, (m, 3, 3) m²."""
+        return _squared((self._loose * self._counts[:, 0]).transpose(1, 2, 0))
 
     @cached_property
     def evenly(self) -> NDArray[np.bool_]:
         """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
         places = np.arange(len(self.places)) >= (len(self.places) - _INNER_POINTS if self.sample is None else 0)
-        return np.tile(places, len(self._poses[0]) // len(places))
+        return np.tile(places, len(self.poses[0]) // len(places))
 
     def covariances(self, factor: Array) -> Array:
         """Return the covariance of the TCP deviation at each pose, (m, 3, 3) m²: traces `variances` where all counts.

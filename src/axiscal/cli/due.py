@@ -13,7 +13,7 @@ from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.estimation.type_prior import type_prior
 from axiscal.fleet.calendar_file import calendar
-from axiscal.fleet.due_dates import DueMachine, Shop, due_dates
+from axiscal.fleet.due_dates import DueMachine, Shop, Wanted, due_dates
 from axiscal.record.carried import carried_text
 from axiscal.record.durable import write_whole
 from axiscal.record.gathering import records_of
@@ -25,6 +25,13 @@ def due(
     target: Annotated[
         str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
     ] = None,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help='Of the worst place, such as "20 um": due when it is beyond with 5 %.'),
+    ] = None,
+    again: Annotated[
+        bool, typer.Option("--again", help="Plan measuring each machine again on its day: readings, minutes.")
+    ] = False,
     today: Annotated[str | None, typer.Option(metavar="YYYY-MM-DD", help="Another day than today.")] = None,
     calendar_file: Annotated[
         Path | None, typer.Option("--calendar", metavar="FILE.ics", help="Write the days as a calendar.")
@@ -49,17 +56,18 @@ def due(
       axiscal due records
       axiscal due records --target "4 um" --calendar due.ics
       axiscal due store: --tables sinumerik
+      axiscal due records --tolerance "20 um" --again
       axiscal due records --type vmc600.type.json
     """
-    wanted = None if target is None else positive_length(target)
+    rms, worst = (None if each is None else positive_length(each) for each in (target, tolerance))
     taught = None if of_type is None else type_prior(carried_text(of_type))
-    found = due_dates(records_of(folder), _day(today), wanted, tell, tables, taught)
+    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again), tell)
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
     if json:
         say_document(_document(found))
         return
-    for line in _lines(found, tables):
+    for line in _lines(found, tables, worst):
         say(line)
     if calendar_file is not None:
         say(f"Written: {calendar_file}")
@@ -74,9 +82,10 @@ def _day(text: str | None) -> date:
         raise typer.BadParameter(f'"{text}" is no day such as 2026-03-01', param_hint="--today") from None
 
 
-def _lines(found: Shop, tables: str | None) -> list[str]:
+def _lines(found: Shop, tables: str | None, tolerance: float | None) -> list[str]:
     name = max(len(machine.name) for machine in found.machines)
-    lines = [f"{'machine':{name}}  {'last':10}  {'RMS now':>9}  {'target':>9}  due"]
+    beyond = "" if tolerance is None else f"  {'P(worst > ' + micrometres(tolerance) + ')':>18}"
+    lines = [f"{'machine':{name}}  {'last':10}  {'RMS now':>9}  {'target':>9}{beyond}  due"]
     lines += [_line(machine, name) for machine in found.machines]
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     pairs = count_text(found.aging.pairs, "pair")
@@ -90,14 +99,29 @@ def _lines(found: Shop, tables: str | None) -> list[str]:
 
 def _line(machine: DueMachine, width: int) -> str:
     day = "not within 20 years" if machine.due is None else machine.due.isoformat()
+    if machine.by_worst:
+        day += " by its worst place"
     if machine.due == machine.last:
-        day = "at once: its last campaign was not as good"
-        if machine.then <= machine.target:
-            day = f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
+        day = _at_once(machine)
     renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
-    rms, target = micrometres(machine.now), micrometres(machine.target)
-    said = f"{machine.name:{width}}  {machine.last}  {rms:>9}  {target:>9}  {day}"
-    return f"{said} ({machine.minutes:.0f} min the last time{renewed})"
+    rms, target = micrometres(machine.now), "-" if machine.target is None else micrometres(machine.target)
+    beyond = "" if machine.beyond is None else f"  {100 * machine.beyond:>16.1f} %"
+    said = f"{machine.name:{width}}  {machine.last}  {rms:>9}  {target:>9}{beyond}  {day}"
+    return f"{said} ({machine.minutes:.0f} min the last time{_again(machine)}{renewed})"
+
+
+def _at_once(machine: DueMachine) -> str:
+    if machine.target is None or machine.by_worst:
+        return "at once: its worst place may be beyond what its last campaign left"
+    if machine.then > machine.target:
+        return "at once: its last campaign was not as good"
+    return f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
+
+
+def _again(machine: DueMachine) -> str:
+    if machine.again is None:
+        return f", again: {machine.why_not}" if machine.why_not else ""
+    return f", again {count_text(len(machine.again.places), 'reading')} in {machine.again.seconds / 60.0:.0f} min"
 
 
 def _document(found: Shop) -> dict[str, object]:
@@ -110,11 +134,14 @@ def _document(found: Shop) -> dict[str, object]:
                 "record": each.record.name,
                 "last": each.last.isoformat(),
                 "minutes": each.minutes,
-                "target_um": to_unit(each.target, "um"),
+                "target_um": None if each.target is None else to_unit(each.target, "um"),
                 "rms_then_um": to_unit(each.then, "um"),
                 "rms_um": to_unit(each.now, "um"),
                 "due": None if each.due is None else each.due.isoformat(),
                 "renewed": list(each.renewed),
+                "beyond": each.beyond,
+                "by_worst": each.by_worst,
+                "again": _plan(each),
             }
             for each in found.machines
         ],
@@ -123,3 +150,9 @@ def _document(found: Shop) -> dict[str, object]:
         "pairs": found.aging.pairs,
         "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
     }
+
+
+def _plan(machine: DueMachine) -> dict[str, object] | None:
+    if machine.again is None:
+        return {"why_not": machine.why_not} if machine.why_not else None
+    return {"readings": len(machine.again.places), "minutes": machine.again.seconds / 60.0}

@@ -11,7 +11,7 @@ import typer
 from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.fleet.due_dates import due_dates
+from axiscal.fleet.due_dates import Wanted, due_dates
 from axiscal.fleet.machine_history import histories
 from axiscal.fleet.shop_list import ShopList, ShopRecord, shop_list
 from axiscal.record.durable import write_whole
@@ -66,7 +66,7 @@ def fleet(
 
 def _draw(folder: Path, page: Path, target: float | None) -> None:
     now = datetime.now(UTC)
-    shop = due_dates(records_of(folder), now.date(), target, lambda said: tell(f"drawing {said}"))
+    shop = due_dates(records_of(folder), now.date(), Wanted(target), lambda said: tell(f"drawing {said}"))
     write_whole(page, render(shop, histories(shop, now)).encode())
 
 

@@ -5,7 +5,7 @@ changes. A second campaign with the data equation z₂ is as probable as
 
     p(z₂ | ρ m₁, ρ² C₁ + (1 − ρ²) C₀)
 
-m₁, C₁ after the first one and C₀ as stated, or what a machine of a known type has of its own (`wearing`).
+m₁, C₁ after the first one and C₀ as stated; where the type of the machine is known, what that one leaves (`wearing`).
 ρ₁, y ~ Beta(9, 1); the product over pairs on a grid is averaged over.
 """
 
@@ -45,9 +45,14 @@ class Aging(NamedTuple):
     weights: Array
     pairs: int
 
+    def shares(self, years: float) -> Array:
+        """Return ρ after a time in each cell of the grid, (g, g)."""
+        shares: Array = _GRID[:, None] * _GRID**years
+        return shares
+
     def kept(self, years: float) -> tuple[float, float]:
         """Return the means of ρ and of ρ² after a time."""
-        rho = _GRID[:, None] * _GRID**years
+        rho = self.shares(years)
         return float(np.sum(self.weights * rho)), float(np.sum(self.weights * rho**2))
 
     @property
@@ -73,11 +78,8 @@ def aging(pairs: Sequence[Pair]) -> Aging:
         rho = _GRID[:, None] * _GRID**pair.years
         # one evidence for each distinct share, to a thousandth: the grid's products lie denser than that
         shares = np.round(rho, 3)
-        found = {share: _evidence(pair, share) for share in np.unique(shares).tolist()}
+        worn = pair.wears.worn(pair.first)
+        found = {share: log_evidence(pair.second, Moments(*worn.left(share))) for share in np.unique(shares).tolist()}
         logs = logs + np.vectorize(found.__getitem__)(shares)
     weights = np.exp(logs - logs.max())
     return Aging(weights / weights.sum(), len(pairs))
-
-
-def _evidence(pair: Pair, kept: float) -> float:
-    return log_evidence(pair.second, Moments(*pair.wears.left_of(pair.first, kept)))

@@ -18,7 +18,7 @@ def calendar(machines: Sequence[DueMachine], now: datetime) -> str:
     for machine in machines:
         if machine.due is None:
             continue
-        said = f"RMS passes {to_unit(machine.target, 'um'):.3g} um; last measured {machine.last}, {machine.record.name}"
+        said = f"{_why(machine)}; last measured {machine.last}, {machine.record.name}"
         lines += [
             "BEGIN:VEVENT",
             f"UID:{machine.digest[:32]}@axiscal",
@@ -29,6 +29,12 @@ def calendar(machines: Sequence[DueMachine], now: datetime) -> str:
             "END:VEVENT",
         ]
     return "".join(f"{_folded(line)}\r\n" for line in [*lines, "END:VCALENDAR"])
+
+
+def _why(machine: DueMachine) -> str:
+    if machine.by_worst or machine.target is None:
+        return "the worst place may be beyond its tolerance"
+    return f"RMS passes {to_unit(machine.target, 'um'):.3g} um"
 
 
 def _escaped(text: str) -> str:

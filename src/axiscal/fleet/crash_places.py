@@ -2,15 +2,16 @@
 
 A crash d moves readings by R d. Among machines that changed as is usual they scatter by S = R C Rᵀ + V, so that χ²
 grows by δ² = (R d)ᵀ S⁻¹ (R d). Crashes are a location that is off by three of its stated standard deviations, and a
-scale that is off by as much at both ends of an axis. One reading after the other goes where the sum of exp(−δ²/12) over
-the crashes becomes least, twelve being χ² of twelve readings: what stands out already counts little.
+scale that is off by as much at both ends of an axis; around an axis that turns round there is no scale. One reading
+after the other goes where the sum of exp(−δ²/12) over the crashes becomes least, twelve being χ² of twelve readings:
+what stands out already counts little.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.error_model.model import ErrorModel, Term
 from axiscal.estimation.case import Case
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
@@ -35,12 +36,18 @@ def crashes(errors: ErrorModel) -> Array:
         along = np.zeros(errors.size)
         if term.kind == "location":
             along[term.columns] = std
-        elif any(term.name == errors.machine.axes[axis].positioning_error for axis in term.axes):
+        elif _is_along(term, errors):
             along[term.columns] = np.linspace(-std, std, term.columns.stop - term.columns.start)
         else:
             continue
         found.append(along)
     return np.array(found).reshape(-1, errors.size)
+
+
+def _is_along(term: Term, errors: ErrorModel) -> bool:
+    """Whether an error is that along an axis with two ends: after a whole turn a scale would be a step."""
+    axes = [errors.machine.axes[axis] for axis in term.axes]
+    return any(term.name == axis.positioning_error and not axis.cyclic for axis in axes)
 
 
 def showing_crashes(case: Case, places: Places) -> Places:

@@ -4,9 +4,9 @@ With the tables of the last mean m in the control, what is left after Δt has th
 
     r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
 
-For errors of an axis that was renewed since, ρ = 0. Of a machine whose type is known C₀ is its own part, and m̄ that all
-sisters have stays: m − m̄ stands in the place of m. Where the tables of a control are named, what they cannot hold is
-left besides (`tables_left`).
+For errors of an axis that was renewed since, ρ = 0. Of a machine whose type is known C₀ is its own part, and what all
+sisters have stays (`wearing`). Where the tables of a control are named, what they cannot hold is left besides
+(`tables_left`). It is due when r passes the target, or when the worst place is beyond a tolerance with 5 %.
 """
 
 from __future__ import annotations
@@ -17,25 +17,44 @@ from datetime import UTC, date, datetime, timedelta
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
-from axiscal.estimation.case import Inherited
+from axiscal.design.plan.plan import Plan
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.estimation.uncertain import as_standard
-from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
+from axiscal.exceptions import AxiscalError, InputError, PlanError, RecordError, TableError, TargetError
 from axiscal.fleet.aging import YEAR, Aging, Pair, aging
+from axiscal.fleet.measured_again import recalibration
 from axiscal.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
-from axiscal.fleet.tables_left import products_left
-from axiscal.fleet.wearing import Wearing
+from axiscal.fleet.wearing import Wearing, found_by
+from axiscal.fleet.worn_machine import WornMachine
 from axiscal.numerics.threads import one_thread
 
 _HORIZON = 20.0
 """Years: nobody plans farther."""
 _DAY = 86400.0 / YEAR
 """Years; dates are days."""
+_CHANCE = 0.05
+"""How probable it may be that the worst place is beyond the tolerance."""
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Wanted:
+    """What is wanted of all machines.
+
+    target : RMS, m, instead of that of each campaign; tolerance : of the worst place, m, None where none is stated
+    tables : of which control they have; None where all that was found is taken away
+    taught : by a type, of machines that were measured without it; machines of another build are as stated
+    again : whether measuring them again is planned
+    """
+
+    target: float | None = None
+    tolerance: float | None = None
+    tables: str | None = None
+    taught: TypePrior | None = None
+    again: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,9 +62,14 @@ class DueMachine:
     """One machine and its last campaign.
 
     name : of machine and serial number; record : of that campaign; last : its day; minutes : of machine time it took
-    target : m; then : RMS that its last campaign came to, before anything had changed, m
-    now : RMS of what is left today with its tables, m; due : the day it passes the target, None for never
+    target : RMS, m, None where only the worst place counts; then : RMS that its last campaign came to, before anything
+    had changed, m
+    now : RMS of what is left today with its tables, m; beyond : how probable it is that the worst place is beyond the
+    tolerance today, None where there is none
+    due : the day it passes the target, or is beyond with 5 %, None for never; by_worst : whether it is that
     renewed : the axes that were renewed since
+    again : the plan by which it is measured again then, or today where that is later, until the targets of its last
+    campaign; None where nobody asked; why_not : or none is found
     """
 
     name: str
@@ -53,11 +77,15 @@ class DueMachine:
     digest: str
     last: date
     minutes: float
-    target: float
+    target: float | None
     then: float
     now: float
+    beyond: float | None
     due: date | None
+    by_worst: bool
     renewed: tuple[str, ...]
+    again: Plan | None = None
+    why_not: str = ""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,21 +103,12 @@ class Shop:
 
 
 @one_thread()
-def due_dates(
-    files: Iterable[Path],
-    today: date,
-    target: float | None = None,
-    told: Callable[[str], None] = lambda said: None,
-    tables: str | None = None,
-    taught: TypePrior | None = None,
-) -> Shop:
+def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), told: Told = lambda said: None) -> Shop:
     """Return when the machines of records are due.
 
-    target : RMS, m, instead of that of each campaign; told : called with what is being done
-    tables : of which control they have; None where all that was found is taken away
-    taught : by a type, of machines that were measured without it; machines of another build are as stated
-    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U, or no
-    tables can be made.
+    told : called with what is being done
+    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U and no
+    tolerance is stated, or no tables can be made.
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
@@ -105,11 +124,11 @@ def due_dates(
         whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
         raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
     histories = _histories([record for record in records if record.digest in known])
-    learnt = aging([pair for history in histories for pair in _pairs(history, known, left, taught)])
+    learnt = aging([pair for history in histories for pair in _pairs(history, known, left, wanted.taught)])
     machines, faults = list[DueMachine](), list[InputError]()
     for last in (history[-1] for history in histories):
         try:
-            machines.append(_due(last, known[last.digest], learnt, today, target, tables, taught))
+            machines.append(_due(last, known[last.digest], learnt, today, wanted, told))
         except (TargetError, TableError) as fault:
             faults.append(fault)
             left.append(replace(_left(last, fault), left_out=f"{fault.what}; {fault.remedy}"))
@@ -157,16 +176,13 @@ def _pairs(
         if before.renewed:
             continue
         first = known[before.digest]
-        errors = first.case.errors
-        factor = first.whole.factor[: errors.size]
-        found = Inherited(first.whole.mean[: errors.size], factor @ factor.T)
         years = (moment(after.begun) - moment(before.begun)).total_seconds() / YEAR
         try:
-            equation = equation_of(after, errors)
+            equation = equation_of(after, first.case.errors)
         except AxiscalError as fault:
             left.append(_left(after, fault))
             continue
-        yield Pair(years, found, equation, Wearing.of(first, taught))
+        yield Pair(years, found_by(first), equation, Wearing.of(first, taught))
 
 
 def moment(text: str) -> datetime:
@@ -176,31 +192,43 @@ def moment(text: str) -> datetime:
 
 
 def _due(
-    record: MachineRecord,
-    known: Estimation,
-    learnt: Aging,
-    today: date,
-    target: float | None,
-    tables: str | None,
-    taught: TypePrior | None,
+    record: MachineRecord, known: Estimation, learnt: Aging, today: date, wanted: Wanted, told: Told
 ) -> DueMachine:
-    wanted = target if target is not None else _own_target(known)
-    if wanted is None:
+    own, tolerance = _own_target(known), wanted.tolerance
+    target = own if wanted.target is None else wanted.target
+    if target is None and tolerance is None:
         raise TargetError(
             "the campaign asks for no RMS and no U that could be kept",
-            'Say one for all machines: --target "4 um"',
+            'Say one for all machines: --target "4 um", or --tolerance "20 um" for the worst place',
             record.file,
         )
     last = moment(record.begun).date()
-    left = rms_left(known, learnt, record.renewed, tables, taught)
-    days = _first_day(lambda day: left(day * _DAY) > wanted)
-    due = None if days is None else last + timedelta(days=days)
-    name = record.description.machine.name + (f" {record.serial}" if record.serial else "")
-    now = left(max((today - last).days, 0) * _DAY)
-    then = known.case.yardstick.measure(known.whole).rms
-    return DueMachine(
-        name, record.file, record.digest, last, known.seconds / 60.0, wanted, then, now, due, record.renewed
-    )  # fmt: skip
+    machine = WornMachine(known, learnt, record.renewed, wanted.tables, wanted.taught)
+    passed = None if target is None else _first_day(lambda day: machine.rms(day * _DAY) > target)
+    beyond = None if tolerance is None else _first_day(lambda day: machine.beyond(day * _DAY, tolerance) > _CHANCE)
+    days = min((each for each in (passed, beyond) if each is not None), default=None)
+    since = max((today - last).days, 0)
+    found = DueMachine(
+        name=record.description.machine.name + (f" {record.serial}" if record.serial else ""),
+        record=record.file,
+        digest=record.digest,
+        last=last,
+        minutes=known.seconds / 60.0,
+        target=target,
+        then=known.case.yardstick.measure(known.whole).rms,
+        now=machine.rms(since * _DAY),
+        beyond=None if tolerance is None else machine.beyond(since * _DAY, tolerance),
+        due=None if days is None else last + timedelta(days=days),
+        by_worst=days is not None and days != passed,
+        renewed=record.renewed,
+    )
+    if not wanted.again:
+        return found
+    told(f"{record.file.name}: measuring it again ...")
+    try:
+        return replace(found, again=recalibration(known, machine.prior(max(since, days or 0) * _DAY), own, told))
+    except PlanError as fault:
+        return replace(found, why_not=fault.what)
 
 
 def _own_target(known: Estimation) -> float | None:
@@ -221,42 +249,3 @@ def _first_day(passed: Callable[[int], bool]) -> int | None:
         middle = (low + high) // 2
         low, high = (low, middle) if passed(middle) else (middle, high)
     return high
-
-
-def rms_left(
-    known: Estimation,
-    learnt: Aging,
-    renewed: Sequence[str] = (),
-    tables: str | None = None,
-    taught: TypePrior | None = None,
-) -> Callable[[float], float]:
-    """Return what is left after a time in years with the tables of this estimate, RMS over the volume, m.
-
-    renewed : axes of which nothing is kept; tables : of which control, None where they take all away that was found
-    taught : by a type, where it was measured without
-    Raises TableError where none can be made for it.
-    """
-    errors, root, wears = known.case.errors, known.case.yardstick.root, Wearing.of(known, taught)
-    fresh = np.zeros(errors.size, dtype=bool)
-    for term in errors.terms:
-        axes = term.axes
-        fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in axes)
-    gram, aging_pair, fresh_pair = root.gram, np.outer(~fresh, ~fresh), np.outer(fresh, fresh)
-    same, shared = gram.value(wears.own * aging_pair), gram.value(wears.common * aging_pair)
-    new = gram.value((wears.own + wears.common) * fresh_pair)
-    known_well = root.value(known.whole.factor[: errors.size] * ~fresh[:, None])
-    if tables is None:
-        moving = known.whole.mean[: errors.size] - wears.mean
-        fields = np.array([root.matrix @ (moving * share) for share in (0.0, ~fresh, fresh)])
-        products = fields @ fields.T
-    else:
-        products = products_left(known, tables, fresh, wears.mean)
-
-    def left(years: float) -> float:
-        rho, square = learnt.kept(years)
-        once = np.array([1.0, rho - 1.0, -1.0])
-        moved = once @ products @ once + (square - rho**2) * products[1, 1]
-        total = square * known_well + (1 - square) * same + (1 - 2 * rho + square) * shared + new + moved
-        return known.case.yardstick.rms_of(float(total))
-
-    return left

@@ -10,8 +10,9 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation
-from axiscal.fleet.due_dates import DueMachine, Shop, moment, rms_left
+from axiscal.fleet.due_dates import DueMachine, Shop, moment
 from axiscal.fleet.sister_records import MachineRecord, renewed_axes
+from axiscal.fleet.worn_machine import WornMachine
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -108,9 +109,9 @@ def _left(record: MachineRecord, shop: Shop, start: float, end: float) -> list[A
     ends = [at for at, _ in turns[1:]] + [end]
     pieces = list[Array]()
     for (begin, texts), stop in zip(turns, ends, strict=True):
-        left = rms_left(shop.known[record.digest], shop.aging, renewed_axes(texts))
+        machine = WornMachine(shop.known[record.digest], shop.aging, renewed_axes(texts))
         years = np.linspace(begin, min(max(stop, begin), end), _STEPS)
-        pieces.append(np.array([[year, left(year - start)] for year in years.tolist()]))
+        pieces.append(np.array([[year, machine.rms(year - start)] for year in years.tolist()]))
     return pieces
 
 

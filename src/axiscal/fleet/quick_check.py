@@ -9,7 +9,7 @@ the campaign knew the machine's type, what all sisters have stays (`wearing`).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,12 +17,14 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.compensation.effect import Control
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.task import Limits
-from axiscal.estimation.case import Case, Inherited
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.case import Inherited
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
 from axiscal.fleet.crash_places import showing_crashes
+from axiscal.fleet.measured_again import again, case_again
 from axiscal.fleet.tables_left import control_of
-from axiscal.fleet.wearing import Wearing
+from axiscal.fleet.wearing import Wearing, found_by
 from axiscal.fleet.without_tables import without_tables
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import data_equation
@@ -77,10 +79,9 @@ class QuickCheck:
         control: Control | None = None,
         wears: Wearing | None = None,
     ) -> None:
-        target = replace(description.target, readings=None, budget=None)
-        plain = replace(description, prior_text="", sisters=None, doubt=None, target=target, scales_estimated=False)
-        now = (wears or Wearing.as_stated(Case(plain).errors)).left_of(last, kept)
-        self.last, self.case, self._control = last, Case(plain, now), control
+        wearing = wears or Wearing.as_stated(ErrorModel(description.machine))
+        self.last, self.case = last, case_again(description, wearing.worn(last).left(kept))
+        self._control = control
 
     @classmethod
     def of(cls, campaign: Campaign, kept: float, controller: str | None = None) -> QuickCheck:
@@ -92,14 +93,8 @@ class QuickCheck:
         if not campaign.state.readings:
             raise RecordError("The record has no readings", "Name a campaign that has been measured", campaign.path)
         known = campaign.concluded()
-        size = known.case.errors.size
-        factor = known.whole.factor[:size]
-        described, learnt = campaign.description, known.case.description  # noise and sizes as learnt, places anew
-        pairs = zip(described.setups, learnt.setups, strict=True)
-        setups = tuple(replace(mine, noise=found.noise) for mine, found in pairs)
-        described = replace(described, machine=learnt.machine, setups=setups)
         control = None if controller is None else control_of(known, controller)
-        return cls(described, Inherited(known.whole.mean[:size], factor @ factor.T), kept, control, Wearing.of(known))
+        return cls(again(known), found_by(known), kept, control, Wearing.of(known))
 
     def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
         """Return the places that say most, moved until crashes show; raises PlanError."""

@@ -27,24 +27,30 @@ def control_of(known: Estimation, controller: str) -> Control:
     return registry.export(ruled(known).estimate(), controller, options).control
 
 
-def products_left(known: Estimation, controller: str, renewed: NDArray[np.bool_], stays: Array) -> Array:
+def left_at(known: Estimation, control: Control, poses: Array, approaches: Array) -> Array:
+    """Return what a control leaves at poses, in the directions that count, less one shift of everything, (m, 3) m."""
+    estimate = known.estimate()
+    return _counted(known, poses, left_by(estimate.machine, estimate.deviation, control, poses, approaches))
+
+
+def _counted(known: Estimation, poses: Array, field: Array) -> Array:
+    """Return deviations (m, 3) less what probing the part takes off and one shift, in the directions that count."""
+    alignment = known.case.yardstick.alignment
+    left = field if alignment is None else alignment.left(poses, field)
+    counted: Array = (left - left.mean(axis=0)) * np.array(known.case.yardstick.counted, dtype=float)
+    return counted
+
+
+def products_left(known: Estimation, control: Control, renewed: NDArray[np.bool_], stays: Array) -> Array:
     """Return the means over the volume of the products of ℓ, k and f, (3, 3), m².
 
     renewed : (n,) bool, of the unknowns of the errors; stays : (n,) the part of their mean that never changes
-    Raises TableError where no tables can be made for this control.
     """
-    control = control_of(known, controller)
     estimate = known.estimate()
     poses, approaches = spread_poses(estimate)
     rows, moving = estimate.model.rows(poses, approaches), estimate.mean - stays
-    fields = [
-        left_by(estimate.machine, estimate.deviation, control, poses, approaches),
-        rows @ (moving * ~renewed),
-        rows @ (moving * renewed),
-    ]
-    alignment, counted = known.case.yardstick.alignment, list(known.case.yardstick.counted)
-    if alignment is not None:
-        fields = [alignment.left(poses, each) for each in fields]
-    centred = np.array([each - each.mean(axis=0) for each in fields])[..., counted]
+    whole = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
+    fields = [whole, rows @ (moving * ~renewed), rows @ (moving * renewed)]
+    centred = np.array([_counted(known, poses, each) for each in fields])
     products: Array = np.einsum("apc,bpc->ab", centred, centred) / len(poses)
     return products

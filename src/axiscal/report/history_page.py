@@ -69,7 +69,7 @@ def _machine(of: MachineHistory) -> dict[str, object]:
         "name": of.due.name,
         "due": due,
         "now": f"{to_unit(of.due.now, 'um'):.3g} µm",
-        "target": f"{to_unit(of.due.target, 'um'):.3g} µm",
+        "target": "-" if of.due.target is None else f"{to_unit(of.due.target, 'um'):.3g} µm",
         "left": shown(left_picture(of, span), f"{of.due.name}: what is left with its tables, year by year"),
         "panels": [{"title": title, "svg": shown(drawn, title)} for title, drawn in panels],
         "rows": _rows(of),
@@ -94,9 +94,11 @@ def _named(parameter: Parameter) -> str:
 def left_picture(of: MachineHistory, span: YearSpan) -> Figure:
     """Return RMS of what is left over the years: campaigns as marks, the target dashed, renewals dotted upright."""
     pieces = [[(year, to_unit(rms, "um")) for year, rms in piece.tolist()] for piece in of.left]
-    target = to_unit(of.due.target, "um")
-    top = 1.1 * max([target, *(value for piece in pieces for _, value in piece)])
-    data = [_line([span.first, span.last], [target, target], color="var(--truth)", width=1.4, dash="dash")]
+    targets = [] if of.due.target is None else [to_unit(of.due.target, "um")]
+    top = 1.1 * max([*targets, *(value for piece in pieces for _, value in piece)])
+    data = [
+        _line([span.first, span.last], [each, each], color="var(--truth)", width=1.4, dash="dash") for each in targets
+    ]
     data += _uprights(of, 0.0, top)
     data += [_line([x for x, _ in piece], [y for _, y in piece], color="var(--accent)", width=2.2) for piece in pieces]
     starts = {year_of(moment(record.begun)) for record in of.records}
