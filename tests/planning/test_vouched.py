@@ -13,6 +13,7 @@ from axiscal.cli.app import app
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed
+from axiscal.estimation.statements import Resting, Statement
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.planning.vouched import departure_rows, vouched_by_plan, vouched_words
 from tests.design.test_out_and_back import one_axis
@@ -45,6 +46,57 @@ def test_a_drift_that_levels_off_is_a_drift() -> None:
 def test_readings_that_show_enough_vouch_for_a_figure() -> None:
     said = vouched_words(case(), Defence(0.66e-6, 0.6e-6, 24, (replace(DRIFT, damage=0.66e-6),)))
     assert said == "24 readings could vouch for 0.66 um (standard uncertainty)."
+
+
+def test_what_rests_on_statements_is_said_with_what_would_show_it() -> None:
+    line, zero = Statement("EXX_reversal", "", 3e-6), Statement("zero", "laser", 1e-3, 0)
+    rests_on = Resting((line,), 0.68, 4e-6, 0.07, 6e-6, zero)
+    found = Defence(6e-6, 5e-6, 24, (), rests_on)
+    leaves = "These 24 readings leave as stated EXX_reversal (3 um): 68 % of the promised variance rests on what is "
+    leaves += "stated alone, and what can be vouched for is a standard uncertainty of 6 um. "
+    shown = 'They would show it with zero of "laser" (1000 um) known better than that.'
+    assert vouched_words(case(), found) == leaves + shown
+    alone = replace(found, rests_on=replace(rests_on, shown_by=None))
+    assert vouched_words(case(), alone) == leaves + "Only a reading of another kind would show it."
+    itself = replace(found, rests_on=replace(rests_on, named=(zero,)))
+    assert vouched_words(case(), itself).endswith("Measured by itself and stated closer it would leave less.")
+    both = vouched_words(case(), replace(found, departures=(replace(DRIFT, damage=7e-6),)))
+    assert both.startswith('These 24 readings could not show a drift of "laser" above 3 um; what')
+    assert both.endswith(shown)
+    little = replace(found, rests_on=replace(rests_on, bearable=4e-6)).promising(5e-6)
+    assert vouched_words(case(), little) == "24 readings could vouch for 5 um (standard uncertainty)."
+    assert departure_rows(case(), little) == []
+
+
+def test_a_row_says_what_a_promise_rests_on() -> None:
+    line = Statement("EXX_reversal", "", 3e-6)
+    (row,) = departure_rows(case(), Defence(6e-6, 5e-6, 24, (), Resting((line,), 0.68, 4e-6, 0.07, 6e-6)))
+    assert row == {
+        "name": "statement EXX_reversal",
+        "power": 0.0,
+        "seen_from_um": None,
+        "damage_um": 4.0,
+        "hidden": 0.07,
+        "bearable_um": 6.0,
+        "unit": "um",
+        "counted": True,
+    }
+
+
+def test_no_number_of_readings_is_said_to_do_for_what_is_only_stated(tmp_path: Path) -> None:
+    machine = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["0 mm", "1 m"]\n[errors]\n'
+    (tmp_path / "m.toml").write_text(machine + 'EXX = { std = "3 um", knots = 9 }\nEXX_reversal = { std = "20 um" }\n')
+    (tmp_path / "c.toml").write_text(
+        'machine = "m.toml"\n[target]\nreadings = 24\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
+        'direction = "x"\napproach = "+"\nnoise = "0.5 um"\n'
+    )
+    document = json.loads(CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml"), "--json"]).stdout)
+    assert document["departures"][0]["name"] == "statement EXX_reversal"
+    assert document["enough_readings"] is None
+    assert document["defended_um"] > document["rms_um"]
+    printed = CliRunner().invoke(app, ["plan", str(tmp_path / "c.toml")]).stdout
+    assert "leave as stated EXX_reversal (20 um)" in printed
+    assert "Only a reading of another kind would show it." in printed
 
 
 def test_rows_have_units_and_no_infinite_number() -> None:

@@ -64,18 +64,18 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted 
     spectra = np.maximum(np.linalg.eigvalsh(covariances[:, counts[:, None], counts]), 0.0)
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
-    x, y, z = (_reach(variances[:, [axis]]) for axis in range(3))
-    return Expanded(_reach(spectra[evenly]), (x, y, z), _largest(spectra[worst]))
+    x, y, z = (reach(variances[:, [axis]]) for axis in range(3))
+    return Expanded(reach(spectra[evenly]), (x, y, z), _largest(spectra[worst]))
 
 
 def _largest(spectra: Array) -> float:
     """Return the largest distance of single poses."""
-    return float(_bisected(spectra, lambda squares: _within(spectra, squares), len(spectra)).max())
+    return float(_bisected(spectra, lambda squares: within(spectra, squares), len(spectra)).max())
 
 
-def _reach(spectra: Array) -> float:
-    """Return the distance U, m, within which the deviation lies with 95 %, over all poses.  spectra : (m, d) λ"""
-    return float(_bisected(spectra, lambda squares: np.mean(_within(spectra, squares), keepdims=True), 1)[0])
+def reach(spectra: Array) -> float:
+    """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.  spectra : (m, d) λ, m²"""
+    return float(_bisected(spectra, lambda squares: np.mean(within(spectra, squares), keepdims=True), 1)[0])
 
 
 def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Array:
@@ -89,7 +89,7 @@ def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Ar
     return high
 
 
-def _within(spectra: Array, squares: Array) -> Array:
+def within(spectra: Array, squares: Array) -> Array:
     """Return P(Σλ z² ≤ square) at each pose, (m,); 1 where nothing is left to vary.  squares : (m,) or (1,)"""
     largest = spectra.max(axis=1, initial=0.0)
     still, scale = largest == 0, np.where(largest > 0, largest, 1.0)

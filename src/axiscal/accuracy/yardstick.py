@@ -111,7 +111,13 @@ class Yardstick:
     @cached_property
     def _unseen_shift(self) -> float:
         """The part of it that is a constant shift in the other directions, m²."""
-        return float(np.sum((self._counts * ((self.moments.mean - self._shift) @ self.unseen)) ** 2))
+        return float(np.sum((self.shifts @ self.unseen) ** 2))
+
+    @cached_property
+    def shifts(self) -> Array:
+        """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
+        shifts: Array = self._counts * (self.moments.mean - self._shift)
+        return shifts
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""

@@ -1,4 +1,5 @@
-"""What readings can vouch for: the largest of the promise, the damage of what they would not show, and what gaps bear.
+"""What readings can vouch for: the largest of the promise, of damages that they would not show, of what gaps bear, and
+of what a promise needs that rests on statements.
 
     found = defence(case, readings, promise, stated)
     found.u_def, found.weakest, found.departures[0].damage
@@ -20,6 +21,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.statements import LeftOpen, Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.machine.description import Machine
@@ -102,18 +104,28 @@ class Defence:
     """What readings can vouch for.
 
     u_def : m; promise : RMS over the volume as it is promised, m; readings : how many
-    departures : the most damaging first
+    departures : the most damaging first; rests_on : statements that no reading shows, None where nothing rests on any
     """
 
     u_def: float
     promise: float
     readings: int
     departures: tuple[Departed, ...]
+    rests_on: Resting | None = None
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
-        worst = max((each.least for each in self.departures), default=0.0)
-        return replace(self, u_def=max(promise, worst), promise=promise)
+        return replace(self, u_def=max(promise, self._shown, self._stated), promise=promise)
+
+    @property
+    def _shown(self) -> float:
+        """The least promise that can be vouched for beside what readings may not show, m."""
+        return max((each.least for each in self.departures), default=0.0)
+
+    @property
+    def _stated(self) -> float:
+        """The least promise that can be vouched for beside what it rests on, m."""
+        return 0.0 if self.rests_on is None else self.rests_on.bearable
 
     @property
     def hides(self) -> bool:
@@ -121,9 +133,19 @@ class Defence:
         return any(each.counted and each.bearable > self.promise for each in self.departures)
 
     @property
+    def rests(self) -> bool:
+        """Whether so much of the promise is as somebody stated it that one machine in twenty is far worse unseen."""
+        return self._stated > self.promise
+
+    @property
+    def leaves(self) -> bool:
+        """Whether readings could not have shown a departure that would make the promise much too good."""
+        return self._shown > OPEN * self.promise or self.hides
+
+    @property
     def unchecked(self) -> bool:
         """Whether readings could not have shown what would make the promise much too good."""
-        return self.u_def > OPEN * self.promise or self.hides
+        return self.leaves or self.rests
 
     @property
     def weakest(self) -> Departed | None:
@@ -139,11 +161,30 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
     promise : RMS over the volume that they leave, m; stated : the machine before scales were learnt
     """
     chosen = drawn(readings, _MOST)
-    made = EffectMap.of(case, chosen) if len(chosen) >= _FEWEST else None
-    found = vouched(case.observation, chosen, made, promise)
-    if made is not None:
-        found = with_gaps(found, case.observation, chosen, made, stated)
-    return replace(found, readings=len(readings))
+    if len(chosen) < _FEWEST:
+        return vouched(case.observation, chosen, None, promise)
+    numbers, root = ReadingSet(case.observation, chosen), _prior_root(case)
+    made = EffectMap.of_numbers(case, numbers, root)
+    found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
+    rests_on = _rests_on(case, numbers, root, made, (promise, stated))
+    return replace(found, readings=len(readings), rests_on=rests_on).promising(promise)
+
+
+def _rests_on(
+    case: Case, numbers: ReadingSet, root: Array, effects: EffectMap, said: tuple[float, Machine]
+) -> Resting | None:
+    """Return what of a promise rests on statements.
+
+    root : (size, r) of the errors before the first reading; said : the promise, m, and the machine as it was stated
+    """
+    promise, stated = said
+    found = list(singles(case.observation, root @ root.T, stated))
+    if not found:
+        return None
+    columns = np.array([each.column for each in found]).T
+    left = effects.left_open(numbers.rows @ columns, root, columns[: len(root)])
+    model = min(case.yardstick.rms_of(effects.remaining), promise)
+    return resting(found, left, model**2, promise)
 
 
 def with_gaps(
@@ -215,18 +256,24 @@ class EffectMap:
 
     features : (m, k) Φ, the covariance of the numbers without noise as Φ Φᵀ; std : (m,) of their noise
     weighted : (w, k) V F, what the same k independent unknowns do over the volume
+    remaining : J = tr(V C Vᵀ) after these readings, m²
     """
 
     def __init__(self, yardstick: Yardstick, features: Array, std: Array, weighted: Array) -> None:
         self._yardstick = yardstick
         self._upper: Array = np.asarray(np.linalg.qr(np.vstack([np.diag(std), features.T]), mode="r"))
-        self._kept = weighted @ transposed_solution(self._upper, features).T  # V C Gᵀ R⁻¹
+        self._white: Array = transposed_solution(self._upper, features)  # R⁻ᵀ Φ
+        self._kept = weighted @ self._white.T  # V C Gᵀ R⁻¹
+        self.remaining = float(np.sum(weighted**2) - np.sum(self._kept**2))
 
     @classmethod
     def of(cls, case: Case, readings: Sequence[Reading]) -> EffectMap:
         """Return the effects of readings of a case, on what is known before the first of them."""
-        numbers = ReadingSet(case.observation, readings)
-        root = case.errors.prior_root() if case.inherited is None else _root(case.inherited.covariance)
+        return cls.of_numbers(case, ReadingSet(case.observation, readings), _prior_root(case))
+
+    @classmethod
+    def of_numbers(cls, case: Case, numbers: ReadingSet, root: Array) -> EffectMap:
+        """Return the same of their numbers.  root : (size, r) of the errors before the first reading"""
         features = numbers.features(root)
         weighted = np.zeros((len(case.yardstick.root.matrix), features.shape[1]))
         weighted[:, : root.shape[1]] = case.yardstick.root.of(root)
@@ -244,6 +291,21 @@ class EffectMap:
             followed, beside = field(self._yardstick, departure)
             left = left + followed
         return Harm(white.T @ white, (float(np.sum(left**2)) + beside) / columns.shape[1], most)
+
+    def left_open(self, columns: Array, root: Array, own: Array) -> LeftOpen:
+        """Return what readings leave of unknowns, over the volume but for a constant shift that nobody sees.
+
+        columns : (m, s) what one standard deviation of each adds to the numbers; own : (size, s) to the errors
+        root : (size, r) of the errors before the first reading, with which the features begin
+        """
+        white = transposed_solution(self._upper, columns)
+        followed = self._white[:, : root.shape[1]].T @ white
+        over, shifts = (rows @ own - (rows @ root) @ followed for rows in self._rows)
+        return LeftOpen(over.T @ over - shifts.T @ shifts, white.T @ white)
+
+    @property
+    def _rows(self) -> tuple[Array, Array]:
+        return self._yardstick.root.matrix, self._yardstick.shifts
 
 
 def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
@@ -297,6 +359,11 @@ def largest(errors: ErrorModel, departure: Departure) -> float:
     if departure.family == "together":
         return _TOGETHER * entry.std
     return min(entry.std, _LARGEST_PITCH) if departure.family == "pitch" else entry.std
+
+
+def _prior_root(case: Case) -> Array:
+    """Return F (size, r) with F Fᵀ the covariance of the errors before the first reading."""
+    return case.errors.prior_root() if case.inherited is None else _root(case.inherited.covariance)
 
 
 def _root(covariance: Array) -> Array:

@@ -66,10 +66,13 @@ def refuse_unless_provable(case: Case) -> None:
 
 @one_thread()
 def would_do(case: Case, proposal: Proposal, how: Thoroughness) -> Enough | None:
-    """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown."""
+    """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown.
+
+    No number of them vouches for what is only stated.
+    """
     places = proposal.plan.places
     found = vouched_by_plan(case, proposal.plan)
-    if not found.unchecked:
+    if found.rests or not found.leaves:
         return None
     return enough_readings(posed(case, case.knowledge, candidates=how.candidates), places, OPEN)
 

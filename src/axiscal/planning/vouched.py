@@ -13,7 +13,8 @@ from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence
-from axiscal.language.spoken import counted, later, listed, said
+from axiscal.estimation.statements import Resting, Statement
+from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Reading
@@ -73,7 +74,56 @@ def _planned(case: Case, plan: Plan) -> list[Reading]:
 
 
 def vouched_words(case: Case, found: Defence) -> str:
-    """Return in a sentence what readings can vouch for, and what they could not show if that is much more."""
+    """Return in sentences what readings can vouch for, and what they could not show if that is much more."""
+    rests_on = found.rests_on if found.rests else None
+    size, open_ones = said_quantity(found.u_def, "um"), _open(found)
+    if rests_on is not None:
+        stated = _statements_words(case, found, rests_on, size)
+        return put("{shown} {stated}", shown=_shown_words(case, found), stated=stated) if open_ones else stated
+    return _shown_words(case, found)
+
+
+def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) -> str:
+    """Return which statements a promise rests on, how much of it, and what would show them."""
+    named = listed(", ", [_stated(case, each) for each in rests_on.named[:_NAMED]])
+    what = counted(
+        "This {count} reading leaves as stated {named}: {share:.0%} of the promised variance rests on what is stated "
+        "alone, and what can be vouched for is a standard uncertainty of {size}.",
+        "These {count} readings leave as stated {named}: {share:.0%} of the promised variance rests on what is stated "
+        "alone, and what can be vouched for is a standard uncertainty of {size}.",
+        found.readings,
+        named=named,
+        share=float(rests_on.share),
+        size=size,
+    )
+    return put("{what} {remedy}", what=what, remedy=_remedy(case, rests_on))
+
+
+def _remedy(case: Case, rests_on: Resting) -> str:
+    best = rests_on.shown_by
+    if best is None:
+        return said("Only a reading of another kind would show it.")
+    if best in rests_on.named:
+        return said("Measured by itself and stated closer it would leave less.")
+    return said("They would show it with {unknown} known better than that.", unknown=_stated(case, best))
+
+
+def _stated(case: Case, each: Statement) -> str:
+    """Return an unknown and how well it is stated."""
+    size = said_quantity(each.std, _unit_of(case, each))
+    if each.setup is None:
+        return put("{name} ({size})", name=each.name, size=size)
+    return said('{name} of "{owner}" ({size})', name=each.name, owner=each.owner, size=size)
+
+
+def _unit_of(case: Case, each: Statement) -> str:
+    if each.setup is None:
+        return "urad" if case.errors.names[each.name].angular else "um"
+    setup = case.description.setups[each.setup]
+    return case.unit_of(setup, next(own for own in setup.unknowns if own.name == each.name))
+
+
+def _shown_words(case: Case, found: Defence) -> str:
     size, open_ones = said_quantity(found.u_def, "um"), _open(found)
     if not open_ones:
         one = "{count} reading could vouch for {size} (standard uncertainty)."
@@ -101,7 +151,7 @@ def unguarded_words(case: Case, found: Defence) -> str:
 
     found : what the readings of a plan can vouch for
     """
-    if guarding(case) or not found.unchecked:
+    if guarding(case) or not found.leaves:
         return ""
     criterion = case.description.target.criterion
     if criterion != "volume":
@@ -121,8 +171,8 @@ def vouched_of(case: Case, found: Defence) -> Vouched:
 
 
 def departure_rows(case: Case, found: Defence) -> list[dict[str, Any]]:
-    """Return the departures of a document, the most damaging first."""
-    rows = []
+    """Return the departures of a document, the most damaging first; before them what a promise rests on too much."""
+    rows = [_statement_row(case, found.rests_on)] if found.rests_on is not None and found.rests else []
     for each in found.departures:
         unit = _unit(case, each)
         rows.append(
@@ -138,6 +188,19 @@ def departure_rows(case: Case, found: Defence) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def _statement_row(case: Case, rests_on: Resting) -> dict[str, Any]:
+    return {
+        "name": f"statement {' '.join(each.name for each in rests_on.named)}",
+        "power": 0.0,
+        "seen_from_um": None,
+        "damage_um": _figure(to_unit(rests_on.effect, "um")),
+        "hidden": _figure(rests_on.hidden),
+        "bearable_um": _figure(to_unit(rests_on.bearable, "um")),
+        "unit": _unit_of(case, rests_on.named[0]),
+        "counted": True,
+    }
 
 
 def _figure(value: float) -> float:

@@ -63,6 +63,10 @@ def _meant(ruling: Ruling, target: Target) -> str:
         return said(inflated if ruling.inflated > 1 else explained, share=share, times=times)
     if ruling.verdict == "unchecked":
         hardly = said("The readings do not contradict the model, and could hardly have done so.")
+        if not ruling.defence.leaves and ruling.defence.rests:
+            hardly = said(
+                "The readings do not contradict the model; most of what is promised rests on statements alone."
+            )
         if not target.accurate:
             return hardly
         alone = "{hardly} A target counts as reached by what they can vouch for alone."
