@@ -6,7 +6,8 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
 COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/compensation tests/gcode \
-	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/web/test_first.py tests/linuxcnc/test_patched_configuration.py
+	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py tests/web/test_first.py \
+	tests/acceptance/test_at_the_machine.py tests/linuxcnc/test_patched_configuration.py tests/study/test_study_file.py
 
 .PHONY: help demo demo-linuxcnc howto-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
 
@@ -27,7 +28,7 @@ help:
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
 	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
 	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
-	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; ROOM=numerics; SECONDS=20 of tests for each change; OWN=1: the room's own tests only; AGAIN=1: what survived, where tests were added)"
+	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; SEED=2: other places; ROOM=numerics; SECONDS=20 of tests for each change; OWN=1: the room's own tests only; AGAIN=1: what survived, where tests were added)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
 	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
@@ -102,7 +103,7 @@ coverage: .venv-mutants/stamp
 	.venv-mutants/bin/python -m coverage report
 
 mutants: .venv-mutants/stamp
-	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(ROOM),--room $(ROOM)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(OWN),--own) $(if $(AGAIN),--again)
+	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(SEED),--seed $(SEED)) $(if $(ROOM),--room $(ROOM)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(OWN),--own) $(if $(AGAIN),--again)
 
 requests: .venv/dev.stamp
 	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q -s tests/web/test_conformance.py

@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 from axiscal.cli import app
-from axiscal.description.campaign import read_campaign
+from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.file_schemas import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
+from axiscal.description.first_files import Beginning, first_files, of_builtin
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.chart_places import chart_candidates
 
@@ -100,6 +102,34 @@ def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
             assert np.ptp(poses[:, k]) > 0.5 * axis.length
 
 
+def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:
+    text = """name = "trunnion"
+chain = "w-A'-X'-Y'-b-Z-t"
+[tool]
+length = "100 mm"
+stylus = "3 mm"
+[errors]
+EXX = { std = "10 um" }
+""" + "".join(f'[axes.{name}]\ntravel = ["-250 mm", "250 mm"]\n' for name in "XYZ")
+    begun = Beginning(text + '[axes.A]\ntravel = ["-90 deg", "90 deg"]\n')
+    (machine, campaign) = (
+        first_files(begun, ["sphere"], "20 um").texts[f"{name}.toml"] for name in ("machine", "campaign")
+    )
+    found = campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml")
+    assert found.machine.stylus == 3e-3
+    (setup,) = found.setups
+    assert setup.artefact is not None
+    spread = np.array([ball.place for ball in setup.artefact.balls])
+    np.testing.assert_allclose(spread.mean(axis=0)[:2], [0.0, 0.0], atol=1e-3)
+    with pytest.raises(DescriptionError, match="No instrument was named"):
+        first_files(begun, [], "20 um")
+    with pytest.raises(DescriptionError, match="Nothing of probe can be offered for One axis"):
+        first_files(of_builtin("one-axis"), ["probe"], "20 um")
+    printer = first_files(of_builtin("printer-gantry"), ["probe"], "20 um").texts["campaign.toml"]
+    assert 'volume = { Z = ["' in printer
+    assert "the first layers, where the probe reads" in printer
+
+
 def test_what_is_not_given_is_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -153,6 +183,13 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(
     assert app.run(["init", str(tmp_path / "other"), *words, "--machine", "one-axis"]) == 2
     assert app.run(["init", str(tmp_path / "other"), *words, "--chain", "w-Q-t"]) == 1
     assert not (tmp_path / "other").exists()
+
+
+def test_an_ini_file_without_tables_says_that_nothing_was_active(tmp_path: Path) -> None:
+    (tmp_path / "machine.ini").write_text(INI.replace("[JOINT_1]\nBACKLASH = 0.02\n", ""))
+    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
+    assert app.run(["init", str(tmp_path / "mill"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
+    assert read_campaign(tmp_path / "mill" / "campaign.toml").compensation_active is False
 
 
 def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(

@@ -455,6 +455,20 @@ def test_pivots_make_five_axes_better_than_tables_alone() -> None:
         _maker("linuxcnc")(known("small")[0], ExportOptions(pivots=True))
 
 
+def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_description() -> None:
+    axes = {"X": (-200, 200), "Y": (-200, 200), "Z": (0, 300), "A": (-60, 60), "C": (0, 360)}
+    text = machine_text("w-C'-A'-X'-Y'-b-Z-t", axes, {"EXX": "5 um", "Y0A": "30 um"})
+    for name in "AC":
+        text = text.replace(f"[axes.{name}]", f'[axes.{name}]\ndirection = "reversed"')
+    model = ErrorModel(machine_from_text(text))
+    mean = np.zeros(model.size)
+    mean[model.names["Y0A"].columns] = 25e-6
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    made = _maker("linuxcnc")(estimate, ExportOptions(pivots=True)).files["axiscal-pivots.hal"]
+    assert pivots.pivots(model.machine, {"Y0A": 25e-6}) != pivots.pivots(model.machine, {})
+    assert re.search(r"^setp xyzac-trt-kins\.y-rot-point\s+-?0\.025", made, re.MULTILINE)
+
+
 def test_pivots_are_refused_where_nobody_says_which_way_axes_count() -> None:
     for ways, message in (("", "does not say which way C and B count"), (" iso reversed", "count in different ways")):
         with pytest.raises(TableError, match=message):

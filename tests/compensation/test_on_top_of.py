@@ -496,3 +496,11 @@ def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
         for column, name in enumerate(header):
             found[name] = ([row[0] for row in table], [row[column] for row in table])
     return found
+
+
+def test_an_old_mesh_that_is_not_square_leaves_the_size_of_the_new_one_open() -> None:
+    nodes = "".join(f"M421 I{i} J{j} Z0.01\n" for i in range(3) for j in range(2))
+    old = OldFile("m503.txt", f"M425 F1 S0 X0.010\n{nodes}")
+    assert exported("marlin", old).files["axiscal.gcode"].count("M421") == exported("marlin").files[
+        "axiscal.gcode"
+    ].count("M421")

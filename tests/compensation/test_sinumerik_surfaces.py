@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from axiscal.belief import Belief
 from axiscal.compensation.controllers.sinumerik.read_back import read, read_all
+from axiscal.compensation.controllers.sinumerik.surfaces import products
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export
 from axiscal.compensation.registry import export
@@ -122,3 +124,17 @@ def test_multiplied_tables_of_before_are_not_taken_over() -> None:
     broken = re.sub(r"MULT_BY_TABLE\[(\d+)\]=[1-9]\d*", r"MULT_BY_TABLE[\1]=99", made.files["NC_CEC.INI"])
     with pytest.raises(TableError, match="multiplied by table 99, which is not there"):
         read_all([broken], names, machine)
+
+
+def test_where_a_table_turns_or_nothing_was_found_there_are_no_products() -> None:
+    estimate = known()
+    options = ExportOptions()
+    assert products(estimate, options, 1000, 1e-6)
+    nothing = replace(estimate, belief=Belief(np.zeros(estimate.model.size), estimate.belief.covariance))
+    assert products(nothing, options, 1000, 1e-6) == ()
+    text = machine_text(
+        "w-C'-X'-b-Y-Z-t", {"X": (0, 400), "Y": (-100, 200), "Z": (0, 300), "C": (0, 360)}, {"EXX": "5 um"}
+    )
+    model = ErrorModel(machine_from_text(text.rstrip() + "\n" + PLANES))
+    turning = Estimate(model, Belief(np.ones(model.size) * 1e-5, np.eye(model.size)), whole_travel(model))
+    assert products(turning, options, 1000, 1e-6) == ()

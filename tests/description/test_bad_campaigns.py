@@ -62,6 +62,8 @@ direction = [0, 1, 0]
 moves = ["Z"]
 """
 
+PART = ", ".join(f'{way} = ["10 mm", "20 mm"]' for way in "xyz")
+
 # What is replaced, by what, and what the failure says; it stands in the line where the replacement is.
 WRONG = [
     ('machine = "machine.toml"', "", '"machine" is missing'),
@@ -180,6 +182,17 @@ WRONG = [
     ('moves = ["Z"]', 'moves = ["Z"]\nnoise = "1 um"', "is a length, not an angle"),
     ('moves = ["Z"]', 'moves = ["Z"]\nunknowns = { zero = "1 um" }', "is a length, not an angle"),
     ('moves = ["Z"]', 'moves = ["Z"]\nunknowns = { slope = "1 urad" }', "the level reads an angle"),
+    ('moves = ["Z"]', 'moves = ["Z"]\none_sided = "+ 3 urad"', "this instrument reads an angle"),
+    ('moves = ["Z"]', 'moves = ["Z"]\nserial = "a\\u0007"', r"serial: .* cannot stand in a report"),
+    ('criterion = "volume"', "directions = []", "no direction is left in which the tool point counts"),
+    ('criterion = "volume"', f"part = {{ {PART} }}", "part and volume exclude one another"),
+    ("[programs]", '[report]\ncountry = "DEU"\n[programs]', '"DEU" is no country of two letters'),
+    ("[programs]", '[report]\ncountry = "Ä1"\n[programs]', "is no country of two letters"),
+    ("[programs]", '[report]\nlanguage = "tlh"\n[programs]', '"tlh" is no language of reports'),
+    ("[programs]", '[report]\nremarks = "a\\u0007"\n[programs]', "cannot stand in a report.*500 characters"),
+    ("[programs]", f'[report]\nremarks = "{501 * "x"}"\n[programs]', "cannot stand in a report"),
+    ("[programs]", '[sisters]\nrecords = " "\n[programs]', 'records = " " names no file'),
+    ("[programs]", '[sisters]\nrecords = ["a", "b\\u0007"]\n[programs]', "names no file"),
 ]
 
 
@@ -260,6 +273,24 @@ def test_a_campaign_without_end_is_refused_unless_it_only_evaluates(folder: Path
     )
     assert "nothing would ever stop" in str(failure(folder, text))
     assert read_campaign(folder / "campaign.toml", target_needed=False).target.empty
+
+
+def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
+    text = GOOD.replace("[programs]", '[sisters]\nrecords = ["records/*.axiscal", "more.axiscal"]\n[programs]')
+    (folder / "more.axiscal").touch()
+    (folder / "campaign.toml").write_text(text)
+    found = read_campaign(folder / "campaign.toml").sisters
+    assert found is not None
+    assert found.records == (folder / "more.axiscal",)
+    with pytest.raises(DescriptionError, match=r"line 4: sisters\.records: .* names another prior"):
+        campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
+
+
+def test_a_prior_that_is_no_record_is_named(folder: Path) -> None:
+    (folder / "old.axiscal").write_text("no record")
+    (folder / "campaign.toml").write_text(f'prior = "old.axiscal"\n{GOOD}')
+    with pytest.raises(InputError, match=r"old\.axiscal: This file is not a campaign record"):
+        read_campaign(folder / "campaign.toml")
 
 
 def test_a_wrong_machine_is_shown_in_its_own_file(folder: Path) -> None:

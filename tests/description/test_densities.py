@@ -53,6 +53,13 @@ def test_a_dead_band_across_the_way_is_a_bound() -> None:
     assert (across.bound, across.lag) == (3e-6, 0.0)
 
 
+def test_a_dead_band_where_two_axes_move_is_a_bound() -> None:
+    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
+    machine = machine_text("w-b-X-Y-t", {"X": (0, 300), "Y": (0, 300)}, {"EXX EYX": "5 um"})
+    both = campaign_from_texts(f'{start}direction = "x"\nmoves = ["X", "Y"]\ndead_band = "3 um"', "c", machine, "m")
+    assert (both.setups[0].bound, both.setups[0].lag) == (3e-6, 0.0)
+
+
 def test_a_dead_band_across_a_way_that_a_table_has_turned_is_a_bound() -> None:
     start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
     text = start + 'direction = "x"\nmoves = ["X"]\ndead_band = "3 um"\npark = { C = "90 deg" }\n'

@@ -17,6 +17,7 @@ from axiscal.description.ini_text import machine_text, unread
 from axiscal.exceptions import AxiscalError
 from axiscal.lab.linuxcnc.configuration import Joint, Settings, files
 from axiscal.machine import Machine, load_machine, machine_from_text
+from axiscal.measurement.readers.text import MOST_LINES
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
 SMALL = """\
@@ -136,6 +137,8 @@ def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path:
         ("COORDINATES = X Y Z", "COORDINATES = XYZABCU", "line 7: XYZABCU are more than 6 axes"),
         ("COORDINATES = X Y Z\n", "", "line 7: [TRAJ] says no COORDINATES"),
         ("KINEMATICS = trivkins", "KINEMATICS = genhexkins", "line 4: genhexkins is no chain of axes"),
+        ("KINEMATICS = trivkins", "KINEMATICS = xyzac-trt-kins", "line 4: xyzac-trt-kins has axes X, Y, Z, A and C"),
+        ("MAX_LIMIT = 600", "MAX_LIMIT = 1e99", "line 11: The INI file says no MAX_LIMIT of X"),
         ("[AXIS_X]", "rubbish", "line 9: 'rubbish' is neither a [SECTION] nor KEY = VALUE"),
         ("[EMC]", "#INCLUDE machine.ini\n[EMC]", "line 1: These files include each other"),
         ("[EMC]", "#INCLUDE other.inc\n[EMC]", "line 1: The file 'other.inc' that is included here is not there"),
@@ -146,6 +149,43 @@ def test_a_fault_is_named_with_its_line(tmp_path: Path, good: str, bad: str, sai
     with pytest.raises(AxiscalError) as refused:
         found(tmp_path, SMALL.replace(good, bad))
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("linear", "unit", "metres"), [("1", "mm", 1e-3), ("0.03937007874", "in", 0.0254), ("inch", "in", 0.0254)]
+)
+def test_units_may_be_numbers(tmp_path: Path, linear: str, unit: str, metres: float) -> None:
+    text = SMALL.replace("LINEAR_UNITS = mm", f"LINEAR_UNITS = {linear}\nANGULAR_UNITS = 1")
+    read = found(tmp_path, text)
+    assert read.build.unit == unit
+    assert built(read).axis("X").travel == pytest.approx((0.0, 600 * metres))
+
+
+@pytest.mark.parametrize(
+    ("hal", "against", "sure"),
+    [
+        ("setp maxkins.pivot-length 250", ("B",), True),
+        ("setp maxkins.pivot-length 250\nsetp maxkins.conventional-directions TRUE", (), True),
+        ("setp maxkins.pivot-length 250\nsetp maxkins.conventional-directions false", ("B",), True),
+        ("setp maxkins.pivot-length 250\nsetp maxkins.conventional-directions maybe", ("B",), False),
+        ("", ("B",), False),
+    ],
+)
+def test_a_swivelling_head_over_a_turning_table(tmp_path: Path, hal: str, against: tuple[str, ...], sure: bool) -> None:
+    joints = [Joint(letter, -90, 90) for letter in "XYZBC"]
+    build = of_lab(tmp_path, joints, Settings(hal, "maxkins", "mm")).build
+    assert (build.chain, build.reversed, build.sure) == ("w-C'-X'-Y'-b-Z-B-t", against, sure)
+    assert build.origins["B"] == (0.0, 0.0, 250.0 if hal else 0.0)
+
+
+def test_hal_files_that_are_not_there_set_no_pivot_and_one_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    axes = "".join(f"[AXIS_{letter}]\nMIN_LIMIT = -90\nMAX_LIMIT = 90\n" for letter in "BC")
+    text = SMALL.replace("trivkins", "5axiskins").replace("X Y Z", "X Y Z B C") + axes
+    hal = "[HAL]\nHALFILE = LIB:basic_sim.tcl\nHALFILE = other.hal\nHALFILE =\n"
+    assert not found(tmp_path, text + hal).build.sure
+    (tmp_path / "other.hal").write_text("\n" * (MOST_LINES + 1))
+    with pytest.raises(AxiscalError, match=r"machine\.ini, line 27: .*other\.hal"):
+        found(tmp_path, text + hal)
 
 
 def test_what_an_ini_file_calls_itself_writes_nothing_else_into_ours(tmp_path: Path) -> None:

@@ -26,6 +26,11 @@ balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 
 TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "spheres"\n'
 BAR = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nlength = "150 mm"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
 LASER = '[[setups]]\nname = "diagonal"\ninstrument = "interferometer"\n'
+ALONG = 'along = [["0 mm", "0 mm", "0 mm"], ["9 mm", "0 mm", "0 mm"]]\n'
+GRID = '[[artefacts]]\nname = "spheres"\ngrid = { origin = ["0 mm", "0 mm", "0 mm"], '
+PITCH = '["9 mm", "9 mm"]'
+MANY = '[[artefacts]]\nname = "spheres"\n[artefacts.balls]\n'
+MANY += "".join(f'b{k} = ["{k} mm", "0 mm", "0 mm"]\n' for k in range(401))
 
 
 def described(text: str, machine: str = "dmu60") -> CampaignDescription:
@@ -40,6 +45,39 @@ def test_spheres_are_read_at_all_their_balls_with_all_rotary_axes() -> None:
     assert setup.contact == "retracted"
     assert setup.setup_time == 600.0
     assert setup.mean_sides
+
+
+def test_a_grid_is_its_balls_in_rows() -> None:
+    text = f"{GRID}count = [2, 3], pitch = {PITCH}, along = ['x', 'z'] }}\n"
+    (setup,) = described(text + TOUCHED).setups
+    assert setup.artefact is not None
+    places = {ball.name: ball.place for ball in setup.artefact.balls}
+    assert places == {f"ball_{i + 1}_{j + 1}": (9e-3 * i, 0.0, 9e-3 * j) for i in range(2) for j in range(3)}
+
+
+def test_the_unknowns_of_a_site_that_are_named_keep_whose_they_are() -> None:
+    (usual,) = described(BAR).setups
+    (named,) = described(BAR + 'unknowns = { tool_z = "7 um" }\n').setups
+    owners = {unknown.name: unknown.owner for unknown in usual.unknowns}
+    assert [(each.name, each.std, each.owner) for each in named.unknowns] == [("tool_z", 7e-6, owners["tool_z"])]
+
+
+def test_a_plane_of_two_directions_and_the_cone_of_an_artefact_hold_for_a_bar() -> None:
+    (flat,) = described(BAR + "plane = [[1, 0, 0], [1, 1, 0]]\n").setups
+    assert isinstance(flat.chart, Circle)
+    np.testing.assert_allclose([flat.chart.first, flat.chart.second], [[1, 0, 0], [0, 1, 0]], atol=1e-12)
+    text = SPHERES + 'free = "z"\ncone = "40 deg"\n' + BAR.split("station")[0] + 'artefact = "spheres"\nball = "low"\n'
+    (setup,) = described(text).setups
+    assert isinstance(setup.chart, Bar)
+    assert setup.chart.cone == pytest.approx(math.radians(40))
+
+
+def test_errors_of_two_axes_count_against_a_stroke_where_no_other_is_stated() -> None:
+    source = load_machine("three-axis-mill").text.partition("[errors]")[0]
+    source += '[errors]\nEZXY = { std = "500 um", knots = [5, 5], length = ["100 mm", "100 mm"] }\n'
+    bar = BAR.replace('["0 mm", "0 mm", "100 mm"]', '["300 mm", "200 mm", "30 mm"]') + 'stroke = "20 um"\n'
+    with pytest.raises(DescriptionError, match="the machine may deviate by"):
+        campaign_from_texts(f'machine = "m"\n{bar}', "campaign.toml", source, "m")
 
 
 def test_a_nest_is_read_at_one_ball_in_touch() -> None:
@@ -128,6 +166,30 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
         ),
         (LASER + 'direction = "x"\nmoves = ["X"]\nplane = "xy"\n', "plane belongs to a bar"),
         ('tool_length = "1 m"\n' + LASER + 'direction = "x"\n', "no std of where a tool's point sits"),
+        (SPHERES + TOUCHED + 'touches = 3\nsides = "mean"\n', "there is no mean of both"),
+        (SPHERES + TOUCHED + ALONG, "along and artefact exclude one another"),
+        (BAR + ALONG, "along and length exclude one another"),
+        (LASER + 'along = [["0 mm", "0 mm", "0 mm"]]\n', "a line has two ends, and here are 1"),
+        (LASER + f'direction = "x"\n{ALONG}', "the direction of a laser along a line is that of the line"),
+        (LASER + 'direction = "x"\nmoves = ["X"]\nreach = { X = ["9 mm"] }\n', '["9 mm"] has not two ends'),
+        (BAR + 'plane = "xy"\narc = ["0 deg"]\n', '["0 deg"] has not two ends'),
+        (BAR + 'plane = "xy"\narc = ["90 deg", "0 deg"]\n', "is no arc"),
+        (BAR + 'plane = "xy"\narc = ["0 deg", "1441 deg"]\n', "is no arc"),
+        (BAR + 'raster = { azimuth = "0 deg" }\n', '"0 deg" is not above zero'),
+        (BAR + 'unknowns = { lenth = "5 um" }\n', '"lenth" is not an unknown of this ballbar'),
+        (BAR.replace('"100 mm"', '"900 mm"') + 'plane = "zx"\n', "reaches no arc of its circle"),
+        ('[[artefacts]]\nname = "spheres"\n' + TOUCHED, '"spheres" has no ball to be read'),
+        (SPHERES.replace("low =", '"a b" =') + TOUCHED, '"a b" is not a name for a ball'),
+        (SPHERES.replace('name = "spheres"', 'name = " "') + TOUCHED, '" " is not a name'),
+        (SPHERES + 'scale = "2e-2"\n' + TOUCHED, "scale"),
+        (SPHERES + 'scale = "2 %"\n' + TOUCHED, "scale"),
+        (SPHERES + 'keep_out = [{ w = ["-1 m", "1 m"] }]\n' + TOUCHED, "is no box"),
+        (SPHERES + "keep_out = [{}]\n" + TOUCHED, "{} is no box"),
+        (f"{GRID}count = [5], pitch = {PITCH} }}\n{TOUCHED}", "a grid has two directions"),
+        (f'{GRID}count = [5, 5], pitch = {PITCH}, along = ["x", "-x"] }}\n{TOUCHED}', "fall together"),
+        (f'{GRID}count = [5, 5], pitch = ["9 mm", "0 mm"] }}\n{TOUCHED}', "fall together"),
+        (f"{GRID}count = [50, 50], pitch = {PITCH} }}\n{TOUCHED}", "a grid of 50 by 50 balls"),
+        (f"{MANY}\n{TOUCHED}", "balls are too many"),
     ],
 )
 def test_what_cannot_be_read_is_refused_in_words(text: str, said: str) -> None:

@@ -109,6 +109,7 @@ BAD_FILES: list[tuple[bytes, int | None, str]] = [
     (b"[a]\n[b]\n[a]\n", 3, "declare"),
     (b"a = 1\nb = 'unfinished\nc = 2", 2, "unfinished"),
     (b"a = 12 mm", 1, "12 mm"),
+    (b"C(0X)Y = 3", 1, "Names with parentheses stand in quotes"),
     (b"a = [12 mm, 3 mm]", 1, "12 mm"),
     (b"a = 1\rb = 2", 1, "not valid TOML"),
     (b"a\n", 1, "not valid TOML"),
@@ -137,6 +138,11 @@ def test_a_file_that_is_no_toml_text_is_refused_once(
     assert failure.value.line == line
     assert fragment in str(failure.value)
     assert len(str(failure.value)) < 400 + len(str(path))
+
+
+def test_a_text_that_a_record_carries_is_no_larger_than_a_file_may_be() -> None:
+    with pytest.raises(DescriptionError, match="larger than 250 kB"):
+        Document.parse("# x\n" * 70_000, "machine.toml")
 
 
 def test_paths_that_are_no_files_are_refused(tmp_path: Path) -> None:
@@ -177,6 +183,8 @@ class Park(BaseModel):
     noise: Length = Field(examples=['"0.3 um"'])
     pause: Time | None = None
     count: int = Field(1, examples=["7"], strict=True, ge=1)
+    ends: tuple[float, float] | None = Field(None, examples=["[1, 2]"])
+    names: list[str] = Field(["a"], min_length=1, examples=['["a"]'])
 
 
 class Plan(BaseModel):
@@ -196,11 +204,14 @@ FAULTS: list[tuple[str, type[InputError], int | None, str]] = [
     (GOOD.replace('"2 um"', "nan"), UnitError, 4, "nan has no unit"),
     (GOOD.replace('"2 s"', '"2 um"'), UnitError, 5, '"2 um" is a length, not a time'),
     (GOOD.replace("pause", "pauze"), TargetError, 5, 'Perhaps "pause" is meant'),
-    (GOOD.replace("pause", "wibble"), TargetError, 5, "The keys here are noise, pause, count"),
+    (GOOD.replace("pause", "wibble"), TargetError, 5, "The keys here are noise, pause, count, ends, names"),
     (GOOD.replace('noise = "2 um"', "count = 3"), TargetError, 3, 'Add a line such as noise = "0.3 um"'),
     (GOOD + "count = 2.5", TargetError, 6, "2.5 is not possible here. Write a whole number, such as count = 7"),
     (GOOD + "count = true", TargetError, 6, "true is not possible here"),
     (GOOD + "count = 0", TargetError, 6, "setups[2].count: 0"),
+    (GOOD + "ends = [1]", TargetError, 6, "setups[2].ends has the wrong number of entries. Write ends = [1, 2]"),
+    (GOOD + "ends = [1, 2, 3]", TargetError, 6, "setups[2].ends has the wrong number of entries"),
+    (GOOD + "names = []", TargetError, 6, 'setups[2].names has the wrong number of entries. Write names = ["a"]'),
     ("setups = 3", TargetError, 1, "Write a list in square brackets"),
     ("setups = [3]", TargetError, 1, "setups[1]: 3"),
     ("", TargetError, None, '"setups" is missing in the file'),

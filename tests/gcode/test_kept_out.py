@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from decimal import Decimal
+
 import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.gcode import dialect, programs
-from axiscal.gcode.kept_out import KeptOut
+from axiscal.gcode.kept_out import KeptOut, refuse_kept_out
+from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.steps import Arrival, Move
+from axiscal.gcode.targets import ReadingTarget
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.chart_places import chart_candidates
@@ -136,6 +142,52 @@ def test_a_way_is_free_where_no_fine_sample_of_it_meets_a_box() -> None:
     assert all(sampled for proven, sampled in found if proven)
     assert sum(sampled and not proven for proven, sampled in found) <= 1  # what only grazes may be refused
     assert {proven for proven, _ in found} == {True, False}
+
+
+def test_where_no_axis_is_called_z_ways_in_are_proven_from_where_they_begin() -> None:
+    text = """
+machine = "machine.toml"
+[[artefacts]]
+name = "foot"
+balls = {{ one = ["300 mm", "200 mm", "-70 mm"] }}
+keep_out = [{box}]
+[[setups]]
+name = "s"
+instrument = "ballbar"
+length = "150 mm"
+artefact = "foot"
+plane = "xy"
+approach = "both"
+"""
+    source = load_machine("three-axis-mill").text.replace("axes.Z", "axes.W").replace("-Z-", "-W-")
+    source = re.sub(r"^[A-Z]+[0-9]?Z.*=.*\n", "", source, flags=re.MULTILINE)
+
+    def program(box: str, places: list[Place]) -> str:
+        campaign = campaign_from_texts(text.format(box=box), "c.toml", source, "machine.toml")
+        return programs(campaign.machine, campaign.setups, places, dialect("sinumerik"))[0].text
+
+    places = places_of(campaign_from_texts(text.format(box=FAR), "c.toml", source, "machine.toml"), 0, 3)
+    assert program(FAR, places) == program('{ x = ["-900 mm", "-890 mm"] }', places)
+    with pytest.raises(ProgramError, match="kept out"):
+        program('{ x = ["295 mm", "305 mm"], z = ["-60 mm", "900 mm"] }', places)
+
+
+def test_a_way_into_a_box_is_refused_with_the_reading_it_leads_to() -> None:
+    machine = load_machine("dmu60")
+    (setup,) = described("sphere", FAR, "dmu60").setups
+    scales = [AxisScale.of(axis, 4) for axis in machine.axes]
+    x, y, z = (machine.index(name) for name in "XYZ")
+    box = ((0.0, 0.1), (-0.1, 0.1), (-0.5, 0.5))
+    kept = KeptOut(Room.with_boxes(machine, [box]))
+    start = {k: Decimal(0) for k in range(len(machine.axes))} | {x: Decimal(-200), z: Decimal(0)}
+    through, around = Move({x: Decimal(200)}, 500, 1.0), Move({y: Decimal(200)}, 500, 1.0)
+    reached = Arrival(ReadingTarget(4, (), (), ()))
+    begun = Move(start, 500, 1.0)
+    refuse_kept_out(kept, setup, scales, [begun, around, reached])
+    with pytest.raises(ProgramError, match=r'the way to reading 4 of the set-up "s" leads into .* of "ball"'):
+        refuse_kept_out(kept, setup, scales, [begun, through, reached])
+    with pytest.raises(ProgramError, match="the way from the last reading"):
+        refuse_kept_out(kept, setup, scales, [begun, reached, through])
 
 
 def test_a_sphere_is_not_asked_for_where_the_tool_drawn_back_meets_a_box() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.logged import logged_readings
 from axiscal.exceptions import InputError, ProgramError, ReadingError
 from axiscal.gcode import dialect, programs, write_programs
+from axiscal.machine.driving import Driving
+from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import read_touch_log
 from axiscal.measurement.touched import TOUCHES
@@ -67,6 +70,41 @@ def test_the_log_of_another_plan_is_refused(tmp_path: Path) -> None:
     joined = log.read_text().replace("END 3\n", "END 3\nAXISCAL LOG 1 PLAN 00000000 MM\n")
     log.write_text(joined)
     assert "here begins the log of plan 00000000" in refusal(log, tmp_path, campaign)
+
+
+def test_lists_of_another_plan_that_has_its_logs_are_not_written_over(tmp_path: Path) -> None:
+    campaign, _, _ = logged("sinumerik", tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(ProgramError, match="of another plan, whose logs are read with it"):
+        write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "sinumerik", tmp_path, log=True)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_linuxcnc_is_called_for_each_touch_between_the_lines_of_its_log() -> None:
+    campaign = table.description()
+    (program,) = programs(campaign.machine, campaign.setups, table.places(campaign, 2), dialect("linuxcnc"), log=True)
+    lines = program.text.splitlines()
+    calls = [line for line in lines if line.startswith("O<axiscal_touch> CALL [")]
+    assert len(calls) == 2 * TOUCHES
+    assert calls[-1].startswith(f"O<axiscal_touch> CALL [2] [{TOUCHES}] [")
+    opened, closed = (next(k for k, line in enumerate(lines) if word in line) for word in ("LOGAPPEND", "(LOG,END 2)"))
+    assert opened < lines.index(calls[0]) < lines.index(calls[-1]) < closed
+    assert lines[closed + 1] == "(LOGCLOSE)"
+
+
+def test_touches_that_the_axes_cannot_make_are_refused() -> None:
+    campaign = table.description()
+    places, (setup,) = table.places(campaign, 3), campaign.setups
+    apart = replace(setup, driving=Driving(order=(("X",), ("Y",), ("Z",), ("A", "C"))))
+    with pytest.raises(ProgramError, match="are not one group of moves"):
+        programs(campaign.machine, [apart], places, dialect("sinumerik"), log=True)
+    poses = drawn_back(campaign.machine, np.array([place.pose for place in places]), setup.retract)
+    near = campaign.machine.index("X")
+    ends = (float(poses[:, near].min()) - 1e-3, float(poses[:, near].max()) + 1e-3)
+    axes = tuple(replace(a, travel=ends) if k == near else a for k, a in enumerate(campaign.machine.axes))
+    narrow = replace(campaign.machine, axes=axes)
+    with pytest.raises(ProgramError, match="touching leaves the travel of X"):
+        programs(narrow, [setup], places, dialect("sinumerik"), log=True)
 
 
 def test_any_line_that_is_missing_doubled_or_moved_is_said(tmp_path: Path) -> None:
@@ -128,6 +166,7 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
             "was 200 um from itself",
         ),
         (lambda text: text.replace("R1 T1", "R7 T1"), "reading"),
+        (lambda text: text.replace("R3 ", "R7 "), "the plan has no reading 7"),
         (lambda text: text.replace("END 3", "END 4"), "took 4 readings, and 3 of them"),
         (lambda text: text.replace(" Y", " Q", 1), "is no line of a log"),
         (lambda text: text.replace("AXISCAL LOG 1", "AXISCAL LOG 2"), "is no line of a log"),

@@ -15,6 +15,7 @@ import pytest
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.gcode import Program, controllers, dialect, programs, write_programs
 from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.steps import Touched
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.driving import USUAL, Driving
@@ -517,5 +518,11 @@ def test_an_isg_control_is_told_how_it_counts_and_writes_no_log() -> None:
     (program,) = programs(MACHINE, [SETUP], places, dialect("isg"))
     assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\n")
     assert program.file_name.endswith(".nc")
+    touch = Touched(1, 1, ("X",), ("0",), ("0",), ("0",), 1, 1, 1, 0.0)
+    isg = dialect("isg")
     with pytest.raises(ProgramError, match="write no log"):
-        dialect("isg").log_on("0123abcd")
+        isg.log_on("0")
+    with pytest.raises(ProgramError, match="write no log"):
+        isg.log_off("0", 3)
+    with pytest.raises(ProgramError, match="write no log"):
+        isg.touched("0", touch)

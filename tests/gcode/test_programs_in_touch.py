@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from decimal import Decimal
 from functools import cache
 from itertools import pairwise
 
@@ -14,8 +15,15 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ProgramError
 from axiscal.gcode import Program, controllers, dialect, programs
+from axiscal.gcode.gliding import SlideDriver, TipDriver
+from axiscal.gcode.groups import groups
+from axiscal.gcode.scale import AxisScale
+from axiscal.gcode.segments import SegmentDriver
+from axiscal.gcode.touching_ways import Ways
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.driving import Driving
+from axiscal.machine.inverse import tip_at
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.chart_places import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
@@ -285,6 +293,69 @@ def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
     with pytest.raises(ProgramError, match="no kinematics for the chain") as refused:
         programs(swivel_first, campaign.setups, places, dialect("linuxcnc"))
     assert "choose another control" in str(refused.value)
+
+
+@pytest.mark.parametrize("controller", ["sinumerik", "heidenhain", "linuxcnc"])
+@pytest.mark.parametrize("kind", ["nest", "bar"])
+def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
+    kind: str, controller: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Ways, "legs", lambda self, here, there: None)
+    on_mill = BAR.format(machine="three-axis-mill", station=ON_MILL, keys="")
+    campaign = described(NEST) if kind == "nest" else described(on_mill, "three-axis-mill")
+    places = places_of(campaign, 3)
+    done = read(campaign, places, controller)
+    text = program_of(campaign, places, controller).text
+    readings = [k for k, (what, _, _) in enumerate(done) if what.startswith("READING")]
+    centre, radius = (BALL, 0.0) if kind == "nest" else (np.array([0.3, 0.2, -0.07]), 0.15)
+    for k, place in zip(readings, places, strict=True):
+        (pose,) = done[k][1]
+        stands_as_planned(campaign, place, pose, controller)
+    for before, after in pairwise(readings):
+        between = [pose for _, poses, _ in done[before + 1 : after] for pose in poses]
+        off = [abs(float(np.linalg.norm(tip(campaign.machine, pose) - centre)) - radius) for pose in between]
+        assert max(off) > 4e-3
+    asked = re.findall("TAKE THE BAR OFF|PUT THE BAR ON|READING \\d", text)
+    assert (asked.count("TAKE THE BAR OFF") >= 2) == (kind == "bar")
+    assert asked.count("TAKE THE BAR OFF") == asked.count("PUT THE BAR ON")
+
+
+def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:
+    """Return two poses with the tool point at one place of the table, between which the slides leave their travels."""
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    rotary, rng = np.array([axis.rotary for axis in machine.axes]), np.random.default_rng(1)
+    for _ in range(10_000):
+        start = rng.uniform(low, high)
+        point = frames(machine, start[None]).tcp
+        stop = tip_at(machine, np.where(rotary, rng.uniform(low, high), 0.0)[None], point)[0]
+        half = tip_at(machine, ((start + stop) / 2)[None], point)[0]
+        if np.all((stop >= low) & (stop <= high)) and not np.all((half >= low) & (half <= high)):
+            return start, stop
+    raise AssertionError("no such way")
+
+
+def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
+    machine = load_machine("dmu60")
+    scales = [AxisScale.of(axis, 4) for axis in machine.axes]
+    slides, ways = SlideDriver(scales, groups(machine, Driving()), None), np.stack(a_way_that_swings_out(machine))
+    held = TipDriver(machine, slides, scales, Decimal("0.0001"), 500)
+    for driver in (held, SegmentDriver(machine, slides, scales, 1e-4, 500)):
+        for _ in driver.begin(ways[0]):
+            pass
+        with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
+            list(driver.along(ways))
+    with pytest.raises(ProgramError, match="no short pieces follow this way"):
+        list(SegmentDriver(machine, slides, scales, 0.0, 500).along(ways))
+    beyond = ways[0].copy()
+    beyond[machine.index("X")] = 9.0
+    with pytest.raises(ProgramError, match="a way in touch leaves the travel of X"):
+        slides.written(beyond)
+
+
+def test_a_control_holds_the_tool_point_of_slides_called_x_y_and_z_alone() -> None:
+    one_axis = load_machine("one-axis")
+    with pytest.raises(ProgramError, match="a tool point is held by X, Y and Z"):
+        dialect("sinumerik").refuse_no_tip(one_axis)
 
 
 def test_slides_that_are_ordered_apart_cannot_stay_in_touch() -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import RawReading, read_readings
-from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.csv_table import parse_table, read_table
 from axiscal.measurement.readers.poses import RawPose, read_poses
 from axiscal.measurement.readers.truth_curves import read_truth
 
@@ -176,3 +176,10 @@ def test_a_number_is_read_only_when_every_other_program_reads_it_so(cell: str) -
         return
     assert value == float(cell)
     assert set(cell.strip()) <= set("0123456789.eE+-")
+
+
+def test_a_table_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ReadingError, match="the file cannot be read: no such file or directory"):
+        read_table(tmp_path / "none.csv")
+    with pytest.raises(ReadingError, match="is not a file name"):
+        read_table("a\0b.csv")

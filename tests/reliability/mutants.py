@@ -72,10 +72,10 @@ def mutants(path: Path) -> dict[tuple[int, int], list[Mutant]]:
     return found
 
 
-def drawn(room: str, number: int) -> list[Mutant]:
-    """Return so many places of a room, drawn at random, and a change drawn at each: the same ones at each call."""
+def drawn(room: str, number: int, seed: int = 1) -> list[Mutant]:
+    """Return so many places of a room, drawn at random, and a change drawn at each: the same ones for the same seed."""
     places = [changes for path in sorted((PACKAGE / room).rglob("*.py")) for changes in mutants(path).values()]
-    dice = random.Random(f"{room} {len(places)}")
+    dice = random.Random(f"{room} {len(places)}{'' if seed == 1 else f' {seed}'}")
     return [dice.choice(changes) for changes in dice.sample(places, min(number, len(places)))]
 
 
@@ -245,6 +245,7 @@ def main(words: Sequence[str]) -> int:
     """Print what survives and the score of each room; return 1 where a score is below 85 %."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--places", type=int, default=100, help="how many places of each room")
+    parser.add_argument("--seed", type=int, default=1, help="other places for another seed")
     parser.add_argument("--room", choices=ROOMS, help="only this room")
     parser.add_argument("--seconds", type=float, default=60, help="of a processor that the tests of a change may take")
     parser.add_argument("--own", action="store_true", help="only the room's own tests: sooner, and fewer notice")
@@ -254,7 +255,7 @@ def main(words: Sequence[str]) -> int:
         import_module(name)
     low = False
     for room in ROOMS if args.room is None else (args.room,):
-        tried = drawn(room, args.places)
+        tried = drawn(room, args.places, args.seed)
         covered = learnt(room, tried, args.own)
         found = [_tried(mutant, covered, args.seconds, args.again, args.own) for mutant in tried]
         killers = sorted({said.removeprefix("killed by ") for said in found if said.startswith("killed by tests/")})

@@ -70,16 +70,19 @@ class _Scanner:
         return path
 
     def _key(self) -> list[str]:
-        parts: list[str] = []
-        while found := _KEY_PART.match(self._text, self._at):
-            parts.append(found[1] or (_unescaped(found[2]) if found[2] else found[3]))
-            self._at = found.end()
-            if not self._text.startswith(".", self._at):
-                break
+        parts = [self._key_part()]
+        while self._text.startswith(".", self._at):
             self._at += 1
+            parts.append(self._key_part())
         if len(parts) > _DEEPEST:
             raise RecursionError
         return parts
+
+    def _key_part(self) -> str:
+        found = _KEY_PART.match(self._text, self._at)
+        assert found is not None  # the text is valid
+        self._at = found.end()
+        return str(found[1] or (_unescaped(found[2]) if found[2] else found[3]))
 
     def _pair(self, table: Path) -> None:
         line, path = self._line(), table
@@ -96,7 +99,9 @@ class _Scanner:
             self._entries(path)
         elif opening == "{":
             self._inline_table(path)
-        elif found := (_STRING if opening in "\"'" else _SCALAR).match(self._text, self._at):
+        else:
+            found = (_STRING if opening in "\"'" else _SCALAR).match(self._text, self._at)
+            assert found is not None
             self._at = found.end()
 
     def _entries(self, path: Path) -> None:

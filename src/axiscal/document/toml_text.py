@@ -10,10 +10,15 @@ from typing import Any
 def toml_value(value: Any) -> str:
     """Return a value as TOML has it; strings as in JSON, which TOML's basic strings contain."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{toml_value(str(key))} = {toml_value(each)}" for key, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{_quoted(str(key))} = {toml_value(each)}" for key, each in value.items()) + " }"
     if isinstance(value, Sequence) and not isinstance(value, str):
         return "[" + ", ".join(toml_value(each) for each in value) + "]"
-    return json.dumps(value, ensure_ascii=True)
+    return _quoted(value)
+
+
+def _quoted(value: Any) -> str:
+    """Return a text or a number; TOML takes no halves of a character as JSON escapes them, and no bare delete."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def toml_document(data: Mapping[str, Any]) -> str:
@@ -24,9 +29,9 @@ def toml_document(data: Mapping[str, Any]) -> str:
 def _lines(data: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
     for key, value in data.items():
         if not isinstance(value, Mapping) and not _tables(value):
-            yield f"{json.dumps(key)} = {toml_value(value)}"
+            yield f"{_quoted(key)} = {toml_value(value)}"
     for key, value in data.items():
-        heading = ".".join(json.dumps(part) for part in (*path, key))
+        heading = ".".join(_quoted(part) for part in (*path, key))
         if isinstance(value, Mapping):
             yield f"[{heading}]"
             yield from _lines(value, (*path, key))

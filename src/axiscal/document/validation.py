@@ -133,11 +133,7 @@ _EXPECTED = {
 
 def _known_keys(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
     """Return a sentence with the nearest known key, or with all of them."""
-    table = _descend(model, keys[:-1])
-    fields = getattr(table, "model_fields", None)
-    if not fields:
-        return "Take it out"
-    known = [str(info.alias or name) for name, info in fields.items()]
+    known = list(_fields(_descend(model, keys[:-1])))
     near = nearest(str(keys[-1]), known)
     return f'Perhaps "{near}" is meant' if near else f"The keys here are {', '.join(known)}"
 
@@ -173,10 +169,7 @@ def _entry_type(annotation: Any) -> Any:
 
 
 def _plain(annotation: Any) -> Any:
-    """Return a type without Annotated and `| None`."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return _plain(get_args(annotation)[0])
-    if origin in (list, dict, tuple) or not get_args(annotation):
+    """Return a type without `| None`."""
+    if get_origin(annotation) in (list, dict, tuple) or not get_args(annotation):
         return annotation
     return _plain(next(inner for inner in get_args(annotation) if inner is not type(None)))

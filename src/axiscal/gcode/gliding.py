@@ -99,16 +99,19 @@ class SlideDriver:
 
     def cleared(self) -> Iterator[Step]:
         """Yield the way of the axis that goes clear."""
-        if self._standing is not None:
-            yield from self._move(cleared(self._standing, self._clearance))
+        yield from self._move(cleared(self._stood, self._clearance))
+
+    @property
+    def _stood(self) -> Decimals:
+        assert self._standing is not None, "every way begins with `begin`"
+        return self._standing
 
     def _move(self, stop: Decimals, gently: bool = False) -> Iterator[Step]:
-        if self._standing is not None:
-            yield from moves(self._standing, stop, self._scales, self._groups, stop if gently else None)
+        yield from moves(self._stood, stop, self._scales, self._groups, stop if gently else None)
         self._standing = stop
 
     def _refuse_apart(self, stop: Decimals) -> None:
-        moving = {k for k, (a, b) in enumerate(zip(self._standing or stop, stop, strict=True)) if a != b}
+        moving = {k for k, (a, b) in enumerate(zip(self._stood, stop, strict=True)) if a != b}
         if not any(moving <= set(group.axes) for group in self._groups):
             names = " ".join(self._scales[k].axis.name for k in sorted(moving))
             raise ProgramError(f"{names} move together while the instrument is in touch", "Let them be in one group")
@@ -154,10 +157,10 @@ class TipDriver:
 
     def end(self) -> Iterator[Step]:
         """Yield the end of holding, where the axes are: from there they go on in the machine's coordinates."""
-        if self._at is not None:
-            at = self._slides.stands(self._at)
-            named = zip(self._machine.axes, self._scales, at, strict=True)
-            yield Release(tuple((axis.name, scale.written(value)) for axis, scale, value in named if not axis.rotary))
+        assert self._at is not None, "every way begins with `begin`"
+        at = self._slides.stands(self._at)
+        named = zip(self._machine.axes, self._scales, at, strict=True)
+        yield Release(tuple((axis.name, scale.written(value)) for axis, scale, value in named if not axis.rotary))
         self._at = None
 
     def cleared(self) -> Iterator[Step]:

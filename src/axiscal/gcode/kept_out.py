@@ -40,16 +40,12 @@ class KeptOut:
 
     def free(self, start: Array, stop: Array) -> bool:
         """Return whether the axes can go straight from pose to pose, (q,)."""
-        if not len(self._room.keep_out):
-            return True
         ends = np.stack([start, stop])
         slides, turns = (float(np.abs(stop - start)[these].sum()) for these in (~self._rotary, self._rotary))
         return self._proven(_straight(ends), slides + turns * (self._lever(ends) + slides))
 
     def free_held(self, start: Array, stop: Array) -> bool:
         """Return whether the tool point can go straight while the rotary axes turn evenly, from pose to pose."""
-        if not len(self._room.keep_out):
-            return True
         ends = np.stack([start, stop])
         tips = frames(self.machine, ends).tcp
         turns = float(np.abs(stop - start)[self._rotary].sum())

@@ -245,8 +245,8 @@ class _Writer:
                 return self._dialect.pause if step.held else self._dialect.stop(self._machine.axes)
             case Remark():
                 return [self._comment(step.text)]
-            case Arrival():
-                return []
+        assert isinstance(step, Arrival)  # for the list of readings alone
+        return []
 
     def _tool(self) -> str:
         """Return the length of the tool, mm."""

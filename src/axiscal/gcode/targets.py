@@ -28,10 +28,8 @@ class ReadingTarget:
     turning: Decimals
     approach: tuple[int, ...]
 
-    def way_in(self, standing: Decimals | None) -> Decimals:
+    def way_in(self, standing: Decimals) -> Decimals:
         """Return where to turn on the way from where the axes stand: an axis that comes far enough does not turn."""
-        if standing is None:
-            return self.turning
         axes = zip(standing, self.position, self.turning, self.approach, strict=True)
         return tuple(p if side == 0 or (p - s) * side >= abs(p - t) else t for s, p, t, side in axes)
 

@@ -102,9 +102,9 @@ class Ways:
 
     def _from_zeros(self, drawn: Array) -> Array:
         """Return poses from rotary axes at zero to a pose, turning where it is clear, (p, q)."""
+        assert self._clear is not None  # a tool point is held by X, Y and Z, and Z goes clear unless another is said
         above = drawn.copy()
-        if self._clear is not None:
-            above[self._clear[0]] = self._clear[1]
+        above[self._clear[0]] = self._clear[1]
         rotary = np.array([axis.rotary for axis in self._machine.axes])
         turned = _between(np.where(rotary, 0.0, above), above)
         return np.concatenate([turned, _between(above, drawn)[1:]])

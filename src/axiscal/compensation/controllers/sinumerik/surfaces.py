@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -105,9 +106,9 @@ def _of_plane(
     if most_high < _NOTHING:
         return []
     left, names = surface, [axes[axis].name for axis in plane.axes]
-    for first, size, second in zip(*_terms(surface), strict=True):
-        if len(found) == _TERMS or np.max(np.abs(left)) < _LEFT * most_high:
-            break
+    for first, size, second in islice(zip(*_terms(surface), strict=True), _TERMS):
+        if np.max(np.abs(left)) < _LEFT * most_high:
+            continue
         balance = np.sqrt(np.max(np.abs(second)) / np.max(np.abs(first)))
         root = np.sqrt(size / (2 * PER_METRE))
         one = Factor(names[0], sides[0].points, root * balance * first)

@@ -1,0 +1,133 @@
+"""Readings that do not fit their set-up or machine: each refusal says what is wrong and what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
+from axiscal.exceptions import ReadingError
+from axiscal.machine import load_machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.readers.csv_readings import RawReading
+
+MILL = """
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+park = { Y = "250 mm", Z = "100 mm" }
+[[setups]]
+name = "dial"
+instrument = "straightedge"
+direction = "y"
+moves = ["X"]
+"""
+LEVELS = "".join(
+    f'[[setups]]\nname = "level {k}"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{base}\n'
+    for k, base in enumerate(("", 'base = "100 mm"'))
+)
+BALLS = """
+[[artefacts]]
+balls = { low = ["200 mm", "0 mm", "-80 mm"] }
+name = "balls"
+[[setups]]
+artefact = "balls"
+instrument = "rtest"
+name = "nest"
+"""
+LINE = """
+[[setups]]
+name = "diagonal"
+instrument = "interferometer"
+along = [["100 mm", "100 mm", "50 mm"], ["300 mm", "300 mm", "200 mm"]]
+"""
+
+
+def described(text: str, machine: str = "three-axis-mill") -> CampaignDescription:
+    return campaign_from_texts(f'machine = "{machine}"\n{text}', "c.toml", load_machine(machine).text, machine)
+
+
+def refusal(campaign: CampaignDescription, **said: Any) -> str:
+    """Return why a reading of 1 um at X = 0.1 m, changed as said, is refused."""
+    usual: dict[str, Any] = {"setup": "laser", "position": {"X": 0.1}, "approach": {}, "value": 1e-6, "std": None}
+    row = RawReading(**{**usual, "dimension": "length", "line": 7, **said})
+    with pytest.raises(ReadingError) as refused:
+        placed_readings((row,), campaign, "r.csv")
+    assert str(refused.value).startswith("r.csv, line 7: ")
+    assert refused.value.remedy
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ({"dimension": "angle"}, 'the interferometer of the set-up "laser" reads a length, not an angle'),
+        ({"others": (1e-6,)}, 'the interferometer of "laser" gives 1 values a reading. Give one value'),
+        ({"position": {"X": 0.1, "Q": 0.1}}, 'no axis "Q"'),
+        ({"position": {"Y": 0.25}}, 'X moves in the set-up "laser", and its position is not given'),
+        ({"position": {"X": 9.0}}, "outside"),
+        ({"position": {"X": 0.1, "Y": 0.3}}, 'Y = 300 mm, but the set-up "laser" parks it at 250 mm'),
+        ({"approach": {"Y": 1}}, 'Y is parked in the set-up "laser" and has no direction of approach'),
+        ({"setup": "lazer"}, 'there is no set-up "lazer". The set-ups are "laser", "dial"'),
+        ({"setup": "", "error": "EXX", "dimension": "angle"}, "no set-up reads a rotation about x while X moves"),
+        ({"setup": "", "error": "EZX"}, "no set-up reads a length along z while X moves"),
+        ({"setup": "", "position": {"": 0.1}, "approach": {"": 1}}, "the campaign has more than one of them"),
+    ],
+)
+def test_a_reading_that_does_not_fit_a_set_up_is_refused(said: Mapping[str, Any], why: str) -> None:
+    assert why in refusal(described(MILL), **said)
+
+
+def test_set_ups_that_a_file_cannot_tell_apart_are_refused() -> None:
+    twice = described(MILL.replace('direction = "y"', 'direction = "x"'))
+    assert "several set-ups read a length along x" in refusal(twice, setup="", error="EXX")
+    level = described(LEVELS.rpartition("[[setups]]")[0])
+    unnamed: dict[str, Any] = {"setup": "", "position": {"": 0.1}, "approach": {"": 1}, "dimension": "angle"}
+    assert "X, whose position is a length, and the file gives the other kind" in refusal(level, **unnamed)
+
+
+def test_levels_are_told_apart_by_their_base() -> None:
+    campaign = described(LEVELS)
+    said: dict[str, Any] = {"setup": "", "error": "slope", "dimension": "angle", "approach": {}}
+    (reading,) = placed_readings(
+        (RawReading("", {"X": 0.1}, {}, 1e-6, None, "angle", 3, error="slope", base=0.1),), campaign, "r.csv"
+    )
+    assert reading.setup == "level 1"
+    assert "no set-up of this campaign read an angle while only X moves" in refusal(campaign, **said, base=0.2)
+    assert "has a base of 100 mm" in refusal(campaign, setup="level 1", dimension="angle", base=0.2)
+    assert "rides on what moves" in refusal(campaign, setup="level 0", dimension="angle", base=0.2)
+    both = described(LEVELS.replace('base = "100 mm"', ""))
+    assert "several set-ups of this campaign read an angle" in refusal(both, **said)
+
+
+def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named() -> None:
+    campaign = described(BALLS, "dmu60")
+    (setup,), machine = campaign.setups, campaign.machine
+    pose = placed_pose(setup, machine, {"B": 0.1, "C": 0.2})
+    np.testing.assert_allclose(frames(machine, np.array([pose])).tcp[0], [0.2, 0.0, -0.08], atol=1e-12)
+    away = dict(zip((axis.name for axis in machine.axes), pose, strict=True)) | {"X": pose[machine.index("X")] + 0.01}
+    with pytest.raises(ReadingError, match='this place is 10 mm from ball low, where "nest" is read'):
+        placed_pose(setup, machine, away)
+    with pytest.raises(ReadingError, match="its position is not given"):
+        placed_pose(setup, machine, {"B": 0.1})
+    assert placed_approach(setup, machine, {"C": -1})[machine.index("C")] == -1
+    assert "gives 3 values a reading. Give value_x_um, value_y_um and value_z_um" in refusal(
+        campaign, setup="nest", position={"B": 0.1, "C": 0.2}
+    )
+
+
+def test_a_place_beside_a_line_is_named() -> None:
+    campaign = described(LINE)
+    (setup,) = campaign.setups
+    assert setup.chart is not None
+    (pose,) = setup.chart.poses(np.array([[0.1]])).tolist()
+    said = dict(zip((axis.name for axis in campaign.machine.axes), pose, strict=True))
+    assert placed_pose(setup, campaign.machine, said) == pytest.approx(pose)
+    with pytest.raises(ReadingError, match="from the line or circle, where"):
+        placed_pose(setup, campaign.machine, {**said, "X": said["X"] + 0.01})
