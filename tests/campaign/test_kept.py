@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import io
 import pickle
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -21,9 +23,12 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.deciding import FEWEST, contest
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import reviewed
+from axiscal.estimation.ruled import ruled
+from axiscal.estimation.soundness import is_sound
 from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
 from axiscal.inference.contradiction import Explanation, Watched
+from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 from axiscal.record import durable
 from axiscal.simulation import Simulator
@@ -41,6 +46,7 @@ noise = "0.3 um"
 approach = "both"
 """
 COUNT = kept.FEWEST + 40
+Part = TypeVar("Part")
 
 
 def _described(folder: Path, scales: str = "") -> CampaignDescription:
@@ -241,6 +247,61 @@ def test_a_damaged_verdict_is_found_again(record: Path, damage: str) -> None:
         assert (campaign.standing(), campaign.watched()) == expected
 
 
+def test_where_few_have_been_read_the_answers_are_kept_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    description, path = _described(tmp_path), tmp_path / "c.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, kept.FEWEST_ANSWERED))
+        first = campaign.status(), campaign.watched()
+        known = campaign.known()
+        assert first[0].accuracy == known.accuracy
+        assert first[0].seconds == known.seconds
+    assert not kept.kept_beside(path).exists()
+    monkeypatch.setattr(knowing, "estimated", None)  # nothing is found anew
+    with Campaign.open(path, write=False) as campaign:
+        assert (campaign.status(), campaign.watched()) == first
+
+
+@pytest.mark.parametrize("scales", ["", 'scales = "estimate"'])
+def test_of_one_that_has_ended_it_says_what_its_results_say(
+    scales: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    description, path = _described(tmp_path, scales), tmp_path / "c.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, COUNT))
+        campaign.finish("all were read")
+        expected = ruled(estimate.concluded(Case(description), campaign.state.readings))
+        assert campaign.ruled().accuracy == expected.accuracy
+        campaign.copy(tmp_path / "copy.axiscal")
+        campaign.leave_answers(tmp_path / "copy.axiscal")
+    for name in ("estimated", "concluded", "ruled", "timed"):
+        monkeypatch.setattr(knowing, name, None)  # nothing is found anew
+    for each in (path, tmp_path / "copy.axiscal"):
+        with Campaign.open(each, write=False) as campaign:
+            status = campaign.status()
+            assert (status.accuracy, status.seconds) == (expected.accuracy, expected.seconds)
+            assert campaign.watched() == watched_so_far(expected)
+
+
+def test_one_that_goes_on_is_not_told_what_its_end_said(tmp_path: Path) -> None:
+    description, path = _described(tmp_path, 'scales = "estimate"'), tmp_path / "c.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, 20))
+        campaign.finish("all were read")
+        ended = campaign.status().accuracy
+        campaign.undo()
+        assert campaign.status().accuracy == campaign.known().accuracy != ended
+
+
+def test_a_station_in_two_places_has_a_status_after_its_end(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def ambiguous(_case: object, _readings: Sequence[Reading]) -> Estimation:
+        raise AmbiguityError("the station fits in two places", "read where they differ")
+
+    monkeypatch.setattr("axiscal.campaign.knowing.concluded", ambiguous)
+    with Campaign.open(record) as campaign:
+        campaign.finish("no more time")
+        assert campaign.status().accuracy == campaign.known().accuracy
+
+
 EXPLAINED = Explanation("no family", "laser", 0.0, 1.0, 1.0, 1.0)  # type: ignore[arg-type]
 
 
@@ -252,9 +313,11 @@ def test_a_verdict_that_somebody_made_up_is_found_again(record: Path, forged: ob
         expected = campaign.standing(), campaign.watched()
     beside = kept.answers_beside(record)
     key = beside.read_bytes().split(b"\n")[1][:64].decode()
-    kept._write(beside, key, {"standing": forged, "watched": forged})
+    kept._write(beside, key, dict.fromkeys(("standing", "watched", "accuracy", "seconds"), forged))
     with Campaign.open(record, write=False) as campaign:
         assert (campaign.standing(), campaign.watched()) == expected
+        status, known = campaign.status(), campaign.known()
+        assert (status.accuracy, status.seconds) == (known.accuracy, known.seconds)
 
 
 def test_what_is_known_is_found_again_where_somebody_made_up_a_part(record: Path) -> None:
@@ -263,3 +326,93 @@ def test_what_is_known_is_found_again_where_somebody_made_up_a_part(record: Path
     key = beside.read_bytes().split(b"\n")[1][:64].decode()
     kept._write(beside, key, object.__new__(Estimation))
     _same(_known(record), expected)
+
+
+def _made_up(whole: Part, parts: Mapping[str, object]) -> Part:
+    """Return a copy with parts in the place of what they were, which nobody looks at as it is made."""
+    made = copy.copy(whole)
+    for name, part in parts.items():
+        object.__setattr__(made, name, part)
+    return made
+
+
+def _with_belief(known: Estimation, **parts: object) -> Estimation:
+    """Return an estimation with parts of its belief put in the place of what they were."""
+    belief = _made_up(known.stages.absorbed.knowledge.belief, parts)
+    knowledge = replace(known.stages.absorbed.knowledge, belief=belief)
+    stages = known.stages._replace(absorbed=replace(known.stages.absorbed, knowledge=knowledge))
+    return replace(known, stages=stages)
+
+
+def _with_plausibility(known: Estimation, **parts: object) -> Estimation:
+    plausibility = _made_up(known.stages.judged.plausibility, parts)
+    return replace(known, stages=known.stages._replace(judged=replace(known.stages.judged, plausibility=plausibility)))
+
+
+FORGED: dict[str, Callable[[Estimation], Estimation]] = {
+    "a short mean": lambda known: _with_belief(known, mean=np.zeros(2)),
+    "a mean of words": lambda known: _with_belief(known, mean=np.array(["a"] * known.knowledge.belief.size)),
+    "factors of nan": lambda known: _with_belief(
+        known, factors=known.knowledge.belief.factors._replace(diagonal=np.full(known.knowledge.belief.size, np.nan))
+    ),
+    "negative variances": lambda known: _with_belief(
+        known, factors=known.knowledge.belief.factors._replace(diagonal=-known.knowledge.belief.factors.diagonal)
+    ),
+    "no factors": lambda known: _with_belief(known, factors=None),
+    "a wide covariance": lambda known: _with_plausibility(known, covariance=np.eye(3)),
+    "a lost size": lambda known: _with_plausibility(known, sizes=known.stages.judged.plausibility.sizes[1:]),
+    "a lost surprise": lambda known: replace(known, innovations=known.innovations[1:]),
+    "a doubt of no reading": lambda known: replace(known, outliers=(Doubt(10_000, 5.0, 0.0),)),
+    "a time that is none": lambda known: replace(
+        known,
+        stages=known.stages._replace(
+            timed=replace(known.stages.timed, ends=(float("nan"),) * len(known.stages.timed.ends))
+        ),
+    ),
+    "no case": lambda known: replace(known, stated=None),  # type: ignore[arg-type]
+    "no stages": lambda known: replace(known, stages=None),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_what_is_known_is_found_again_where_its_arrays_do_not_fit(record: Path, forged: str) -> None:
+    beside = kept.kept_beside(record)
+    made_up = FORGED[forged](_of_the_first(record))
+    key = _key_beside(record)
+    kept._write(beside, key, made_up)
+    with Campaign.open(record, write=False) as campaign:
+        assert campaign._knowing._kept.recalled(campaign.state.readings) is None
+        assert len(campaign.known().readings) == COUNT
+    written = kept._read(beside, key)
+    assert isinstance(written, Estimation)
+    assert is_sound(written)
+
+
+def test_what_cannot_be_gone_on_from_is_found_again(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It fits together, and the first product of matrices is a defect: another file is behind it than was thought."""
+    expected = _known(record)
+    with Campaign.open(record) as campaign:
+        campaign.undo()
+
+    def failing(case: Case, readings: Sequence[Reading], before: Estimation | None = None) -> Estimation:
+        if before is not None:
+            raise ValueError("operands could not be broadcast together")
+        return estimate.estimated(case, readings)
+
+    monkeypatch.setattr(knowing, "estimated", failing)
+    kept._write(kept.kept_beside(record), _key_beside(record), replace(expected, readings=expected.readings))
+    with Campaign.open(record) as campaign:
+        campaign.adopt(expected.readings[-1:])
+        found = campaign.known()
+    assert len(found.readings) == len(expected.readings)
+
+
+def _key_beside(record: Path) -> str:
+    return kept.kept_beside(record).read_bytes().split(b"\n")[1][:64].decode()
+
+
+def _of_the_first(record: Path) -> Estimation:
+    """Return what is kept of the first readings."""
+    found = kept._read(kept.kept_beside(record), _key_beside(record))
+    assert isinstance(found, Estimation)
+    return found

@@ -29,7 +29,6 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import TargetError
 from axiscal.measurement.blank_sheet import blank_sheet
 from axiscal.measurement.place import Places
@@ -62,7 +61,7 @@ class Check:
     @classmethod
     def of(cls, campaign: Campaign, controller: str) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
-        estimation = ruled(campaign.concluded())
+        estimation = campaign.ruled()
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)

@@ -123,6 +123,10 @@ class Campaign(Closing):
         """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
         return self._knowing.concluded(self.state.readings)
 
+    def ruled(self) -> Estimation:
+        """Return the same with the verdict: what results say."""
+        return self._knowing.ruled(self.state.readings)
+
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
 
@@ -243,7 +247,7 @@ class Campaign(Closing):
             return said
         if target.accurate:
             said = self.standing().reached
-        return said or (BUDGET if self._over_budget(self._times().seconds) else None)
+        return said or (BUDGET if self._over_budget(self._seconds()) else None)
 
     def standing(self) -> Attained:
         """Return whether an accuracy is reached, by the verdict on the readings so far."""
@@ -251,7 +255,7 @@ class Campaign(Closing):
 
     def watched(self) -> Watched:
         """Return the e-value after the readings so far, and what explains them best."""
-        return self._knowing.watched(self.state.readings)
+        return self._knowing.watched(self.state.readings, self.state.finished is not None)
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
@@ -259,9 +263,10 @@ class Campaign(Closing):
         return self.state
 
     def status(self) -> Status:
-        """Return where the campaign stands."""
-        reached = None if self.state.finished is not None else self.reached()
-        return Status(self.state, self.known().accuracy, self._times().seconds, reached)
+        """Return where the campaign stands; of one that has ended, what its report says."""
+        ended = self.state.finished is not None
+        accuracy = self._knowing.accuracy(self.state.readings, ended)
+        return Status(self.state, accuracy, self._seconds(), None if ended else self.reached())
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""
@@ -326,6 +331,11 @@ class Campaign(Closing):
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
         write_copy(self._record, path)
 
+    def leave_answers(self, copy: Path) -> None:
+        """Leave beside a copy of the record, if that has ended, what the first look at it would find anew."""
+        if self.state.finished is not None:
+            self._knowing.leave(self.state.readings, copy)
+
     def refuse_other(self, path: Path) -> None:
         """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
         refuse_other(self._record, path)
@@ -347,6 +357,9 @@ class Campaign(Closing):
 
     def _times(self) -> Timed:
         return self._knowing.timed(self.state.readings)
+
+    def _seconds(self) -> float:
+        return self._knowing.seconds(self.state.readings)
 
     def _over_budget(self, seconds: float) -> bool:
         budget = self.description.target.budget

@@ -13,7 +13,8 @@ and arrays: nothing in it can be called.
 
     file = a title, "key SHA-256-of-the-rest", the rest; key: the campaign's description, the programs, their files
 
-The verdict on exactly these readings has a small file of its own, whose key holds them, written when all is closed.
+Answers about exactly these readings (accuracy, verdict, odds) have a small file of their own, whose key holds them,
+written when all is closed, and beside the copy of a record that results are delivered with.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeGuard, TypeVar
 
+from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.ending import Attained, standing
 from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.soundness import is_sound
 from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.contradiction import PRIOR, Explanation, Watched
 from axiscal.measurement.reading import Reading
@@ -45,6 +48,8 @@ from axiscal.record.payload import encode
 
 FEWEST = 64
 """Of fewer readings all is found anew in less time than a file would save."""
+FEWEST_ANSWERED = 8
+"""Of fewer readings even the verdict is found anew in less than a second."""
 _EVERY = 32
 """So many readings later it is kept anew: taking them in again is quick."""
 _TITLE = b"axiscal known 1\n"
@@ -80,11 +85,11 @@ _PLAIN = {("builtins", name) for name in ("frozenset", "set", "slice", "range", 
 }
 
 
-_DAMAGE = (
+DAMAGE = (
     *(pickle.UnpicklingError, ValueError, TypeError, AttributeError, KeyError, IndexError, EOFError, ImportError),
-    *(OverflowError, MemoryError, RecursionError),
+    *(ArithmeticError, MemoryError, RecursionError, AssertionError),
 )
-"""What reading a file raises that is not one of ours."""
+"""What reading a file, or going on from what it holds, raises that is not one of ours."""
 
 
 class Kept:
@@ -120,9 +125,18 @@ class Kept:
         said = self._answered("standing", readings, _is_attained, lambda: astuple(standing(target, known())))
         return Attained(*said)
 
-    def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Watched:
-        """Return the e-value after exactly these readings.  known : as of `standing`"""
-        return self._answered("watched", readings, _is_watched, lambda: watched_so_far(known()))
+    def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation], ended: bool = False) -> Watched:
+        """Return the e-value after exactly these readings.  known : as of `standing`; ended : if no more follow"""
+        return self._answered(_named("watched", ended), readings, _is_watched, lambda: watched_so_far(known()))
+
+    def accuracy(self, readings: tuple[Reading, ...], known: Callable[[], Estimation], ended: bool = False) -> Accuracy:
+        """Return how well the machine is known by exactly these readings.  known, ended : as of `watched`"""
+        name = _named("accuracy", ended)
+        return Accuracy(*self._answered(name, readings, _is_accuracy, lambda: tuple(known().accuracy)))
+
+    def seconds(self, readings: tuple[Reading, ...], find: Callable[[], float]) -> float:
+        """Return the machine time that exactly these readings took, s.  find : it, where it is not kept"""
+        return self._answered("seconds", readings, _is_time, find)
 
     def _answered(
         self,
@@ -142,17 +156,22 @@ class Kept:
         return found
 
     def _recalled_answers(self, readings: tuple[Reading, ...]) -> dict[str, object]:
-        if len(readings) < FEWEST:
+        if len(readings) < FEWEST_ANSWERED:
             return {}
         found = _read(answers_beside(self._record), self._key_of(readings))
         return found if isinstance(found, dict) else {}
 
     def close(self) -> None:
         """Write the answers where new ones were found."""
-        if self._answers and self._found and len(self._readings) >= FEWEST and self._record.exists():
+        if self._found and self._record.exists():
             self._found = False
+            self.leave(self._record)
+
+    def leave(self, record: Path) -> None:
+        """Write the answers beside a record: this one, or a copy of it."""
+        if self._answers and len(self._readings) >= FEWEST_ANSWERED:
             with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
-                _write(answers_beside(self._record), self._key_of(self._readings), self._answers)
+                _write(answers_beside(record), self._key_of(self._readings), self._answers)
 
     def _key_of(self, readings: tuple[Reading, ...]) -> str:
         return hashlib.sha256(f"{_key(self._first.event)} {readings!r}".encode()).hexdigest()
@@ -161,9 +180,21 @@ class Kept:
 def _begins(found: Estimation, readings: Sequence[Reading]) -> bool:
     """Return whether what was kept is of the first of these readings; not where somebody made it up in parts."""
     try:
-        return found.stages.timed.begins(readings)
-    except _DAMAGE:
+        return found.stages.timed.begins(readings) and is_sound(found)
+    except DAMAGE:
         return False
+
+
+def _named(answer: str, ended: bool) -> str:
+    return f"{answer} at the end" if ended else answer
+
+
+def _is_time(kept: object) -> TypeGuard[float]:
+    return isinstance(kept, float) and 0.0 <= kept < math.inf
+
+
+def _is_accuracy(kept: object) -> TypeGuard[tuple[float, ...]]:
+    return isinstance(kept, tuple) and len(kept) == len(Accuracy._fields) and all(map(_is_time, kept))
 
 
 def _is_attained(kept: object) -> TypeGuard[tuple[str | None, str | None, float]]:
@@ -215,7 +246,7 @@ def _read(path: Path, key: str) -> object:
         return None
     try:
         return _KnownReader(io.BytesIO(body)).load()
-    except _DAMAGE:
+    except DAMAGE:
         return None
 
 

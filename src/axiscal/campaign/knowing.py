@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from pathlib import Path
 
+from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.ending import Attained
-from axiscal.campaign.kept import Kept
+from axiscal.campaign.kept import DAMAGE, Kept
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
@@ -20,7 +22,9 @@ from axiscal.estimation.deciding import FEWEST, Contest, contest
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.ruled import ruled
 from axiscal.estimation.timed import Timed, timed
+from axiscal.exceptions import AmbiguityError, AxiscalError
 from axiscal.inference.contradiction import Watched
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
@@ -37,6 +41,7 @@ class Knowing:
         self._case: Case | None = None
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
+        self._ruled: Estimation | None = None
         self._contest: tuple[object, Contest | None] = (None, None)
 
     @cached_property
@@ -53,8 +58,14 @@ class Knowing:
 
     def known(self, readings: Readings) -> Estimation:
         """Return what the readings make known while others are to follow."""
-        case = self.case(readings)  # first: it recalls what is known
-        self._known = estimated(case, readings, self._known)
+        case, before = self.case(readings), self._known  # first the case: it recalls what is known
+        try:
+            self._known = estimated(case, readings, before)
+        except (*DAMAGE, AxiscalError):
+            if before is None or case is self._stated:
+                raise
+            self._case, self._known = self._stated, None  # it was kept, and nothing follows from it
+            self._known = estimated(self._stated, readings)
         self._kept.keep(self._known)
         return self._known
 
@@ -63,6 +74,20 @@ class Knowing:
         if self._concluded is None or self._concluded.stages.timed.given != readings:
             self._concluded = concluded(self._stated, readings)
         return self._concluded
+
+    def ruled(self, readings: Readings) -> Estimation:
+        """Return the same with the verdict: what a report says."""
+        concluded = self.concluded(readings)
+        if self._ruled is None or self._ruled.stages is not concluded.stages:
+            self._ruled = ruled(concluded)
+        return self._ruled
+
+    def _in_the_end(self, readings: Readings) -> Estimation:
+        """Return what a report says; where a station may as well stand elsewhere, what stood before the end."""
+        try:
+            return self.ruled(readings)
+        except AmbiguityError:
+            return self.known(readings)
 
     def contest(self, readings: Readings, skipped: Sequence[Gap]) -> Contest | None:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
@@ -84,9 +109,26 @@ class Knowing:
         """Return whether an accuracy is reached, by the verdict on the readings."""
         return self._kept.standing(self._description.target, readings, lambda: self.known(readings))
 
-    def watched(self, readings: Readings) -> Watched:
-        """Return the e-value after the readings, and what explains them best."""
-        return self._kept.watched(readings, lambda: self.known(readings))
+    def watched(self, readings: Readings, ended: bool = False) -> Watched:
+        """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""
+        find = self._in_the_end if ended else self.known
+        return self._kept.watched(readings, lambda: find(readings), ended)
+
+    def accuracy(self, readings: Readings, ended: bool = False) -> Accuracy:
+        """Return how well the machine is known after the readings.  ended : no others are to follow"""
+        find = self._in_the_end if ended else self.known
+        return self._kept.accuracy(readings, lambda: find(readings), ended)
+
+    def seconds(self, readings: Readings) -> float:
+        """Return the machine time that the readings took, s."""
+        return self._kept.seconds(readings, lambda: self.timed(readings).seconds)
+
+    def leave(self, readings: Readings, copy: Path) -> None:
+        """Leave beside a copy of a record that has ended what the first look at it asks for."""
+        self.accuracy(readings, True)
+        self.watched(readings, True)
+        self.seconds(readings)
+        self._kept.leave(copy)
 
     def timed(self, readings: Readings) -> Timed:
         """Return the readings with their times."""

@@ -19,7 +19,7 @@ from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.vouching import defended
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
@@ -131,7 +131,7 @@ def export(
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        estimation = ruled(campaign.concluded())
+        estimation = campaign.ruled()
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
         offered = _offered(estimation.estimate(), to, options, ini)

@@ -7,7 +7,6 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.report.delivery import deliver
 from axiscal.report.headline import first_lines
@@ -54,7 +53,7 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
     try:
-        return deliver(campaign, ruled(campaign.concluded()), out, extras)
+        return deliver(campaign, campaign.ruled(), out, extras)
     except OSError as failure:
         what = f"The results were not written: {failure.strerror or failure}"
         remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"

@@ -10,7 +10,6 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import RecordError
 from axiscal.report.calibration_certificate import check_against
 from axiscal.report.delivery import write_report
@@ -45,7 +44,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, ruled(campaign.concluded()), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.ruled(), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     say(f"The report is in {target}.{_compared(target, schema)}")

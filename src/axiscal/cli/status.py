@@ -7,6 +7,7 @@ from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
 from axiscal.estimation.membership_words import membership_words
+from axiscal.estimation.type_prior import is_type_text
 from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.inference.contradiction import SURE
@@ -39,7 +40,7 @@ def _lines(campaign: Campaign) -> list[str]:
         accuracy_text(status.accuracy, target.rms, target.worst),
         f"odds against the model {campaign.watched().evalue:.2g} to 1 (contradicted from {SURE:.0f})",
     ]
-    if sisters := membership_words(campaign.known()):
+    if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
@@ -49,6 +50,11 @@ def _lines(campaign: Campaign) -> list[str]:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
     lines += [f"Mind: {sentence}" for sentence in standing_words(campaign)]
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
+
+
+def _sisters(campaign: Campaign) -> str:
+    """Return whether the machine is like its sisters, in words, "" for one without; only then is it estimated."""
+    return membership_words(campaign.known()) if is_type_text(campaign.description.prior_text) else ""
 
 
 def _gap_words(gap: Gap) -> str:
@@ -71,7 +77,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "finished": state.finished,
         "mind": standing_words(campaign),
         "evalue": campaign.watched().evalue,
-        "sisters": membership_words(campaign.known()) or None,
+        "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [

@@ -14,7 +14,6 @@ from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.record.events import Asked
@@ -54,7 +53,7 @@ def run_demo(
         if isinstance(first, Asked):
             planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
-        estimation = ruled(campaign.concluded())
+        estimation = campaign.ruled()
         extras = Extras(truth=truth, truth_check=truth_check(estimation, truth), compared=True)
         return deliver(campaign, estimation, out, extras)
 

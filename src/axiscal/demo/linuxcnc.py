@@ -34,7 +34,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError
 from axiscal.lab.linuxcnc import can_load
 from axiscal.lab.linuxcnc.probing import Probe
@@ -131,7 +130,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
             campaign.run(source, _unwatched)
         finally:
             source.close()
-        estimation, readings = ruled(campaign.concluded()), len(campaign.state.readings)
+        estimation, readings = campaign.ruled(), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
     if can_load("axiscal_vcomp"):
         offers.append(export(estimation.estimate(), "linuxcnc-volumetric", replace(options, pivots=False)))

@@ -12,7 +12,6 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
 from axiscal.guide.expectation import SURPRISING
@@ -201,7 +200,7 @@ class Desk:
 
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
-        known = ruled(self.campaign.concluded())
+        known = self.campaign.ruled()
         self.campaign.finish()
         try:
             summary = deliver(self.campaign, known, self.results, Extras(compared=True))
