@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -32,7 +32,8 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.time_taken import visit_seconds
+from axiscal.measurement.time_taken import first_seconds, reading_seconds
+from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 
@@ -91,9 +92,25 @@ class Case:
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""
-        start = np.array(before.pose) if before is not None and before.setup == place.setup else None
-        setup, machine = self.description.setup(place.setup), self.description.machine
-        return visit_seconds(machine, setup, start, np.array(place.pose), place.approach)
+        return float(self.seconds_along(before, [place])[0])
+
+    def seconds_along(self, before: Place | Reading | None, places: Sequence[Place | Reading]) -> Array:
+        """Return the time of each reading after the one before it, (m,) s: all ways of a set-up at once."""
+        ways: dict[str, list[tuple[int, Place | Reading, Place | Reading]]] = {}
+        seconds = np.zeros(len(places))
+        for index, (last, place) in enumerate(zip((before, *places), places, strict=False)):
+            if last is None or last.setup != place.setup:
+                seconds[index] = first_seconds(self.description.setup(place.setup))
+            else:
+                ways.setdefault(place.setup, []).append((index, last, place))
+        for name, mine in ways.items():
+            numbers, here, there = zip(*mine, strict=True)
+            start, stop = (np.array([each.pose for each in ends]) for ends in (here, there))
+            sides = np.array([each.approach or np.zeros(stop.shape[1]) for each in there], dtype=float)
+            setup = self.description.setup(name)
+            ways_there = way_seconds(self.description.machine, setup, start, stop, sides)
+            seconds[list(numbers)] = ways_there + reading_seconds(setup)
+        return seconds
 
     def rescaled(self, scales: Scales) -> Case:
         """Return the case with priors and noise as learnt."""

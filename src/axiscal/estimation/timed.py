@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
@@ -37,12 +38,11 @@ def timed(case: Case, readings: Sequence[Reading], before: Timed) -> Timed:
     first = before if before.begins(readings) else Timed()
     if len(first.given) == len(readings):
         return first
-    found, ends = list(first.readings), list(first.ends)
-    for reading in readings[len(found) :]:
-        now = (ends[-1] if ends else 0.0) + case.seconds_of(found[-1] if found else None, reading)
-        ends.append(now)
-        found.append(reading if reading.time is not None else replace(reading, time=now))
-    return Timed(tuple(readings), tuple(found), tuple(ends))
+    new = readings[len(first.given) :]
+    each = case.seconds_along(first.readings[-1] if first.readings else None, new)
+    ends = tuple(accumulate(each.tolist(), initial=first.seconds))[1:]
+    found = (r if r.time is not None else replace(r, time=now) for r, now in zip(new, ends, strict=True))
+    return Timed(tuple(readings), (*first.readings, *found), (*first.ends, *ends))
 
 
 def elapsed(case: Case, before: Timed, places: Sequence[Place]) -> float:

@@ -24,6 +24,11 @@ def reading_seconds(setup: Setup) -> float:
     return setup.settle + setup.reading_time
 
 
+def first_seconds(setup: Setup) -> float:
+    """Return what the first reading of a set-up takes, with mounting it."""
+    return setup.setup_time + reading_seconds(setup)
+
+
 def visit_seconds(
     machine: Machine, setup: Setup, before: Array | None, pose: Array, approach: Sequence[int] = ()
 ) -> float:
@@ -32,7 +37,7 @@ def visit_seconds(
     approach : (q,) +1, −1, 0 for any side; left out for any
     """
     if before is None:
-        return setup.setup_time + reading_seconds(setup)
+        return first_seconds(setup)
     sides = np.array(approach, dtype=float) if approach else np.zeros(len(pose))
     return float(way_seconds(machine, setup, before, pose, sides)) + reading_seconds(setup)
 

@@ -1,0 +1,54 @@
+"""When readings were taken: the ways of all readings at once are those from one to the next."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.case import Case
+from axiscal.estimation.timed import Timed, timed
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.time_taken import visit_seconds
+from tests.generators.campaigns import drawn, mixed
+from tests.generators.laser_axis import CASE, machine, read
+
+CASES = {
+    "set-ups in turn": (mixed(), drawn(mixed())),
+    "one set-up after the other": (mixed(), sorted(drawn(mixed()), key=lambda reading: reading.setup)),
+    "one axis": (CASE, read(machine(3), 24)),
+}
+
+
+def _one_by_one(case: Case, readings: list[Reading]) -> list[float]:
+    """Return when each reading ended, way after way: the naive way."""
+    now, ends, last = 0.0, list[float](), None
+    for reading in readings:
+        setup = case.description.setup(reading.setup)
+        start = np.array(last.pose) if last is not None and last.setup == reading.setup else None
+        now += visit_seconds(case.description.machine, setup, start, np.array(reading.pose), reading.approach)
+        ends.append(now)
+        last = reading
+    return ends
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_all_at_once_take_the_time_of_one_after_the_other(name: str) -> None:
+    case, given = CASES[name]
+    readings = [replace(reading, time=None) for reading in given]
+    expected = _one_by_one(case, readings)
+    found = timed(case, readings, Timed())
+    np.testing.assert_allclose(found.ends, expected, rtol=1e-12)
+    assert [reading.time for reading in found.readings] == [*found.ends]
+    later = timed(case, readings, timed(case, readings[:7], Timed()))
+    np.testing.assert_allclose(later.ends, expected, rtol=1e-12)
+    assert later.given == tuple(readings)
+
+
+def test_a_time_that_was_read_off_a_clock_stays() -> None:
+    case, readings = CASES["one axis"]
+    found = timed(case, readings, Timed())
+    assert found.readings == tuple(readings)
+    assert timed(case, readings, found) is found
+    assert timed(case, (), Timed()) == Timed()
