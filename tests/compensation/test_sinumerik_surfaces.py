@@ -28,14 +28,14 @@ EXYZ = { std = "10 um", knots = [5, 5], length = ["120 mm", "120 mm"] }
 """
 
 
-def known(chain: str = "w-X'-b-Y-Z-t") -> Estimate:
+def known(chain: str = "w-X'-b-Y-Z-t", planes: str = PLANES) -> Estimate:
     text = machine_text(
         chain,
         {"X": (0, 400), "Y": (-100, 200), "Z": (0, 300)},
         {"EXX": ("10 um", 9, 150), "EZX": "5 um", "EZY": "5 um", "EXY": "5 um", "EXZ": "5 um"},
         name="M",
     )
-    model = ErrorModel(machine_from_text(text.rstrip() + "\n" + PLANES))
+    model = ErrorModel(machine_from_text(text.rstrip() + "\n" + planes))
     mean = np.linalg.cholesky(model.prior_covariance() + 1e-30 * np.eye(model.size)) @ np.random.default_rng(
         4
     ).standard_normal(model.size)
@@ -130,6 +130,8 @@ def test_where_a_table_turns_or_nothing_was_found_there_are_no_products() -> Non
     estimate = known()
     options = ExportOptions()
     assert products(estimate, options, 1000, 1e-6)
+    turned = known(planes='EAXY = { std = "20 urad", knots = [5, 5], length = ["120 mm", "120 mm"] }\n')
+    assert products(turned, options, 1000, 1e-6) == ()
     nothing = replace(estimate, belief=Belief(np.zeros(estimate.model.size), estimate.belief.covariance))
     assert products(nothing, options, 1000, 1e-6) == ()
     text = machine_text(

@@ -282,6 +282,10 @@ def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
     found = read_campaign(folder / "campaign.toml").sisters
     assert found is not None
     assert found.records == (folder / "more.axiscal",)
+    (folder / "campaign.toml").write_text(text.replace('"more.axiscal"', '"store:"'))
+    stored = read_campaign(folder / "campaign.toml").sisters
+    assert stored is not None
+    assert stored.records == (Path("store:"),)
     with pytest.raises(DescriptionError, match=r"line 4: sisters\.records: .* names another prior"):
         campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
 

@@ -80,6 +80,13 @@ def test_errors_of_two_axes_count_against_a_stroke_where_no_other_is_stated() ->
         campaign_from_texts(f'machine = "m"\n{bar}', "campaign.toml", source, "m")
 
 
+def test_rotary_axes_stand_where_they_are_parked() -> None:
+    (setup,) = described(BAR + 'plane = "xy"\npark = { B = "10 deg" }\n').setups
+    machine = load_machine("dmu60")
+    assert isinstance(setup.chart, Circle)
+    assert setup.chart.park[machine.index("B")] == pytest.approx(math.radians(10))
+
+
 def test_a_nest_is_read_at_one_ball_in_touch() -> None:
     (setup,) = described(SPHERES + TOUCHED.replace("sphere", "rtest", 1) + 'ball = "high"\nmoves = ["C"]\n').setups
     assert isinstance(setup.chart, Held)
@@ -181,8 +188,8 @@ def test_a_reach_is_what_a_reading_is_asked_for_in() -> None:
         ('[[artefacts]]\nname = "spheres"\n' + TOUCHED, '"spheres" has no ball to be read'),
         (SPHERES.replace("low =", '"a b" =') + TOUCHED, '"a b" is not a name for a ball'),
         (SPHERES.replace('name = "spheres"', 'name = " "') + TOUCHED, '" " is not a name'),
-        (SPHERES + 'scale = "2e-2"\n' + TOUCHED, "scale"),
-        (SPHERES + 'scale = "2 %"\n' + TOUCHED, "scale"),
+        (SPHERES + 'scale = "2e-2"\n' + TOUCHED, "has no unit"),
+        (SPHERES + 'scale = "20000 um/m"\n' + TOUCHED, "this is no scale"),
         (SPHERES + 'keep_out = [{ w = ["-1 m", "1 m"] }]\n' + TOUCHED, "is no box"),
         (SPHERES + "keep_out = [{}]\n" + TOUCHED, "{} is no box"),
         (f"{GRID}count = [5], pitch = {PITCH} }}\n{TOUCHED}", "a grid has two directions"),

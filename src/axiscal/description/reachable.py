@@ -80,8 +80,7 @@ def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
     Four standard deviations of how the deviation of the tool point changes over the chart, against half the stroke of a
     bar and the stroke of a nest.
     """
-    if setup.chart is None:
-        return
+    assert setup.chart is not None  # what is held in touch has one
     poses, approaches = chart_candidates(machine, setup, setup.chart, _LOOKED_AT)
     step = max(1, len(poses) // 100)
     model = ErrorModel(machine)
