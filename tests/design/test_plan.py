@@ -7,13 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.demo import five_axis
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_gains import Scores
-from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
+from axiscal.design.plan.exchange import exchange
+from axiscal.design.plan.plain_designs import evenly_spaced, plain_designs, space_filling
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task, clock
+from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Places
+from axiscal.planning.next_readings import posed
 from tests.generators.designs import levered, read, read_at, splines
 
 
@@ -34,6 +38,14 @@ def test_seven_readings_on_seven_knots_together() -> None:
     assert [r.value for r in plan.readings] == sorted((r.value for r in plan.readings), reverse=True)
 
 
+def test_plain_designs_that_are_one_are_tried_once() -> None:
+    asked, charted = splines(2, 5, 0.1, 100), posed(case := Case(five_axis.description()), case.knowledge)
+    assert [len(each) for each in plain_designs(asked, [(0, 6)])] == [6, 6]
+    on_spheres = [(s, 4) for s, setup in enumerate(charted.observation.setups) if setup.chart is not None]
+    (once,) = plain_designs(charted, on_spheres)
+    assert once.same_as(space_filling(charted, on_spheres))
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
     asked = read(levered(300), np.random.default_rng(seed), 3 * seed)
@@ -44,6 +56,32 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
         assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
     assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
     assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
+
+
+class Falling(Scores):
+    """Scores that note by how much J falls with each exchange."""
+
+    falls: list[float]
+    before: float
+
+    def leave(self, slot: int) -> float:
+        self.before = self.state.value
+        return super().leave(slot)
+
+    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
+        gain = super().enter(what, slot, bundle)
+        self.falls.append(self.before / self.state.value - 1)
+        return gain
+
+
+def test_readings_that_hold_next_to_nothing_are_not_exchanged_for_one_another() -> None:
+    asked = splines(3, 7, 0.01, 500)
+    scores = Falling(Pool(asked.observation, asked.lattice), asked.state)
+    scores.falls = []
+    scores.enter_all(space_filling(asked, [(0, 40)]))
+    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
+    assert len(scores.falls) > 20
+    assert min(scores.falls) > 0
 
 
 def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:

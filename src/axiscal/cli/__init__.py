@@ -12,7 +12,10 @@ def main() -> int:
 
         sys.stdout.write(f"axiscal {__version__}\n")
         return 0
+    import gc  # of Python itself, and nothing is to be loaded before Ctrl-C is answered
+
     status = 1
+    gc.disable()  # while the program is loaded nothing is garbage, and looking for it is a tenth of the start
     try:  # a signal may come while the program is still being loaded
         from axiscal.cli.app import run
         from axiscal.cli.stages import shown_stages
@@ -25,6 +28,7 @@ def main() -> int:
         import signal
 
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        gc.enable()
     if status == 1:
         _leave(status)
     return status

@@ -6,6 +6,7 @@ So files of commands import what they need at their top, and `axiscal --help` on
 from __future__ import annotations
 
 import ast
+import gc
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,9 @@ class LazyGroup(TyperGroup):
 
 def _command(name: str, file: str) -> Any:
     module = import_module(f"axiscal.cli.{file}")
+    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+        gc.freeze()
+        gc.enable()
     several: typer.Typer | None = getattr(module, "app", None)
     if several is not None:
         return typer.main.get_command(several)

@@ -107,6 +107,11 @@ class Scores:
         return other
 
     @property
+    def objective(self) -> float:
+        """What the readings of the plan leave of what is to be small, m²."""
+        return self.state.value
+
+    @property
     def gains(self) -> Array:
         """The gain of every candidate, (M,)."""
         return self.pool.gains(self.above, self.below, self.joint)

@@ -23,6 +23,8 @@ _SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-7
 """Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
+_NOTHING = 1e-10
+"""Share of what is to be small: readings that hold next to nothing were exchanged for one another without end."""
 _AHEAD = 32
 """Slots that are looked at together, since none of the looks before found anything: of time, not of the result."""
 _WORTH = 1e-6
@@ -43,6 +45,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
         before, order, ahead = changes, ranked(-scores.losses(), ALIKE).tolist(), 1
+        least = _NOTHING * scores.objective
         while order:
             part, order, ahead = order[:ahead], order[ahead:], min(2 * ahead, _AHEAD)
             slots = [slot for slot in part if looked.get(slot) != changes and not scores.held_alone(slot)]
@@ -50,7 +53,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
                 if work > _WORK:
                     return
                 looked[slots[number]] = changes
-                exchanged = _exchanged(scores, slots[number], found, better)
+                exchanged = _exchanged(scores, slots[number], found, better, least)
                 work += 4.0 * len(scores.pool) + exchanged * _work_of_change(scores)
                 if exchanged:  # the others have to be looked at anew
                     changes, order, ahead = changes + 1, part[part.index(slots[number]) + 1 :] + order, 1
@@ -65,8 +68,9 @@ def _work_of_change(scores: Scores) -> float:
     return products + 20.0 * scores.state.factor.size
 
 
-def _exchanged(scores: Scores, slot: int, found: Replacement, better: float) -> bool:
-    if not found.gain > found.own * (1 + better):
+def _exchanged(scores: Scores, slot: int, found: Replacement, better: float, least: float) -> bool:
+    """Return whether the exchange brings enough, and was made.  least : m², of what is to be small"""
+    if not found.gain > found.own + max(better * found.own, least):
         return False
     scores.leave(slot)
     scores.enter(found.candidate, slot)

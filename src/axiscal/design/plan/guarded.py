@@ -20,7 +20,7 @@ from axiscal.design.plan.exchange import exchange
 from axiscal.design.plan.greedy import Trial, affordable
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.out_and_back import returns
-from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
+from axiscal.design.plan.plain_designs import plain_designs
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.watch import Humps, Watch, retimed, watch
 from axiscal.estimation.defence import Defence, EffectMap, vouched, with_gaps
@@ -205,7 +205,7 @@ class _Guarding:
         """Return plans that need no thought."""
         places = self._trial.scores.places
         counts = [(s, int(np.sum(places.setups == s))) for s in self._trial.setups]
-        return [evenly_spaced(self._task, counts), space_filling(self._task, counts)]
+        return plain_designs(self._task, counts)
 
     def exchanged(self, places: Places, watched: Watch, how: _How) -> Places:
         """Return what exchange makes of readings."""

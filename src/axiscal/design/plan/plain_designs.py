@@ -15,6 +15,12 @@ Counts = list[tuple[int, int]]
 """(set-up, number of readings) for each set-up in use."""
 
 
+def plain_designs(task: Task, counts: Counts) -> list[Places]:
+    """Return the usual and the space-filling readings; once where every set-up is read on a chart, and both are one."""
+    evenly, filling = evenly_spaced(task, counts), space_filling(task, counts)
+    return [evenly] if evenly.same_as(filling) else [evenly, filling]
+
+
 def space_filling(task: Task, counts: Counts) -> Places:
     """Return so many readings per set-up, spread over everything that may move."""
     machine, setups = task.observation.machine, task.observation.setups

@@ -24,7 +24,7 @@ from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups,
 from axiscal.design.plan.guarded import guarded
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.patience import PATIENCE, Patience
-from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
+from axiscal.design.plan.plain_designs import plain_designs
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import fitted
 from axiscal.exceptions import PlanError
@@ -138,7 +138,7 @@ def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setu
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]
-    for begun in (evenly_spaced(task, counts), space_filling(task, counts)):
+    for begun in plain_designs(task, counts):
         scores = base.fork()
         scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))
