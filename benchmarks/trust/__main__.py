@@ -59,7 +59,9 @@ not fitted, but chosen by somebody who knew the files; `scales = "estimate"` is 
 scales that the readings leave possible. On maps what two axes do together is no sum of their curves: what is learnt
 beyond the stated noise counts in the band there, a rule that was settled with these maps in view. *Missed* is the RMS
 of truth minus estimate, *band* the RMS of the printed standard deviation, both as the verdict leaves them; *said* the
-warnings in the report. Random points: the mean of three draws, with all verdicts that they had.
+warnings in the report. Random points: the mean of three draws, with all verdicts that they had. Of the plug plate no
+hole is read twice: by how much holes scatter is taken for noise where that much noise is stated, and the promise, which
+is without noise, then rests on that statement. No verdict asks for that yet.
 
 | curve | readings | points | in the band | missed | band | verdict | said |
 |---|---|---|---|---|---|---|---|
@@ -117,8 +119,9 @@ that lies elsewhere, and no reading of the spheres can tell the two apart: the p
 is that one unknown, which is above 1.5 times the promise in 13 % of machines where everything is right, and above U
 in 5 %: it rests on what is stated alone, and is `unchecked`. Whoever states the tool to 5 µm while it is 50 µm longer
 is not told. Where scales are learnt they make room for what is wrong: a rest that is larger than stated explains two
-dozen readings of a reversal that varies about as well as that does, and some such machines stay silent. Even and random places leave gaps in
-which a step or a bump could hide, and a verdict is `unchecked` for it on right machines too: a plan leaves none.
+dozen readings of a reversal that varies about as well as that does, and some such machines stay silent. Even and random
+places leave gaps in which a step or a bump could hide, and a verdict is `unchecked` for it on right machines too: a
+plan leaves none.
 (`make trust PART=attacks MACHINES={machines}`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |

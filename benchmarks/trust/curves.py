@@ -152,8 +152,11 @@ def height_map(file: str, name: str, readings: int) -> Measured:
     return _map(name, (numbers[5], numbers[6]), np.where(grid == 0, np.nan, grid), readings)
 
 
-def plug_plate() -> Measured:
-    """Holes drilled by a mill and measured on a CMM: what is left along x after shift, scale and turn."""
+def plug_plate(noise: str) -> Measured:
+    """Holes drilled by a mill and measured on a CMM: what is left along x after shift, scale and turn.
+
+    noise : as stated; no hole is read twice, so that nothing tells it from what the holes scatter by
+    """
     words = [line.split() for line in (DATA / "machine_xy" / "D2130A1").read_text().splitlines()]
     rows = np.array([[float(word) for word in line[:6]] for line in words if len(line) == 9 and _is_number(line[0])])
     x, y, dx, dy = rows[:, 2], rows[:, 3], rows[:, 4], rows[:, 5]
@@ -167,8 +170,15 @@ def plug_plate() -> Measured:
     )
     text += '[errors]\nEXX = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
     text += 'EXY = { std = "10 um", length = "150 mm", rest = "estimate" }\n'
-    campaign = CAMPAIGN.format(instrument="probe", direction="x", noise="3 um", raster=_anywhere(size))
-    return Measured("plug plate, x error", text, campaign, places, left[: len(x)] * 1e-3, 40)
+    campaign = CAMPAIGN.format(instrument="probe", direction="x", noise=noise, raster=_anywhere(size))
+    return Measured(
+        f"plug plate, x error, noise stated as {noise.replace('um', 'µm')}",
+        text,
+        campaign,
+        places,
+        left[: len(x)] * 1e-3,
+        40,
+    )
 
 
 def _is_number(word: str) -> bool:
@@ -219,5 +229,6 @@ CASES: tuple[Callable[[], Measured], ...] = (
     lambda: printer(4),
     lambda: height_map("predator2_13x13.csv", "delta printer bed, 13 x 13", 30),
     lambda: height_map("caribou_8x7.csv", "printer bed, 8 x 7", 20),
-    plug_plate,
+    lambda: plug_plate("3 um"),
+    lambda: plug_plate("0.3 um"),
 )

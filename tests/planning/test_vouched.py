@@ -138,3 +138,25 @@ def test_a_plan_by_another_criterion_says_that_nothing_guards_it(criterion: str,
     printed = " ".join(CliRunner().invoke(app, asked).stdout.split())
     assert "These 12 readings could not show" in printed
     assert f'Mind: criterion = "{criterion}" chooses readings by the model alone' in printed
+
+
+def test_a_plan_that_is_to_teach_what_two_axes_do_together_says_that_nothing_guards_it(tmp_path: Path) -> None:
+    travel = 'travel = ["0 mm", "400 mm"]\n'
+    curve = '{ std = "10 um", length = "200 mm", knots = 5 }\n'
+    plane = 'EZXY = { std = "10 um", length = "150 mm", knots = 5 }\n'
+    (tmp_path / "m.toml").write_text(
+        f'chain = "w-b-X-Y-t"\n[axes.X]\n{travel}[axes.Y]\n{travel}[errors]\nEZX = {curve}EZY = {curve}{plane}'
+    )
+    (tmp_path / "c.toml").write_text(
+        'machine = "m.toml"\nSCALES[target]\nreadings = 9\n[[setups]]\nname = "probe"\ninstrument = "probe"\n'
+        'direction = "z"\nnoise = "0.5 um"\nreach = { X = ["0 mm", "400 mm"], Y = ["0 mm", "400 mm"] }\n'
+    )
+    learnt = (tmp_path / "c.toml").read_text()
+    said = {}
+    for scales in ('scales = "estimate"\n', ""):
+        (tmp_path / "c.toml").write_text(learnt.replace("SCALES", scales))
+        asked = ["plan", str(tmp_path / "c.toml"), "--candidates", "200"]
+        said[scales] = " ".join(CliRunner().invoke(app, asked).stdout.split())
+    assert [words.count("These 9 readings could not show") for words in said.values()] == [1, 1]
+    alone = "Mind: readings that are to teach how much two axes do together are chosen by the model alone;"
+    assert [words.count(alone) for words in said.values()] == [1, 0]
