@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from axiscal.error_model.prior import between_knots
 from axiscal.inference.fit import fit
 from axiscal.inference.mixture import mixture
 from axiscal.inference.scales import Scale, log_prior_precision
@@ -86,3 +87,21 @@ def test_the_band_is_that_of_all_scales_on_a_grid() -> None:
     assert found.scales.factors[0] == pytest.approx(np.exp(grid[best]), rel=0.02)
     assert total == pytest.approx(np.trace(whole), rel=0.1)
     assert total > 1.1 * np.trace(each[best][2])
+
+
+def test_a_curve_whose_length_was_learnt_has_detail_between_its_knots() -> None:
+    """Readings as far apart as the knots lie on the spline, so that no rest is learnt; the draws say how long it is."""
+    observation = observed('noise = "0.5 um"\nunknowns = {}')
+    function = observation.errors.functions[0]
+    rng = np.random.default_rng(3)
+    values = 10e-6 * rng.standard_normal(len(function.basis.knots))
+    readings = [Reading("it", (float(x),), (1,), float(y)) for x, y in zip(function.basis.knots, values, strict=True)]
+    scales = (Scale("std", "EXX", 10e-6), Scale("length", "EXX", 0.2), Scale("rest", "EXX", 0.5e-6))
+    found = fit(observation, readings, scales)
+    spacing = float(function.basis.knots[1] - function.basis.knots[0])
+    parts = list(found.possible.parts())
+    least = [10e-6 * np.exp(logs[0]) * between_knots(spacing / (0.2 * np.exp(logs[1])), 2.5) for logs, _ in parts]
+    rest = [0.5e-6 * np.exp(logs[2]) for logs, _ in parts]
+    wanted = sum(w * max(one, other) ** 2 for (_, w), one, other in zip(parts, least, rest, strict=True))
+    assert found.widening.rests["EXX"] == pytest.approx(float(np.sqrt(wanted)), rel=1e-9)
+    assert found.widening.rests["EXX"] > 2 * 0.5e-6 * found.scales.factors[2]

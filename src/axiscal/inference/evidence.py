@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import Term
+from axiscal.error_model.model import ErrorFunction, Term
+from axiscal.error_model.prior import between_knots
 from axiscal.inference.error_priors import Entry, by_length, prior_of
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
 from axiscal.inference.scales import Kind, Scale, length_owners
@@ -132,6 +133,19 @@ class Evidence:
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
         return other
+
+    def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
+        """Return what the spline of a curve leaves between its knots at some scales, m or rad; 0 of what is no curve.
+
+        logs : (n,) of the factors
+        """
+        entry, std, factors = self._scales_of(function.name, logs)
+        if not isinstance(entry, ErrorEntry) or entry.length is None or function.stated_shape:
+            return 0.0
+        if function.basis.size == 1:
+            return 0.0
+        spacing = float(np.ptp(function.basis.knots)) / (len(function.basis.knots) - 1)
+        return std * between_knots(spacing / (entry.length * factors[0]), entry.smoothness)
 
     def multiplied(self, factor: float) -> Evidence:
         """Return the evidence of the same readings with all values times a factor."""

@@ -16,7 +16,7 @@ from axiscal.inference.evidence import Evidence
 from axiscal.inference.mixture import Mixture, mixture
 from axiscal.inference.scales import Scale, Scales, log_prior_precision
 from axiscal.inference.together import unfollowed
-from axiscal.inference.widening import Possible, Widening, mean_squares, widening
+from axiscal.inference.widening import Possible, Widening, mean_squares, rests_with_detail, widening
 from axiscal.machine.entry import JAGGED, ROUGH, SMOOTH
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -105,7 +105,7 @@ def _rests(
     observation: Observation, readings: Sequence[Reading], scales: tuple[Scale, ...], possible: Sequence[Possible]
 ) -> Mapping[str, float]:
     """Return the rests that the bands count, by the name of their error: as learnt, and what no sum of curves holds."""
-    rests = mean_squares(possible, scales, "rest")
+    rests = rests_with_detail(possible, scales)
     stated = {function.name: function.rest for function in observation.errors.terms}
     noises = mean_squares(possible, scales, "noise")
     for name, beyond in unfollowed(observation, readings, noises).items():

@@ -69,6 +69,26 @@ def widening(possible: Sequence[Possible], rests: Mapping[str, float]) -> Wideni
     return Widening(positive_root(whole - mode.covariance, np.diag(whole)), rests, size)
 
 
+def rests_with_detail(possible: Sequence[Possible], scales: Sequence[Scale]) -> dict[str, float]:
+    """Return the root mean square of each rest over the mixtures, by the name of its error, m or rad.
+
+    Of a curve whose length was learnt no less than what its spline leaves between its knots at that length: readings
+    that are as far apart as the knots lie on the spline whatever is between them, and teach no rest.
+    """
+    found, lengths = dict[str, float](), {scale.owner for scale in scales if scale.kind == "length"}
+    for index, scale in enumerate(scales):
+        if scale.kind != "rest":
+            continue
+        square = 0.0
+        for evidence, mixture, share in possible:
+            function = next((f for f in evidence.functions if f.name == scale.owner and f.name in lengths), None)
+            for logs, weight in mixture.parts():
+                least = 0.0 if function is None else evidence.unfollowed(function, logs)
+                square += share * weight * max(scale.stated * float(np.exp(logs[index])), least) ** 2
+        found[scale.owner] = float(np.sqrt(square))
+    return found
+
+
 def mean_squares(possible: Sequence[Possible], scales: Sequence[Scale], kind: Kind) -> dict[str, float]:
     """Return the root mean square of each scale of a kind over the mixtures, by its owner, m or rad."""
     found = dict[str, float]()
