@@ -134,7 +134,8 @@ The same cells for some attacks, {machines} machines each, with the seeds of the
 that table a promise is `unchecked` of which so much rests on what is stated alone that more than one in twenty
 machines just as stated are 1.5 times as far off ([planning](planning.md), "What the readings could vouch for"). With a
 tool that nobody measured that is what is stated of one axis line. Where scales are learnt the promise is wider, and
-holds where it covers such a machine: up to one in twenty of these may be silent, by that rule.
+holds where it covers such a machine: up to one in twenty of these may be silent, by that rule. Machines are the same
+at all places, and so are those that are silent there: a row is no six samples.
 (`make trust PART=again MACHINES={machines} ONLY="{only}"`)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |
