@@ -56,7 +56,7 @@ one processor under load). Six set-ups read lengths along and angles about x, y 
 with noise of 1 um and 2 urad; a campaign ends at 4 um RMS over the volume, constant shifts not counted. Curves are a
 lead or a sag and a random curve of the stated smoothness, half of the variance each; machines of a type differ in three
 directions together, and freely. Of each sister the readings of the plan by the stated prior count. What is learnt, the
-four beliefs and their weights are the program's own; the next reading is the best of {places} places by the likeliest
+beliefs and their weights are the program's own; the next reading is the best of {places} places by the likeliest
 belief, and readings are first order. No reading has to vouch for the prior (`unchecked = "allow"`).
 
 *Readings* is the median over all new machines; *held* the mean share of the tool point's deviations (408 poses from two
@@ -108,32 +108,32 @@ def _measured(bench: Bench, plan: list[int], form: Form, seed: int) -> dict[str,
     """Return what became of the new machines of one type, by every belief, and of strangers."""
     begun = time.process_time()
     kind = VirtualType(bench, form, seed)
-    equations = _equations(bench, plan, kind, max(SISTERS), seed)
+    equations = equations_of(bench, plan, kind, max(SISTERS), seed)
     priors: dict[str, Sequence[Rival]] = {
         "stated": (_stated(bench),),
         "true": (Rival("true", 1.0, Inherited(kind.mean, kind.own)),),
     }
     for count in SISTERS:
-        priors[str(count)] = rivals(_lesson(bench, equations, count), bench.case.errors)
+        priors[str(count)] = rivals(lesson_of(bench, equations, count), bench.case.errors)
     machines = [kind.machine(_NEW + number) for number in range(MACHINES)]
     ways = {
         name: [reached(bench, of, each, (seed, k)) for k, each in enumerate(machines)] for name, of in priors.items()
     }
     row: dict[str, Any] = {"form": form.name, "seed": seed, "ways": ways}
     if form == STRANGERS:
-        strangers = dict(_changed(bench, kind.machine(_NEW)))
+        strangers = dict(changed(bench, kind.machine(_NEW)))
         strangers["of another type"] = VirtualType(bench, form, _OTHER + seed).machine(_NEW)
         taught = priors[str(max(SISTERS))]
         row["strangers"] = {name: reached(bench, taught, errors, (seed, 0)) for name, errors in strangers.items()}
     return row | {"seconds": time.process_time() - begun}
 
 
-def _equations(bench: Bench, plan: list[int], kind: VirtualType, count: int, seed: int) -> dict[str, DataEquation]:
+def equations_of(bench: Bench, plan: list[int], kind: VirtualType, count: int, seed: int) -> dict[str, DataEquation]:
     rng = np.random.default_rng((21, seed))
     return {f"{seed:030x}{number:034x}": bench.equation(plan, kind.machine(number), rng) for number in range(count)}
 
 
-def _lesson(bench: Bench, equations: dict[str, DataEquation], count: int) -> TypePrior:
+def lesson_of(bench: Bench, equations: dict[str, DataEquation], count: int) -> TypePrior:
     taken = dict(list(equations.items())[:count])
     return Lesson(bench.case.description.machine, bench.units, (), taken).learnt()
 
@@ -143,7 +143,7 @@ def _stated(bench: Bench) -> Rival:
     return Rival("as stated", 1.0, Inherited(prior.mean[: bench.size], prior.covariance[: bench.size, : bench.size]))
 
 
-def _changed(bench: Bench, errors: Array) -> Iterator[tuple[str, Array]]:
+def changed(bench: Bench, errors: Array) -> Iterator[tuple[str, Array]]:
     """Yield a machine after a crash, B0Z by four of its stated std, and with a screw of Z that is off by 40 um."""
     terms = {term.name: term for term in bench.case.errors.terms}
     crashed, screwed = errors.copy(), errors.copy()
@@ -157,10 +157,10 @@ def _changed(bench: Bench, errors: Array) -> Iterator[tuple[str, Array]]:
 def _learning_takes(bench: Bench, plan: list[int]) -> dict[str, Any]:
     """Return the seconds of processor time that learning takes from 10 records and from 100."""
     kind, seconds, whole = VirtualType(bench, STRANGERS, 0), dict[str, float](), time.process_time()
-    equations = _equations(bench, plan, kind, 100, 0)
+    equations = equations_of(bench, plan, kind, 100, 0)
     for count in (10, 100):
         begun = time.process_time()
-        _lesson(bench, equations, count)
+        lesson_of(bench, equations, count)
         seconds[str(count)] = time.process_time() - begun
     return {"form": "learning", "seed": 0, "took": seconds, "seconds": time.process_time() - whole}
 

@@ -22,12 +22,14 @@ class Reached(NamedTuple):
 
     readings : until the target; held : share of the tool point's deviations, at 408 poses from two sides, that are in
     their 95 % band; by_first : the same in that of the first belief alone; shares : how probable the beliefs are
+    places : that were read
     """
 
     readings: int
     held: float
     by_first: float
     shares: Sequence[float]
+    places: Sequence[int] = ()
 
 
 class _Side:
@@ -66,7 +68,7 @@ def reached(bench: Bench, rivals: Sequence[Rival], errors: Array, seed: Sequence
     places, found, sides, shares = _campaign(bench, rivals, bench.unknowns(errors, rng), rng)
     first = Moments(sides[0].mean, sides[0].covariance)
     held = _held(bench, found, errors), _held(bench, first, errors)
-    return Reached(len(places), *held, tuple(shares.tolist()))
+    return Reached(len(places), *held, tuple(shares.tolist()), tuple(places))
 
 
 def _campaign(

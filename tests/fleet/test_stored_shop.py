@@ -69,6 +69,7 @@ def test_what_a_type_teaches_is_the_same_from_the_store(folder: Path, tmp_path: 
         assert run(["type", "learn", source, "--of", "Slide", "--out", str(tmp_path / "t.type.json")]) == 0
         found = json.loads((tmp_path / "t.type.json").read_text())
         names = [each.pop("file") for each in found["records"]]
+        found.pop("digest")  # of the text, in which the files have their names
         taught.append(found)
     assert taught[0] == taught[1]
     assert sorted(names) == ["store:again", "store:slide-0", "store:slide-1", "store:slide-2"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.membership_words import farthest, membership_words
-from axiscal.estimation.type_prior import over, type_prior
+from axiscal.estimation.type_prior import over, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.fleet.rehearsal import Imagined
 from axiscal.fleet.type_learning import learnt_type
@@ -109,7 +110,29 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
     assert f"{most.name} is {most.away:.1f} of their standard deviations away" in membership_words(strange)
 
 
-def test_before_the_first_reading_the_mixture_is_that_of_the_four_beliefs(taught: str) -> None:
+def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: str) -> None:
+    """A scale off by 90 um over the travel, read where a sister is read."""
+    case, readings = case_of(slide(prior=taught)), read_on(20)[::3]
+    hit = [replace(each, value=each.value + 90e-6 * (each.pose[0] - 0.25) / 0.5) for each in readings]
+    for read, likeliest in ((readings, "like its sisters"), (hit, "like its sisters but for X")):
+        found = concluded(case, read).membership
+        assert found is not None
+        assert found.rivals[found.likeliest].name == likeliest
+    strange = concluded(case, hit)
+    assert strange.membership is not None
+    assert strange.membership.sister < 0.5
+
+
+def test_the_beliefs_share_the_doubt(taught: str) -> None:
+    found = rivals(type_prior(taught), case_of(slide()).errors, 0.2)
+    weights = {rival.name: rival.weight for rival in found}
+    assert weights["like its sisters"] == pytest.approx(0.8)
+    assert sum(weights.values()) == pytest.approx(1.0)
+    sizes = [float(np.trace(rival.belief.covariance)) for rival in found]
+    assert max(sizes) == sizes[-1]  # by the last one readings are judged
+
+
+def test_before_the_first_reading_the_mixture_is_that_of_the_beliefs(taught: str) -> None:
     case = case_of(slide(prior=taught))
     known = concluded(case, [])
     assert known.membership is not None

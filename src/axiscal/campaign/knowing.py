@@ -93,17 +93,12 @@ class Knowing:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
         now = readings, skipped
         if self._contest[0] != now:
-            self._contest = now, contest(self.known(readings), skipped) if len(readings) >= FEWEST else None
+            self._contest = now, contest_of(self.known(readings), skipped)
         return self._contest[1]
 
     def plan_basis(self, readings: Readings, skipped: Sequence[Gap]) -> str:
         """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
-        known, found = self.known(readings), self.contest(readings, skipped)
-        basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
-        if found is None:
-            return basis
-        rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
-        return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"
+        return basis_words(self.known(readings), self.contest(readings, skipped))
 
     def standing(self, readings: Readings) -> Attained:
         """Return whether an accuracy is reached, by the verdict on the readings."""
@@ -154,3 +149,17 @@ class Knowing:
     def close(self) -> None:
         """Leave for the next command what was found."""
         self._kept.close()
+
+
+def contest_of(known: Estimation, skipped: Sequence[Gap] = ()) -> Contest | None:
+    """Return which causes compete by what readings make known; None where none do, or too few were taken."""
+    return contest(known, skipped) if len(known.readings) >= FEWEST else None
+
+
+def basis_words(known: Estimation, found: Contest | None) -> str:
+    """Return what a plan made now rests on, in words.  found : the causes between which a reading decides"""
+    basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
+    if found is None:
+        return basis
+    rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
+    return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"

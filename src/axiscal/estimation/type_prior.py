@@ -1,8 +1,10 @@
 """What machines of one type have taught, as the text that a file and a record carry, and as the prior of one more.
 
-Four beliefs stand side by side from it, so that a stranger is noticed and its band still holds: the type's (1 − d), the
-same with six times its covariance (0.4 d), the stated prior in the sizes that were learnt (0.3 d), and the stated prior
-twice as wide (0.3 d), with d the doubt that this machine is a sister at all.
+Beliefs stand side by side from it, so that a stranger is noticed and its band still holds: the type's (1 − d), the same
+with six times its covariance (0.3 d), a sister of which one axis was hit or renewed, the errors of that axis off by
+what is stated besides (0.3 d, as much for each axis), the stated prior in the sizes that were learnt (0.2 d), and the
+stated prior twice as wide (0.2 d), with d the doubt that this machine is a sister at all. Without those of one axis a
+machine after a crash is a stranger as a whole, and as many readings as a stranger's have to say so.
 """
 
 from __future__ import annotations
@@ -26,11 +28,12 @@ from axiscal.numerics import Array
 
 SCHEMA = "axiscal-type/1"
 LOOSE, WIDE = 6.0, 4.0
-"""Factors on variances of the second and the fourth belief: two beliefs between the type and anything at all."""
-_DOUBTS = (0.4, 0.3, 0.3)
+"""Factors on variances of the second and the last belief: two beliefs between the type and anything at all."""
+_DOUBTS = (0.3, 0.3, 0.2, 0.2)
 """Shares of the doubt; any near would do: the readings decide within a few of them."""
 SISTER = "like its sisters"
-_NAMES = (SISTER, "like its sisters, and 2.4 times as far from them", "as stated, in the sizes of its type")
+_LOOSE = "like its sisters, and 2.4 times as far from them"
+_SIZED, _WIDE = "as stated, in the sizes of its type", "as stated, and up to twice as large"
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,12 +208,27 @@ def rivals(found: TypePrior, errors: ErrorModel, doubt: float | None = None) -> 
     for term in errors.terms:
         if term.name in found.learned:
             sized[term.columns, term.columns] *= found.learned[term.name].scale
-    zero = np.zeros(errors.size)
-    loose = Inherited(prior.mean, LOOSE * prior.covariance)
-    beliefs = (prior, loose, Inherited(zero, sized), Inherited(zero, WIDE * stated))
-    weights = (1 - doubted, *(doubted * share for share in _DOUBTS))
-    names = (*_NAMES, "as stated, and up to twice as large")
-    return tuple(Rival(*each) for each in zip(names, weights, beliefs, strict=True))
+    zero, axes = np.zeros(errors.size), errors.machine.axes
+    loose, one, known, wide = (doubted * share for share in _DOUBTS)
+    return (
+        Rival(SISTER, 1 - doubted, prior),
+        Rival(_LOOSE, loose, Inherited(prior.mean, LOOSE * prior.covariance)),
+        *(
+            Rival(f"like its sisters but for {axis.name}", one / len(axes), _changed(prior, errors, index))
+            for index, axis in enumerate(axes)
+        ),
+        Rival(_SIZED, known, Inherited(zero, sized)),
+        Rival(_WIDE, wide, Inherited(zero, WIDE * stated)),
+    )
+
+
+def _changed(prior: Inherited, errors: ErrorModel, axis: int) -> Inherited:
+    """Return the belief of a sister of which one axis was hit or renewed: its errors are off by what is stated."""
+    covariance = prior.covariance.copy()
+    for term in errors.terms:
+        if axis in term.axes:
+            covariance[term.columns, term.columns] += term.covariance
+    return Inherited(prior.mean, covariance)
 
 
 def over(found: TypePrior, errors: ErrorModel) -> Inherited:

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.design.plan.task import Limits
 from axiscal.error_model.model import ErrorModel
@@ -19,7 +17,6 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.ruled import ruled, ruling_of
-from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.machine.description import Machine, machine_from_text
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -28,6 +25,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.report.digits import number
 from axiscal.report.findings import findings
 from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.study.closed_loop import Reader, replanned
 from axiscal.study.coverage import curves_held, tcp_held
 from axiscal.study.figures_kept import FIGURES
 from axiscal.study.places_read import limits_of, places_read
@@ -68,7 +66,7 @@ def prepared_from(text: str) -> Prepared:
     simulator = Simulator(_true_machine(described.machine, variant), described.setups)
     case = case_of(_stated(described, variant))
     limits = limits_of(case, variant.stop)
-    own = variant.method == "random"
+    own = variant.method in ("random", "replanned")
     places = None if own else places_read(case, variant.method, limits, np.random.default_rng(0))
     return Prepared(case, limits, simulator, places)
 
@@ -103,14 +101,22 @@ def outcome(question: StudyCase) -> dict[str, Any]:
     """Return the figures of a case, by their columns.  Raises InputError where it cannot be measured."""
     ready = prepared(question.variant)
     truth = ready.simulator.drawn(_number(question.seed, question.machine))
-    places = ready.places
-    if places is None:
-        rng = np.random.default_rng((_number(question.seed, question.machine), 7))
-        places = places_read(ready.case, question.variant.method, ready.limits, rng)
-    readings = taken(ready.case, truth, places, _number(question.seed, question.machine))
+    readings = _read(ready, truth, question)
     known = ruled(concluded(ready.case, readings))
     found = _figures(known, truth, question)
     return {FIGURES[name].column: _rounded(found[name], name) for name in question.variant.keep}
+
+
+def _read(ready: Prepared, truth: VirtualMachine, question: StudyCase) -> tuple[Reading, ...]:
+    """Return what is read of one machine."""
+    variant, number = question.variant, _number(question.seed, question.machine)
+    if variant.method == "replanned":
+        return replanned(ready.case, variant.stop, truth, number)
+    places = ready.places
+    if places is None:
+        rng = np.random.default_rng((number, 7))
+        places = places_read(ready.case, variant.method, ready.limits, rng)
+    return taken(ready.case, truth, places, number)
 
 
 def _rounded(value: Any, name: str) -> Any:
@@ -126,14 +132,10 @@ def _number(seed: int, machine: int) -> int:
 
 def taken(case: Case, truth: VirtualMachine, places: tuple[Place, ...], number: int) -> tuple[Reading, ...]:
     """Return what a virtual machine shows at places, one after the other; zeros drift with the time of the plan."""
-    source, times, readings = SimulatedSource(truth, number), Timed(), list[Reading]()
-    axes = case.description.machine.axes
+    reader = Reader(case, truth, number)
     for place in places:
-        setup, seconds = case.description.setup(place.setup), elapsed(case, times, [place])
-        answer = source.read(Request(len(readings) + 1, setup, axes, place.pose, place.approach, seconds))
-        readings.append(Reading(place.setup, place.pose, place.approach, answer.value, others=answer.others))
-        times = timed(case, readings, times)
-    return tuple(readings)
+        reader.take(place)
+    return reader.readings
 
 
 def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> dict[str, Any]:

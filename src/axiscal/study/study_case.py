@@ -6,8 +6,8 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple
 
-Method = Literal["planned", "even", "random"]
-"""How places are chosen: as a plan asks for, evenly along the axes, or anywhere."""
+Method = Literal["planned", "replanned", "even", "random"]
+"""How places are chosen: as a plan asks for, planned anew while readings come, evenly along the axes, or anywhere."""
 
 
 class Stop(NamedTuple):

@@ -23,7 +23,7 @@ class StudyTable(_KnownKeys):
     seed: int = Field(1, ge=0, le=2**63, examples=["1"])
     machines: int = Field(100, ge=1, le=MOST_MACHINES, examples=["200"])
     stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
-    method: Literal["planned", "even", "random"] = Field("planned", examples=['"planned"'])
+    method: Literal["planned", "replanned", "even", "random"] = Field("planned", examples=['"planned"'])
 
 
 class ResultsTable(_KnownKeys):
