@@ -273,6 +273,7 @@ def test_numbers_of_old_files_that_are_missing_or_none_are_named() -> None:
         ("sinumerik", OldFile("AX_EEC.INI", siemens(OLD_UP).replace("=25.0", "=1e-9")), "points between its ends"),
         ("marlin", OldFile("mesh.gcode", "M421 I0 J0 Z0.1\nM421 I1 J1\n"), "2 x 2 points|no height of a point"),
         ("fanuc", OldFile("pitch.txt", pitch), "there is no row N10022"),
+        ("fanuc", OldFile("pitch.txt", pitch.replace("100.0", f"{400 * '9'}.0")), "is longer than any travel"),
         ("linuxcnc", OldFile("cross.hal", 'setp comp.y-x.x-val-0 "\n'), "no number of a curve"),
         ("linuxcnc", OldFile("X.comp", "0 0 0\n100 -2000 100\n"), "a metre"),
         ("isg", OldFile("ssfk_X.lis", leadscrew), "entries|a number that isg needs"),

@@ -24,6 +24,10 @@ _BACKWARDS = 5
 """Bit ZMI of parameter 1006."""
 
 
+_WIDEST = 1000.0
+"""m or rad, of an interval: longer than any travel, so that any near would do."""
+
+
 @dataclass(frozen=True, slots=True)
 class PitchParameters:
     """The points of one axis.
@@ -124,6 +128,9 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
+    if width > _WIDEST:
+        what = f"the interval {interval[:20]} of {name} (axis {number}) is longer than any travel"
+        raise TableError(what, "parameter 3624 is in mm or deg where it has a point", file)
     negative = _second_set(records, file, name, number)
     downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
     kind = negative, downwards, axis.rotary, axis.cyclic
