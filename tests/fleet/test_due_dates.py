@@ -350,4 +350,16 @@ def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: py
     assert machine.again is not None
     assert len(machine.again.places) == 12
     assert run(["due", str(file.parent), "--tolerance", "1 um"]) == 0
-    assert "at once: its worst place may be beyond" in capsys.readouterr().out
+    assert "at once: its worst place may be beyond the tolerance" in capsys.readouterr().out
+
+
+def test_no_plan_of_no_readings_is_made_where_what_is_known_meets_the_target(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = slide(serial="W").text.replace('rms = "2 um"', 'rms = "15 um"')
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="W").machine.text, "machine.toml")
+    file = write_record(tmp_path / "w.axiscal", described, read_on(3))
+    (machine,) = due_dates([file], DAY, Wanted(tolerance=8e-6)).machines
+    assert machine.by_worst
+    assert run(["due", str(tmp_path), "--today", str(machine.last), "--tolerance", "8 um", "--again"]) == 0
+    assert "again: what is known of it meets the target of its last campaign" in capsys.readouterr().out

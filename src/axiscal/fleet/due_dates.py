@@ -69,7 +69,7 @@ class DueMachine:
     due : the day it passes the target, or is beyond with 5 %, None for never; by_worst : whether it is that
     renewed : the axes that were renewed since
     again : the plan by which it is measured again then, or today where that is later, until the targets of its last
-    campaign; None where nobody asked; why_not : or none is found
+    campaign; None where nobody asked; why_not : or none is found, or none is needed
     """
 
     name: str

@@ -10,6 +10,7 @@ from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case, Inherited
 from axiscal.estimation.estimation import Estimation
+from axiscal.exceptions import PlanError
 from axiscal.planning.proposal import proposed
 
 
@@ -34,8 +35,10 @@ def recalibration(
     """Return the plan by which a machine is measured again: until the targets of its last campaign.
 
     prior : what is known of it by then; rms : that campaign's target of an RMS or U, as an RMS, m
-    Raises PlanError where no readings reach them.
+    Raises PlanError where no readings reach them, or none has to: of a plan without readings nothing becomes better.
     """
-    target = known.stated.description.target
+    target, case = known.stated.description.target, case_again(again(known), prior)
     limits = Limits(target.readings, rms, target.worst, target.budget)
-    return proposed(case_again(again(known), prior), limits, progress=told, bounded=False).plan
+    if limits.met(case.yardstick.measure(case.knowledge.belief)):
+        raise PlanError("what is known of it meets the target of its last campaign", "Ask for less in a campaign")
+    return proposed(case, limits, progress=told, bounded=False).plan
