@@ -33,3 +33,12 @@ def test_a_promise_that_is_not_vouched_for_is_said(tmp_path: Path) -> None:
     said = _said(tmp_path / "few.axiscal", read(machine(2), 8))
     assert len(said) == 1
     assert said[0].startswith("The rms target is promised, and does not count as reached")
+
+
+def test_nothing_stands_between_a_campaign_that_has_ended_and_its_end(tmp_path: Path) -> None:
+    with Campaign.create(tmp_path / "ended.axiscal", CASE.description) as campaign:
+        campaign.adopt(tuple(read(machine(2), 8)))
+        campaign.finish("no more time")
+        assert standing_words(campaign) == []
+        campaign.undo()
+        assert len(standing_words(campaign)) == 1

@@ -14,7 +14,9 @@ _MOST = 15
 
 
 def standing_words(campaign: Campaign) -> list[str]:
-    """Return sentences about where the campaign stands; none where nothing is to be minded."""
+    """Return sentences about where the campaign stands; none where nothing is to be minded, or it has ended."""
+    if campaign.state.finished is not None:
+        return []
     return [*_contradicted(campaign), *_not_vouched(campaign)]
 
 

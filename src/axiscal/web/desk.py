@@ -236,14 +236,10 @@ class Desk:
         for language in reversed(self._languages):  # English last: its question is the one that answers belong to
             with speaking(language):
                 self._question, self._ended, self._trouble = self._asked()
-                minds = [*self._minds.get(language, []), *self._standing()]
+                minds = [*self._minds.get(language, []), *standing_words(self.campaign)]
                 shown = Shown(self._question, self._ended, self._trouble, minds, self._verdict, course, version)
                 states[language] = state_shape(self.campaign, shown, self.results)
         return states
-
-    def _standing(self) -> list[str]:
-        """Return what stands between the campaign and its end."""
-        return [] if self.campaign.state.finished is not None else standing_words(self.campaign)
 
     def _next_version(self) -> int:
         self._version += 1
