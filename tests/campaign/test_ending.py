@@ -11,6 +11,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.statements import Resting, Statement
 from axiscal.report.verdict import verdict_words
 from tests.generators.laser_axis import CASE, machine, read
 
@@ -50,6 +51,17 @@ def test_an_unchecked_promise_reaches_a_target_by_what_readings_vouch_for_or_whe
     assert "A target counts as reached by what they can vouch for alone." in verdict_words(ruling, above)
     assert 'unchecked = "allow" is stated' in verdict_words(ruling, allowed)
     assert verdict_words(ruling, replace(above, rms=None)).endswith("could hardly have done so.")
+
+
+def test_where_a_promise_rests_on_statements_alone_the_verdict_says_that(gapped: Estimation) -> None:
+    """No more than 45 % of the variance: that is not most of it, and one machine in twenty is far worse."""
+    ruling, plain = ruling_of(gapped), replace(CASE.description.target, rms=None)
+    promise = ruling.defence.promise
+    rests_on = Resting((Statement("EXX_reversal", "", 3e-6),), 0.45, 0.67 * promise, 0.055, 1.01 * promise)
+    alone = replace(ruling, defence=replace(ruling.defence, departures=(), rests_on=rests_on).promising(promise))
+    assert verdict_words(alone, plain).endswith("too much of what is promised rests on statements alone.")
+    both = replace(ruling, defence=replace(ruling.defence, rests_on=rests_on))
+    assert verdict_words(both, plain).endswith("could hardly have done so.")
 
 
 def test_whether_it_is_reached_is_the_same_before_and_after_the_verdict(gapped: Estimation) -> None:

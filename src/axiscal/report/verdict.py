@@ -65,7 +65,7 @@ def _meant(ruling: Ruling, target: Target) -> str:
         hardly = said("The readings do not contradict the model, and could hardly have done so.")
         if not ruling.defence.leaves and ruling.defence.rests:
             hardly = said(
-                "The readings do not contradict the model; most of what is promised rests on statements alone."
+                "The readings do not contradict the model; too much of what is promised rests on statements alone."
             )
         if not target.accurate:
             return hardly
