@@ -120,6 +120,10 @@ class Kept:
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
             _write(kept_beside(self._record), _key(self._first.event), known)
 
+    def forget(self) -> None:
+        """Let what is known be written next in the place of what was recalled, however little it has grown."""
+        self._count = 0
+
     def standing(self, target: Target, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Attained:
         """Return whether an accuracy is reached by exactly these readings.  known : by them, where it is not kept"""
         said = self._answered("standing", readings, _is_attained, lambda: astuple(standing(target, known())))

@@ -65,6 +65,7 @@ class Knowing:
             if before is None or case is self._stated:
                 raise
             self._case, self._known = self._stated, None  # it was kept, and nothing follows from it
+            self._kept.forget()
             self._known = estimated(self._stated, readings)
         self._kept.keep(self._known)
         return self._known
