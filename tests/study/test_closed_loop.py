@@ -21,6 +21,8 @@ from tests.study.texts import CAMPAIGN, STUDY, written
 
 REPLANNED = STUDY.replace('"even"', '"replanned"').split("[grid]")[0]
 LEARNT = CAMPAIGN.replace("[target]", 'scales = "estimate"\n[target]')
+FAR = CAMPAIGN.replace('"3 um"', '"1 nm"')
+"""No readings reach it: what ends it is that some in a row hardly help."""
 DRIFTING = CAMPAIGN.replace('noise = "0.5 um"', 'noise = "0.5 um"\ndrift = "20 um/h"')
 
 
@@ -36,6 +38,7 @@ class Wild(SimulatedSource):
     ("campaign", "stop", "source"),
     [
         (CAMPAIGN, '"target"', SimulatedSource),
+        (FAR, '"target"', SimulatedSource),
         (LEARNT, "{ readings = 10 }", SimulatedSource),
         (DRIFTING, '{ budget = "14 min" }', SimulatedSource),
         (CAMPAIGN, "{ readings = 16 }", Wild),
@@ -45,6 +48,9 @@ def test_a_case_reads_what_a_campaign_reads(
     tmp_path: Path, campaign: str, stop: str, source: type[SimulatedSource], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("axiscal.study.closed_loop.SimulatedSource", source)
+    if campaign == FAR:  # four readings that help by less than a fifth do, in place of fifty and a hundredth
+        monkeypatch.setattr("axiscal.campaign.ending.FUTILE", 4)
+        monkeypatch.setattr("axiscal.campaign.ending._HARDLY", 0.8)
     plans = list[object]()
 
     def counted(*of: Any) -> tuple[Place, ...]:
