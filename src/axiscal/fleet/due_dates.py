@@ -199,7 +199,7 @@ def _due(
     if target is None and tolerance is None:
         raise TargetError(
             "the campaign asks for no RMS and no U that could be kept",
-            'Say one for all machines: --target "4 um", or --tolerance "20 um" for the worst place',
+            'Say one for all machines: --target "4 um"; `axiscal due --tolerance "20 um"` asks for the worst alone',
             record.file,
         )
     last = moment(record.begun).date()
