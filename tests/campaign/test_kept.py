@@ -292,6 +292,42 @@ def test_one_that_goes_on_is_not_told_what_its_end_said(tmp_path: Path) -> None:
         assert campaign.status().accuracy == campaign.known().accuracy != ended
 
 
+@pytest.mark.parametrize("scales", ["", 'scales = "estimate"'])
+def test_a_copy_whose_end_is_taken_back_is_told_by_its_readings(
+    scales: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    description, path, left = _described(tmp_path, scales), tmp_path / "c.axiscal", tmp_path / "left.axiscal"
+    readings = _readings(description, 21)
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(readings[:20])
+        campaign.finish("all were read")
+        campaign.copy(left)
+        campaign.leave_answers(left)
+    with Campaign.open(left, write=False) as campaign:
+        ended = campaign.status().accuracy
+    with Campaign.open(left) as campaign:
+        campaign.undo()
+    known = estimate.estimated(Case(description), readings[:20])
+    for count in (20, 21, 20):  # taken back, one more, and that one taken back, too
+        with Campaign.open(left) as campaign:
+            if count == 21:
+                campaign.adopt(readings[20:])
+            elif len(campaign.state.readings) == 21:
+                campaign.undo()
+            expected = known if count == 20 else estimate.estimated(Case(description), readings)
+            status = campaign.status()
+            assert (status.accuracy, status.seconds) == (expected.accuracy, expected.seconds)
+            assert campaign.watched() == watched_so_far(expected)
+            assert status.accuracy != ended
+    with Campaign.open(left) as campaign:
+        campaign.finish("once more")
+        assert campaign.status().accuracy == ended
+    for name in ("estimated", "concluded", "ruled", "timed"):
+        monkeypatch.setattr(knowing, name, None)  # nothing is found anew
+    with Campaign.open(left, write=False) as campaign:
+        assert campaign.status().accuracy == ended
+
+
 def test_a_station_in_two_places_has_a_status_after_its_end(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def ambiguous(_case: object, _readings: Sequence[Reading]) -> Estimation:
         raise AmbiguityError("the station fits in two places", "read where they differ")

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.campaign import knowing
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.kept import FEWEST_ANSWERED
 from axiscal.cli import outputs
 from axiscal.cli.app import run
 from axiscal.record import durable
@@ -140,6 +142,23 @@ def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> Non
     assert run(["next", "out/campaign.axiscal"]) == run(["record", "out/campaign.axiscal", "3 um"]) == 0
     assert run(["finish", "out/campaign.axiscal", "--out", "out"]) == 0
     agreed(folder / "out")
+
+
+def test_results_written_beside_their_record_leave_what_its_status_asks_for(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = f'readings = {FEWEST_ANSWERED}\nrms = "0.001 um"'
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", target))
+    for words in (["run", "campaign.toml", "--source", "sim:3"], ["finish", "out/campaign.axiscal"]):
+        assert run([*words, "--out", "out"]) == 0
+        with monkeypatch.context() as patched:
+            for name in ("estimated", "concluded", "ruled", "timed"):
+                patched.setattr(knowing, name, None)  # nothing is found anew
+            capsys.readouterr()
+            assert run(["status", "out/campaign.axiscal", "--json"]) == 0
+        said, result = json.loads(capsys.readouterr().out), json.loads((folder / "out" / "result.json").read_text())
+        assert said["readings"] == FEWEST_ANSWERED
+        assert said["rms_um"] == pytest.approx(result["rms_um"], abs=1e-6)
 
 
 def test_a_full_disk_leaves_the_earlier_results(

@@ -16,9 +16,9 @@ _MINE = ("mine.txt", "tables/mine.txt")
 Content = Mapping[str, str]
 
 
-def write_set(folder: Path, age: str) -> None:
-    """Write results that tell their age."""
-    with result_set(folder) as inside:
+def write_set(folder: Path, age: str, live: Path | None = None) -> None:
+    """Write results that tell their age.  live : a record in the folder that stays"""
+    with result_set(folder, live=live) as inside:
         for name in (*NAMES, f"tables/csv/{age}.csv"):
             (inside / name).parent.mkdir(parents=True, exist_ok=True)
             (inside / name).write_text(age)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.report.result_set import MANIFEST
+from axiscal.report.result_set import MANIFEST, RECORD
 from tests.reliability.set_faults import content, of_age, write_set
 
 
@@ -39,6 +39,16 @@ def test_folders_that_held_only_the_earlier_set_go_with_it(tmp_path: Path) -> No
     (out / MANIFEST).write_text(json.dumps(manifest))
     write_set(out, "new")
     assert not (out / "more").exists()
+
+
+@pytest.mark.parametrize("others", [(), ("mine.txt",)])
+def test_what_is_kept_beside_a_record_that_stays_is_there_afterwards(tmp_path: Path, others: tuple[str, ...]) -> None:
+    out, kept = tmp_path / "out", {".campaign.axiscal.answers": "mark", ".campaign.axiscal.known": "accuracy"}
+    write_set(out, "old")
+    for name, text in {RECORD: "readings", **kept, **dict.fromkeys(others, "mine")}.items():
+        (out / name).write_text(text)
+    write_set(out, "new", live=out / RECORD)
+    assert content(out) == {**of_age("new"), RECORD: "readings", **kept}
 
 
 @pytest.mark.parametrize(

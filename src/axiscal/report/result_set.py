@@ -132,7 +132,10 @@ def _inside(name: str) -> bool:
 
 
 def _beside(folder: Path, live: Path | None) -> Path | None:
-    """Return a new folder beside, with the record that is written to in both; None where a file cannot be in two."""
+    """Return a new folder beside, with the record that is written to in both, and what is kept beside the record.
+
+    None where a file cannot be in two.
+    """
     staging = folder.parent / f".{folder.name}.{os.getpid()}.new"
     staging.mkdir()
     if live is not None:
@@ -141,6 +144,9 @@ def _beside(folder: Path, live: Path | None) -> Path | None:
         except OSError:
             shutil.rmtree(staging)
             return None
+        for name in _KEPT:
+            with contextlib.suppress(OSError):
+                os.link(folder / name, staging / name)
     return staging
 
 
