@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.mounted_anew import stands_with_others
+from axiscal.estimation.inheritance import last_campaign
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.record.carried import heritage_text
 from axiscal.record.copies import write_copy
 from axiscal.record.store import Record
 from tests.generators.sisters import read_on, slide, write_record
@@ -158,3 +166,104 @@ def test_another_campaign_a_copy_and_an_ended_one_are_sentences(
     assert run(["adopt", str(main), str(branch)]) == 0
     said = capsys.readouterr().out
     assert "took back reading 6" in " ".join(said.split())
+
+
+def dense(campaign: Campaign, known: Sequence[Setup]) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and covariance of errors and zeros by one normal of everything, the prior of errors as inherited.
+
+    Each set-up has a zero of its own, as wide as stated, that is independent of all else.  known : all of them
+    """
+    case, readings = campaign.case(), campaign.state.readings
+    assert case.inherited is not None
+    size, names = case.errors.size, [setup.name for setup in known]
+    zeros = [next(unknown.std for unknown in setup.unknowns if unknown.name == "zero") for setup in known]
+    prior = np.zeros((size + len(known), size + len(known)))
+    prior[:size, :size] = case.inherited.covariance
+    prior[size:, size:] = np.diag(np.square(zeros))
+    before = np.concatenate([case.inherited.mean, np.zeros(len(known))])
+    rows, noise = np.zeros((len(readings), len(before))), np.zeros(len(readings))
+    for number, reading in enumerate(readings):
+        of = names.index(reading.setup)
+        seen = Observation(case.errors, (known[of],)).rows(0, np.array([reading.pose]), np.array([reading.approach]))
+        rows[number, :size], rows[number, size + of] = seen.rows[0, :size], 1.0
+        noise[number] = known[of].noise ** 2
+    off = np.array([reading.value for reading in readings]) - rows @ before
+    gain = np.linalg.solve(rows @ prior @ rows.T + np.diag(noise), rows @ prior).T
+    return before + gain @ off, prior - gain @ rows @ prior
+
+
+@pytest.fixture
+def heir(tmp_path: Path) -> Path:
+    """Return a record of six readings that began with what an earlier campaign had found, without wandering zeros."""
+    said = {"noise = ": 'drift = "0 um/h"\nnoise = '}
+    text = slide(first='kept = 0.8\nprior = "last.axiscal"\n').text + SECOND
+    last = write_record(tmp_path / "last.axiscal", slide(), read_on(1)[:12])
+    for old, new in said.items():
+        text = text.replace(old, new)
+    described = campaign_from_texts(
+        text, "campaign.toml", slide().machine.text, "machine.toml", prior_text=heritage_text(last)
+    )
+    return write_record(tmp_path / "main.axiscal", described, read_on(1, again=1)[:6])
+
+
+def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(
+    heir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    branch = heir.with_name("branch.axiscal")
+    with Record.open(heir, write=False) as record:
+        write_copy(record, branch)
+    read(heir, read_on(1, again=1)[6:8], "laser")
+    read(branch, [replace(each, value=each.value + 250e-6) for each in read_on(1, again=1)[8:13]], "laser")
+    read(branch, read_on(1, again=1)[13:15])
+    assert run(["adopt", str(heir), str(branch)]) == 1
+    assert "--same-mounting, or not, --mounted-anew" in " ".join(capsys.readouterr().err.split())
+    assert run(["adopt", str(heir), str(branch), "--mounted-anew"]) == 0
+    with Campaign.open(heir, write=False) as campaign:
+        setups, known = campaign.description.setups, campaign.known()
+        anew = setups[-1].name
+        assert [setup.name for setup in setups] == ["laser", "dial", anew]
+        assert anew.startswith("laser, mounted for ")
+        mean, covariance = dense(campaign, setups)
+        assert not [doubt for doubt in known.outliers if doubt.rejected]
+        belief, own = known.knowledge.belief, known.knowledge.observation
+        kept = [*range(own.errors.size), *(int(own.unknowns_of(index)[0]) for index in range(3))]
+        np.testing.assert_allclose(belief.mean[kept], mean, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(belief.covariance[np.ix_(kept, kept)], covariance, rtol=0, atol=1e-16)
+        assert belief.mean[kept[-1]] - belief.mean[kept[-3]] > 150e-6
+
+
+def test_what_was_mounted_anew_goes_on_is_never_asked_for_and_comes_back_as_what_it_was(
+    main: Path, branch: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    read(branch, read_on(1)[6:8], "laser")
+    assert run(["adopt", str(main), str(branch), "--mounted-anew"]) == 0
+    (anew,) = {setup for setup, _ in values(main)} - {"laser"}
+    read(branch, read_on(1)[8:9], "laser")
+    assert run(["adopt", str(main), str(branch)]) == 0  # which mounting it was has been said
+    assert [setup for setup, _ in values(main)] == ["laser"] * 6 + [anew] * 3
+    held = main.read_bytes()
+    assert run(["adopt", str(main), str(branch), "--mounted-anew"]) == 0
+    assert main.read_bytes() == held
+    assert run(["adopt", str(branch), str(main)]) == 0  # they are its own
+    assert [setup for setup, _ in values(branch)] == ["laser"] * 9
+    with Campaign.open(main) as campaign:
+        assert {place.setup for place in campaign.prepared()} <= {"laser", "dial"}
+        last = campaign.state.readings[-1]
+        with pytest.raises(ReadingError, match="stood for a branch"):
+            campaign.record(1e-6, at=last.place)
+        campaign.undo()
+        assert campaign.known().accuracy.rms > 0
+    heritage = last_campaign(heritage_text(main))
+    assert [setup.name for setup in heritage[0].setups] == ["laser", "dial", anew]
+    assert len(heritage[1]) == 8
+    copied = tmp_path / "third.axiscal"
+    copied.write_bytes(branch.read_bytes())
+    capsys.readouterr()
+    assert run(["adopt", str(main), str(branch), "--mounted-anew", "--same-mounting"]) == 2
+
+
+def test_a_ball_that_others_read_too_is_not_mounted_anew_without_them(tmp_path: Path) -> None:
+    station = (Unknown("station_x", 1e-3, "centre at 0, 0, 0"), Unknown("zero", 1e-4, "bar of 150 mm"))
+    setup = replace(slide().setups[0], unknowns=station)
+    assert stands_with_others(setup) == "centre at 0, 0, 0"
+    assert stands_with_others(replace(setup, unknowns=station[1:])) == ""

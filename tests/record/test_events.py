@@ -14,6 +14,7 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    Mounted,
     Note,
     Noted,
     Planned,
@@ -35,7 +36,8 @@ readings = st.builds(
 recorded = st.builds(Recorded, readings)
 asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))
 skipped, noted = st.builds(Skipped, st.text(), st.booleans()), st.builds(Noted, st.text())
-event = recorded | asked | skipped | noted | st.builds(Finished, st.text()) | st.just(Undone(0))
+mounted = st.builds(Mounted, st.text(), st.text(), st.text())
+event = recorded | asked | skipped | noted | mounted | st.builds(Finished, st.text()) | st.just(Undone(0))
 
 
 def stored(events: list[Event]) -> list[Stored]:

@@ -4,21 +4,24 @@ Both logs begin alike up to the event where they parted. What the branch has rea
 has, as readings that were given; a note keeps up to which event, so that a second time takes only what is new. What
 stands here already, because it came from here or by way of another branch, is not taken again: twice it would count
 as two readings.
-A set-up that both have read has one zero in the model: whether it stayed mounted is for a person to say.
+A set-up that both have read has one zero in the model: whether it stayed mounted is for a person to say. As it was
+mounted anew for the branch it is a set-up of its own here: its unknowns are as stated, whatever is known of the other.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.description.mounted_anew import stands_with_others
+from axiscal.document import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import State, fold
+from axiscal.record.events import Mounted, State, fold
 from axiscal.record.log import ChainedText, EventLog, campaign_of, shared_events
 
 _NOTE = "readings of the branch {branch} taken over, up to its event {last}"
@@ -41,17 +44,25 @@ class Adopted:
 
 
 def adopted(
-    campaign: Campaign, own: EventLog, branch: EventLog, same_mounting: bool = False, again: bool = False
+    campaign: Campaign,
+    own: EventLog,
+    branch: EventLog,
+    same_mounting: bool = False,
+    again: bool = False,
+    mounted_anew: bool = False,
 ) -> Adopted:
     """Take the readings of a branch over into a campaign, all or none.
 
     own : the campaign's log; same_mounting : set-ups that both have read stayed mounted
     again : what was taken over and taken back here since is taken over once more
-    Raises RecordError where they are no branches of one campaign, or a set-up has been read in both.
+    mounted_anew : set-ups that both have read were mounted anew for the branch
+    Raises RecordError where they are no branches of one campaign, where a set-up has been read in both and nobody says
+    whether it stayed, or where it shares with others the place that would be another one.
     """
     mine, theirs = own.texts(), branch.texts()
     if campaign_of(mine[0]) != campaign_of(theirs[0]):
-        raise RecordError("It is no branch of this campaign", "Name two records that went on from one", branch.path)
+        remedy = 'Name two records that went on from one; a new campaign takes this one\'s result by prior = "FILE"'
+        raise RecordError("It is no branch of this campaign", remedy, branch.path)
     shared = shared_events([text.chain for text in mine], [text.chain for text in theirs])
     before, now = fold(branch.events()[:shared]), branch.state()
     undone = {reading.number or 0 for reading in set(before.readings) - set(now.readings)}
@@ -59,16 +70,63 @@ def adopted(
         return Adopted(0, shared, ())
     since = _taken_until(campaign.state, theirs) or shared
     there = fold(branch.events()[:since])
+    names = _names_here(campaign.state.mounted, now.mounted, mine[shared:], theirs[shared:])
     taken = _without(there.readings, before.readings)
     here = _without(campaign.state.readings, before.readings)
-    new = _not_among(_without(now.readings, before.readings if again else there.readings), here)
-    if not same_mounting:
-        said = {reading.setup for reading in taken}
-        _refuse_shared(campaign.state.readings, [each for each in new if each.setup not in said], branch.path)
+    gone = before.readings if again else there.readings
+    new = _not_among(_called(_without(now.readings, gone), names), here)
+    said = {reading.setup for reading in _called(taken, names)}
+    both = ({reading.setup for reading in campaign.state.readings} & {reading.setup for reading in new}) - said
+    anew = tuple[Mounted, ...]()
+    if both and mounted_anew:
+        anew = _mounted_anew(campaign, sorted(both), theirs[shared].chain, branch.path)
+        new = tuple(_called(new, {each.setup: each.name for each in anew}))
+    elif both and not same_mounting:
+        _refuse_shared(both, branch.path)
     if new:
-        campaign.adopt(new, _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs)))
-    back = () if again else _not_among([each for each in taken if each in set(now.readings)], here)
+        brought = [each for each in now.mounted if each.name in names and names[each.name] == each.name]
+        unknown = [each for each in brought if each not in campaign.state.mounted]
+        note = _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs))
+        campaign.adopt(new, note, (*unknown, *anew))
+    back = () if again else _not_among(_called([each for each in taken if each in set(now.readings)], names), here)
     return Adopted(len(new), shared, tuple(sorted(undone)), len(back))
+
+
+def _names_here(
+    here: Sequence[Mounted], there: Sequence[Mounted], mine: Sequence[ChainedText], theirs: Sequence[ChainedText]
+) -> dict[str, str]:
+    """Return what set-ups of a branch are called here, where that is something else or was mounted anew.
+
+    mine, theirs : the events since they parted
+    """
+    names = {each.setup: each.name for each in here if _begun_among(each, theirs)}
+    for each in there:
+        names[each.name] = each.setup if _begun_among(each, mine) else each.name
+    return names
+
+
+def _begun_among(mounted: Mounted, texts: Sequence[ChainedText]) -> bool:
+    """Return whether the branch for which a set-up was mounted anew holds these events."""
+    return any(text.chain.startswith(mounted.branch) for text in texts)
+
+
+def _called(readings: Iterable[Reading], names: Mapping[str, str]) -> list[Reading]:
+    """Return readings with other names of their set-ups."""
+    return [replace(reading, setup=names.get(reading.setup, reading.setup)) for reading in readings]
+
+
+def _mounted_anew(campaign: Campaign, setups: Sequence[str], chain: str, path: Path) -> tuple[Mounted, ...]:
+    """Return set-ups as they were mounted anew for a branch.  chain : behind its first event"""
+    for name in setups:
+        if other := stands_with_others(campaign.description.setup(name)):
+            what = f'"{name}" shares the place of {shown(other)} with other set-ups, which nobody says was put up anew'
+            raise RecordError(what, "Keep the branch as a campaign of its own", path)
+        if any(each.name == name for each in campaign.state.mounted):
+            what = f'"{name}" was mounted anew for a branch already'
+            raise RecordError(
+                what, "Say --same-mounting if it stayed; else keep this one as a campaign of its own", path
+            )
+    return tuple(Mounted(name, f"{name}, mounted for {chain[:8]}", chain[:_SHOWN]) for name in setups)
 
 
 def _without(readings: Iterable[Reading], others: Iterable[Reading]) -> list[Reading]:
@@ -96,12 +154,10 @@ def _taken_until(state: State, theirs: Sequence[ChainedText]) -> int | None:
     return max(known, default=None)
 
 
-def _refuse_shared(mine: Sequence[Reading], new: Sequence[Reading], path: Path) -> None:
-    both = {reading.setup for reading in mine} & {reading.setup for reading in new}
-    if both:
-        names = ", ".join(sorted(both))
-        raise RecordError(
-            f"Both have read the same set-up, {names}, and mounted anew it has other unknowns",
-            "If it stayed mounted for both, say so: --same-mounting; else keep the branch as a campaign of its own",
-            path,
-        )
+def _refuse_shared(both: Iterable[str], path: Path) -> None:
+    names = ", ".join(sorted(both))
+    raise RecordError(
+        f"Both have read the same set-up, {names}, and mounted anew it has other unknowns",
+        "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew",
+        path,
+    )

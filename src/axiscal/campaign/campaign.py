@@ -22,11 +22,12 @@ from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
-from axiscal.campaign.possible import described, refuse_unreadable
+from axiscal.campaign.possible import described, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.mounted_anew import with_mounted
 from axiscal.estimation.case import Case
 from axiscal.estimation.deciding import Contest
 from axiscal.estimation.estimation import Estimation
@@ -45,6 +46,7 @@ from axiscal.record.events import (
     Event,
     Finished,
     Gap,
+    Mounted,
     Noted,
     Planned,
     Recorded,
@@ -75,7 +77,7 @@ class Campaign(Closing):
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
-        self._knowing = Knowing(description, Kept(record.path, self._first))
+        self._knowing = Knowing(description, Kept(record.path, self._first, self.state.mounted))
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -155,7 +157,7 @@ class Campaign(Closing):
         if not self._plan_stands():
             known, left = self.known(), self.state.plan
             places = self._planner(
-                known.case, known.to_plan_by, known.readings, known.outliers, self.state.skipped, left
+                known.case, known.to_plan_by, known.readings, known.outliers, self._not_to_read(), left
             )
             if (found := self.contest()) is not None:
                 places = found.place, *places
@@ -165,13 +167,19 @@ class Campaign(Closing):
 
     def contest(self) -> Contest | None:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
-        return self._knowing.contest(self.state.readings, self.state.skipped)
+        return self._knowing.contest(self.state.readings, self._not_to_read())
 
     def _plan_stands(self) -> bool:
         return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
-        return self._knowing.plan_basis(self.state.readings, self.state.skipped)
+        return self._knowing.plan_basis(self.state.readings, self._not_to_read())
+
+    def _not_to_read(self) -> tuple[Gap, ...]:
+        """Return where nothing is to be asked for: what was skipped, and set-ups as they stood for a branch alone."""
+        gone = [self.description.setup(each.name) for each in self.state.mounted]
+        places = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
+        return (*self.state.skipped, *(Gap(Asked(0, place), "it stood for a branch", True) for place in places))
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -201,6 +209,7 @@ class Campaign(Closing):
         """
         self._refuse_finished()
         place = at or self.open_question().place
+        refuse_of_branch(place.setup, self.state.mounted)
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = self._clock() if live else None
         at_place = place.setup, place.pose, place.approach
@@ -259,7 +268,7 @@ class Campaign(Closing):
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
-        self.state = self._record.state()
+        self._take_in(self._record.state())
         return self.state
 
     def status(self) -> Status:
@@ -276,18 +285,19 @@ class Campaign(Closing):
         """Return how well the machine was known after each reading, from the first one on."""
         return self._knowing.history(self.state.readings)
 
-    def adopt(self, readings: tuple[Reading, ...], note: str = "") -> None:
+    def adopt(self, readings: tuple[Reading, ...], note: str = "", mounted: Sequence[Mounted] = ()) -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
+        mounted : set-ups that were mounted anew for them
         """
         self._refuse_finished()
         setups = dict.fromkeys(reading.setup for reading in readings)
         taken = [reading for setup in setups for reading in readings if reading.setup == setup]
         if note:
             taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
-        self._append(*map(Recorded, taken), *([Noted(note)] if note else []))
+        self._append(*mounted, *map(Recorded, taken), *([Noted(note)] if note else []))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.
@@ -348,7 +358,16 @@ class Campaign(Closing):
     def _append(self, *events: Event) -> None:
         if events:
             self._record.append(*events, after=self.state.last)
-        self.state = self._record.state()
+        self._take_in(self._record.state())
+
+    def _take_in(self, state: State) -> None:
+        """Go on from a state; with set-ups that were mounted anew, from another description, too."""
+        new = state.mounted[len(self.state.mounted) :]
+        self.state = state
+        if new:
+            self._knowing.close()
+            self.description = with_mounted(self.description, new)
+            self._knowing = Knowing(self.description, Kept(self._record.path, self._first, state.mounted))
 
     def _clock(self) -> float:
         """Return the seconds since the record was begun; never less than at the reading before."""

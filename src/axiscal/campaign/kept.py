@@ -43,7 +43,7 @@ from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.contradiction import PRIOR, Explanation, Watched
 from axiscal.measurement.reading import Reading
 from axiscal.record.durable import write_whole
-from axiscal.record.events import Event, Stored
+from axiscal.record.events import Event, Mounted, Stored
 from axiscal.record.payload import encode
 
 FEWEST = 64
@@ -93,10 +93,13 @@ DAMAGE = (
 
 
 class Kept:
-    """What is known of one campaign, beside its record.  first : its first event, which holds the description"""
+    """What is known of one campaign, beside its record.
 
-    def __init__(self, record: Path, first: Stored) -> None:
-        self._record, self._first, self._count = record, first, 0
+    first : its first event, which holds the description; mounted : set-ups that were mounted anew since
+    """
+
+    def __init__(self, record: Path, first: Stored, mounted: Sequence[Mounted] = ()) -> None:
+        self._record, self._described, self._count = record, (first.event, *mounted), 0
         self._answers: dict[str, object] | None = None
         self._readings: tuple[Reading, ...] = ()
         self._found = False
@@ -105,7 +108,7 @@ class Kept:
         """Return what the first of the readings made known; None where nothing was kept, or of other readings."""
         if len(readings) < FEWEST:
             return None
-        found = _read(kept_beside(self._record), _key(self._first.event))
+        found = _read(kept_beside(self._record), _key(*self._described))
         if not isinstance(found, Estimation) or not _begins(found, readings):
             return None
         self._count = len(found.readings)
@@ -118,7 +121,7 @@ class Kept:
             return  # a record on a server has no place beside it
         self._count = count
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
-            _write(kept_beside(self._record), _key(self._first.event), known)
+            _write(kept_beside(self._record), _key(*self._described), known)
 
     def forget(self) -> None:
         """Let what is known be written next in the place of what was recalled, however little it has grown."""
@@ -178,7 +181,7 @@ class Kept:
                 _write(answers_beside(record), self._key_of(self._readings), self._answers)
 
     def _key_of(self, readings: tuple[Reading, ...]) -> str:
-        return hashlib.sha256(f"{_key(self._first.event)} {readings!r}".encode()).hexdigest()
+        return hashlib.sha256(f"{_key(*self._described)} {readings!r}".encode()).hexdigest()
 
 
 def _begins(found: Estimation, readings: Sequence[Reading]) -> bool:
@@ -254,9 +257,10 @@ def _read(path: Path, key: str) -> object:
         return None
 
 
-def _key(created: Event) -> str:
-    """Return the key of what is known of a campaign: its description, and the programs that find it."""
-    return hashlib.sha256(json.dumps([*encode(created), versions(), _sources()]).encode()).hexdigest()
+def _key(*described: Event) -> str:
+    """Return the key of what is known of a campaign: what describes it, and the programs that find it."""
+    said = [part for event in described for part in encode(event)]
+    return hashlib.sha256(json.dumps([*said, versions(), _sources()]).encode()).hexdigest()
 
 
 @cache

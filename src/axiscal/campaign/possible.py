@@ -7,12 +7,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.mounted_anew import with_mounted
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import LARGEST, Reading
 from axiscal.measurement.setup import FINEST, Setup
-from axiscal.record.events import Asked, Event, Planned, Recorded, Stored
+from axiscal.record.events import Asked, Event, Mounted, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
 
@@ -34,7 +35,7 @@ def described(record: EventLog) -> CampaignDescription:
         *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
     )
     _refuse_impossible(record.events(), description, record.path)
-    return description
+    return with_mounted(description, record.state().mounted)
 
 
 def refuse_absurd(*values: float) -> None:
@@ -44,6 +45,14 @@ def refuse_absurd(*values: float) -> None:
             raise ReadingError(
                 f"{value:g} m or rad is no deviation of a machine", "Give the reading with its unit, such as 1.7 um"
             )
+
+
+def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
+    """Raise ReadingError for a set-up as it stood for a branch: it has gone, with its zero."""
+    for each in mounted:
+        if each.name == setup:
+            what = f'"{setup}" stood for a branch, which has taken its readings'
+            raise ReadingError(what, f'Read "{each.setup}", or record it in the branch and adopt it')
 
 
 def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:
@@ -91,10 +100,20 @@ class _Checked:
         """Return what is wrong with an event, "" if nothing is."""
         if isinstance(event, Recorded):
             return self._of_place(event.reading) or _of_values(event.reading, self._setups[event.reading.setup])
+        if isinstance(event, Mounted):
+            return self._mount(event)
         if isinstance(event, Asked):
             return self._of_place(event.place)
         if isinstance(event, Planned):
             return next(filter(None, map(self._of_place, event.places)), "")
+        return ""
+
+    def _mount(self, event: Mounted) -> str:
+        if event.setup not in self._setups:
+            return f'there is no set-up "{event.setup[:60]}"'
+        if event.name in self._setups:
+            return f'there is a set-up "{event.name[:60]}" already'
+        self._setups[event.name] = self._setups[event.setup]
         return ""
 
     def _of_place(self, at: Place | Reading) -> str:

@@ -21,6 +21,9 @@ def adopt(
     same_mounting: Annotated[
         bool, typer.Option("--same-mounting", help="Set-ups that both have read stayed mounted for both.")
     ] = False,
+    mounted_anew: Annotated[
+        bool, typer.Option("--mounted-anew", help="They were mounted anew for the branch: other zeros, other stations.")
+    ] = False,
     again: Annotated[
         bool, typer.Option("--again", help="Also those that were taken over before and taken back here since.")
     ] = False,
@@ -35,9 +38,11 @@ def adopt(
     Example:
       axiscal adopt store:mill-7 store:3f2a91c4-07de
     """
+    if same_mounting and mounted_anew:
+        raise typer.BadParameter("Say --same-mounting or --mounted-anew, not both.")
     with opened_to_write(record) as campaign, opened_log(record, write=False) as own:
         with opened_log(branch, write=False) as other:
-            found = adopted(campaign, own, other, same_mounting, again)
+            found = adopted(campaign, own, other, same_mounting, again, mounted_anew)
         readings = len(campaign.state.readings)
     if json:
         document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}

@@ -11,6 +11,7 @@ import json
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.mounted_anew import with_mounted
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case, Inherited
@@ -20,7 +21,7 @@ from axiscal.estimation.type_prior import is_type_text, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.events import Created, Recorded
+from axiscal.record.events import Created, Mounted, Recorded
 from axiscal.record.payload import PayloadError, decode
 
 
@@ -48,6 +49,7 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         document = json.loads(text)
         created = decode("created", json.dumps(document["created"]))
         events = [decode("recorded", json.dumps(fields)) for fields in document["readings"]]
+        anew = [decode("mounted", json.dumps(fields)) for fields in document.get("mounted", ())]
     except (PayloadError, ValueError, KeyError, TypeError) as error:
         raise RecordError(f"the last campaign cannot be read: {error}", "Start the campaign anew") from None
     assert isinstance(created, Created)
@@ -56,7 +58,7 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     description = campaign_from_texts(
         *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
     )
-    return description, readings
+    return with_mounted(description, [each for each in anew if isinstance(each, Mounted)]), readings
 
 
 def last_estimation(text: str) -> Estimation:

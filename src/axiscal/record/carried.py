@@ -38,6 +38,9 @@ def heritage_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
+    mounted = [json.loads(encode(each)[1]) for each in state.mounted]
     readings = [json.loads(encode(Recorded(reading))[1]) for reading in state.readings]
-    document = {"created": json.loads(encode(created)[1]), "readings": readings}
+    document = {"created": json.loads(encode(created)[1]), "readings": readings} | (
+        {"mounted": mounted} if mounted else {}
+    )
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)

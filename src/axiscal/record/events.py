@@ -77,6 +77,19 @@ class Noted:
 
 
 @dataclass(frozen=True, slots=True)
+class Mounted:
+    """A set-up was mounted anew for a branch whose readings are taken over: its own unknowns are others.
+
+    setup : its name in the description; name : what it is called as it stood there
+    branch : the chain behind the first event of the branch, its first digits
+    """
+
+    setup: str
+    name: str
+    branch: str
+
+
+@dataclass(frozen=True, slots=True)
 class Undone:
     """An earlier event, named by its number, is taken back."""
 
@@ -90,7 +103,7 @@ class Finished:
     because: str
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Noted | Undone | Finished
+Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Undone | Finished
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +163,7 @@ class State:
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
     notes : what was noted on the way
+    mounted : set-ups that were mounted anew for a branch
     last : number of the last event
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
@@ -164,6 +178,7 @@ class State:
     renew: bool = False
     undo: tuple[Undoable, ...] = ()
     notes: tuple[Note, ...] = ()
+    mounted: tuple[Mounted, ...] = ()
     last: int = 0
     name: str = ""
 
@@ -207,13 +222,14 @@ class Folding:
         self._renew = False
         self._undo: list[Undoable] = []
         self._notes: list[Note] = []
+        self._mounted: list[Mounted] = []
         self._highest: list[int] = []
         self._last = 0
 
     def copied(self) -> Folding:
         """Return another that goes on from here."""
         other = copy(self)
-        for name in ("_readings", "_skipped", "_plan", "_undo", "_notes", "_highest"):
+        for name in ("_readings", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_highest"):
             setattr(other, name, list(getattr(self, name)))
         return other
 
@@ -230,6 +246,7 @@ class Folding:
             self._renew,
             tuple(self._undo),
             tuple(self._notes),
+            tuple(self._mounted),
             self._last,
         )
 
@@ -248,6 +265,8 @@ class Folding:
         elif isinstance(event, Noted):
             after = self._readings[-1].number or len(self._readings) if self._readings else 0
             self._notes.append(Note(event.text, stored.at, after))
+        elif isinstance(event, Mounted):
+            self._mounted.append(event)
         else:
             self._undo.append(Undoable(stored.number, event, self._pending))
             self._take(event)

@@ -10,10 +10,11 @@ from typing import Any
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import Asked, Created, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
+from axiscal.record.events import Asked, Created, Event, Finished, Mounted, Noted, Planned, Recorded, Skipped, Undone
 
 KINDS: Mapping[str, type[Event]] = {
-    kind.__name__.lower(): kind for kind in (Created, Planned, Asked, Recorded, Skipped, Noted, Undone, Finished)
+    kind.__name__.lower(): kind
+    for kind in (Created, Planned, Asked, Recorded, Skipped, Noted, Mounted, Undone, Finished)
 }
 
 
@@ -149,6 +150,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "recorded": _recorded,
     "skipped": lambda fields: Skipped(_text(fields["reason"]), _flag(fields.get("rest", False))),
     "noted": lambda fields: Noted(_text(fields["text"])),
+    "mounted": lambda fields: Mounted(*(_text(fields[name]) for name in ("setup", "name", "branch"))),
     "undone": lambda fields: Undone(_whole(fields["event"])),
     "finished": lambda fields: Finished(_text(fields["because"])),
 }
