@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.campaign import knowing
 from axiscal.cli.app import run
 from tests.generators.texts import machine_text
 
@@ -53,6 +54,17 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     capsys.readouterr()
     assert run(list(arguments)) == 0
     return " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("words", [("1 um", "--at", "X=100"), ("1 apple", "--at", "X=100 mm")])
+def test_what_is_misspelt_is_said_before_anything_is_estimated(
+    record: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("estimated", "concluded"):
+        monkeypatch.setattr(knowing, name, None)
+    capsys.readouterr()
+    assert run(["record", str(record), *words, "--setup", "along x"]) == 1
+    assert "unit" in capsys.readouterr().err
 
 
 def test_who_begins_is_told_nothing_where_nothing_is_open(record: Path, capsys: pytest.CaptureFixture[str]) -> None:

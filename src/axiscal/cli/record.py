@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
@@ -21,6 +21,7 @@ from axiscal.guide.not_vouched import standing_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.units import format_quantity, parse_quantity, to_unit
@@ -87,9 +88,10 @@ def record(
             message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}"
             document = {"skipped": asked.reading, "set_up_left": leave is not None}
         else:
+            typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
             before = doubted(campaign)
             stood = Stand.of(campaign) if at is not None else None
-            kept = _keep(campaign, text, std, at, setup, approach, accept)
+            kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
             surprise, mind = _doubt(campaign)
             said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
             said += [] if stood is None else [stood.left_for(campaign, kept)]
@@ -157,22 +159,24 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     )
 
 
-def _keep(
-    campaign: Campaign,
-    text: str,
-    std: str | None,
-    at: str | None,
-    setup: str | None,
-    approach: str | None,
-    accept: bool,
-) -> Reading:
+class _Understood(NamedTuple):
+    """A reading as it was typed.  value, std : m or rad; others : along y and z, where it is read in space"""
+
+    place: Place
+    value: float
+    std: float | None
+    others: tuple[float, ...]
+
+
+def _understood(
+    campaign: Campaign, text: str, std: str | None, at: str | None, setup: str | None, approach: str | None
+) -> _Understood:
 
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
     mounted = campaign.description.setup(place.setup)
     dimension = INSTRUMENTS[mounted.instrument].reads
     value, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
-    spread = None if std is None else parse_quantity(std, dimension)
-    return campaign.record(value, spread, at=place, accepted=accept, others=tuple(others))
+    return _Understood(place, value, None if std is None else parse_quantity(std, dimension), tuple(others))
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
