@@ -227,8 +227,8 @@ def test_the_verdict_is_kept_and_is_the_one_that_is_found(record: Path, monkeypa
     with Campaign.open(record, write=False) as campaign:
         first = campaign.standing(), campaign.watched()
         assert first == (standing(campaign.description.target, campaign.known()), watched_so_far(campaign.known()))
-    for name in ("standing", "watched_so_far"):
-        monkeypatch.setattr(kept, name, None)  # nothing is found anew
+    for room, name in ((knowing, "standing"), (kept, "watched_so_far")):
+        monkeypatch.setattr(room, name, None)  # nothing is found anew
     with Campaign.open(record) as campaign:
         assert (campaign.standing(), campaign.watched()) == first
         campaign.undo()

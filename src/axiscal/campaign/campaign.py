@@ -262,6 +262,10 @@ class Campaign(Closing):
         """Return whether an accuracy is reached, by the verdict on the readings so far."""
         return self._knowing.standing(self.state.readings)
 
+    def unvouched(self) -> str:
+        """Return what the readings could not show or leave as stated, in words, where an accuracy is only promised."""
+        return self._knowing.unvouched(self.state.readings)
+
     def watched(self) -> Watched:
         """Return the e-value after the readings so far, and what explains them best."""
         return self._knowing.watched(self.state.readings, self.state.finished is not None)

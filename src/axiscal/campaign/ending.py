@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
+from axiscal.estimation.defence import Defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import GROSS, ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
@@ -33,11 +34,13 @@ class Attained:
     """Whether an accuracy is reached, in words; where none is, which one is promised that is not vouched for.
 
     vouched : standard uncertainty that the readings can vouch for, m
+    found : where one is promised, what they could not show; not kept for the next command
     """
 
     reached: str | None = None
     promised: str | None = None
     vouched: float = 0.0
+    found: Defence | None = field(default=None, compare=False)
 
 
 def count_reached(target: Target, count: int) -> str | None:
@@ -72,7 +75,8 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 
 
 def _promised(said: str, known: Estimation) -> Attained:
-    return Attained(promised=said.partition(" ")[0], vouched=defended(known).u_def)
+    found = defended(known)
+    return Attained(promised=said.partition(" ")[0], vouched=found.u_def, found=found)
 
 
 def unshown(target: Target, known: Estimation) -> float:

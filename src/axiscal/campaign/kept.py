@@ -3,7 +3,7 @@
     kept = Kept(path, first_event)
     known = kept.recalled(readings)
     kept.keep(known)
-    verdict = kept.standing(target, readings, known)
+    verdict = kept.standing(readings, lambda: standing(target, known))
     kept.close()
 
 It is never needed: what cannot be read, does not belong to this campaign, or was made by other programs is not there,
@@ -26,7 +26,6 @@ import json
 import math
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import astuple
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -34,13 +33,13 @@ from types import MappingProxyType
 from typing import Any, TypeGuard, TypeVar
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.campaign.ending import Attained, standing
+from axiscal.campaign.ending import Attained
 from axiscal.campaign.versions import versions
-from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.soundness import is_sound
 from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.contradiction import PRIOR, Explanation, Watched
+from axiscal.language.spoken import spoken_now
 from axiscal.measurement.reading import Reading
 from axiscal.record.durable import write_whole
 from axiscal.record.events import Event, Mounted, Stored
@@ -127,13 +126,21 @@ class Kept:
         """Let what is known be written next in the place of what was recalled, however little it has grown."""
         self._count = 0
 
-    def standing(self, target: Target, readings: tuple[Reading, ...], known: Callable[[], Estimation]) -> Attained:
-        """Return whether an accuracy is reached by exactly these readings.  known : by them, where it is not kept"""
-        said = self._answered("standing", readings, _is_attained, lambda: astuple(standing(target, known())))
-        return Attained(*said)
+    def standing(self, readings: tuple[Reading, ...], find: Callable[[], Attained]) -> Attained:
+        """Return whether an accuracy is reached by exactly these readings.  find : it, where it is not kept"""
+
+        def found() -> tuple[str | None, str | None, float]:
+            attained = find()
+            return attained.reached, attained.promised, attained.vouched
+
+        return Attained(*self._answered("standing", readings, _is_attained, found))
+
+    def unvouched(self, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
+        """Return in the language that is spoken what exactly these readings could not show.  find : as of `standing`"""
+        return self._answered(f"unvouched, {spoken_now()}", readings, _is_said, lambda: str(find()))
 
     def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation], ended: bool = False) -> Watched:
-        """Return the e-value after exactly these readings.  known : as of `standing`; ended : if no more follow"""
+        """Return the e-value after exactly these readings.  known : by them, where it is not kept; ended : no more"""
         return self._answered(_named("watched", ended), readings, _is_watched, lambda: watched_so_far(known()))
 
     def accuracy(self, readings: tuple[Reading, ...], known: Callable[[], Estimation], ended: bool = False) -> Accuracy:
@@ -194,6 +201,10 @@ def _begins(found: Estimation, readings: Sequence[Reading]) -> bool:
 
 def _named(answer: str, ended: bool) -> str:
     return f"{answer} at the end" if ended else answer
+
+
+def _is_said(kept: object) -> TypeGuard[str]:
+    return isinstance(kept, str)
 
 
 def _is_time(kept: object) -> TypeGuard[float]:

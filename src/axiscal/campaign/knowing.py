@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.campaign.ending import Attained
+from axiscal.campaign.ending import Attained, standing
 from axiscal.campaign.kept import DAMAGE, Kept
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
@@ -28,6 +28,7 @@ from axiscal.exceptions import AmbiguityError, AxiscalError
 from axiscal.inference.contradiction import Watched
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
+from axiscal.planning.vouched import vouched_words
 from axiscal.record.events import Gap
 
 Readings = tuple[Reading, ...]
@@ -42,6 +43,7 @@ class Knowing:
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
         self._ruled: Estimation | None = None
+        self._attained: tuple[object, Attained] = (None, Attained())
         self._contest: tuple[object, Contest | None] = (None, None)
 
     @cached_property
@@ -94,7 +96,8 @@ class Knowing:
         """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
         now = readings, skipped
         if self._contest[0] != now:
-            self._contest = now, contest_of(self.known(readings), skipped)
+            enough = len(readings) >= FEWEST
+            self._contest = now, contest_of(self.known(readings), skipped) if enough else None
         return self._contest[1]
 
     def plan_basis(self, readings: Readings, skipped: Sequence[Gap]) -> str:
@@ -103,7 +106,21 @@ class Knowing:
 
     def standing(self, readings: Readings) -> Attained:
         """Return whether an accuracy is reached, by the verdict on the readings."""
-        return self._kept.standing(self._description.target, readings, lambda: self.known(readings))
+        return self._kept.standing(readings, lambda: self._standing(readings))
+
+    def _standing(self, readings: Readings) -> Attained:
+        if self._attained[0] != readings:
+            self._attained = readings, standing(self._description.target, self.known(readings))
+        return self._attained[1]
+
+    def unvouched(self, readings: Readings) -> str:
+        """Return in the words of a report what readings that promise an accuracy could not show, "" of others."""
+
+        def words() -> str:
+            found = self._standing(readings).found
+            return "" if found is None else vouched_words(self._stated, found)
+
+        return self._kept.unvouched(readings, words)
 
     def watched(self, readings: Readings, ended: bool = False) -> Watched:
         """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""

@@ -7,7 +7,6 @@ import math
 from axiscal.campaign.campaign import Campaign
 from axiscal.inference.contradiction import SURE, Explanation
 from axiscal.language.spoken import said
-from axiscal.units import to_unit
 
 _MOST = 15
 """Powers of ten of the odds: more are said as so many."""
@@ -24,11 +23,8 @@ def _not_vouched(campaign: Campaign) -> list[str]:
     found = campaign.standing()
     if found.promised is None:
         return []
-    short = (
-        "The {name} target is promised, and does not count as reached: what the readings can vouch for is a standard "
-        "uncertainty of {size} um."
-    )
-    return [said(short, name=found.promised, size=f"{to_unit(found.vouched, 'um'):.3g}")]
+    short = "The {name} target is promised, and does not count as reached. {why}"
+    return [said(short, name=found.promised, why=campaign.unvouched())]
 
 
 def _contradicted(campaign: Campaign) -> list[str]:
