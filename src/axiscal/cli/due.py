@@ -112,7 +112,7 @@ def _line(machine: DueMachine, width: int) -> str:
 
 def _at_once(machine: DueMachine) -> str:
     if machine.target is None or machine.by_worst:
-        return "at once: its worst place may be beyond the tolerance as its last campaign left it"
+        return "at once: its worst place may be beyond the tolerance, what is not kept counted"
     if machine.then > machine.target:
         return "at once: its last campaign was not as good"
     return f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
