@@ -352,7 +352,7 @@ def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: py
     assert run(["due", str(file.parent), "--tolerance", "1 um"]) == 0
     said = capsys.readouterr().out
     assert "at once: its worst place may be beyond the tolerance, what is not kept counted" in said
-    assert "as its last campaign left it" not in said  # it was left better than that, and not all of it is kept
+    assert "as its last campaign left it" not in said
 
 
 def test_no_plan_of_no_readings_is_made_where_what_is_known_meets_the_target(
