@@ -212,8 +212,8 @@ class Result(Fields):
     target_u: float | None = Field(alias="target_U_um", description="the expanded uncertainty asked for")
     target_reached: bool | None = Field(
         None,
-        description="whether one of these is reached, by what the readings can vouch for and in what they can tell "
-        "(`unseen_rms_um` is not held against it); null where none is set",
+        description="whether one of these is reached, by what the readings can vouch for and with what none can see; a "
+        "campaign ends where they are in what readings can tell; null where none is set",
     )
     promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
     reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")

@@ -103,8 +103,8 @@ def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path
         assert ruling.verdict == "unchecked"
         assert ruling.defence.rests
         assert not ruling.defence.leaves
-        assert reaches(target, campaign.ruled()) is True
-        assert (campaign.reached() or "").startswith("rms target reached")
+        assert reaches(target, campaign.ruled()) is False, "a reversal that no reading sees is larger"
+        assert (campaign.reached() or "").startswith("rms target reached in what readings can tell; with what")
         assert standing_words(campaign) == []
         words = verdict_words(ruling, target)
         assert "of what is promised rests on statements alone. The target counts by the promise all the same" in words

@@ -19,6 +19,7 @@ OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by 
 NOT_VOUCHED = f"target promised, not vouched for: the last {FUTILE} readings improved what they can by less than 1 %"
 DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
 BUDGET = "time budget used"
+_REACHED = "target reached"
 _HARDLY = 0.99
 
 
@@ -70,8 +71,8 @@ def standing(target: Target, known: Estimation) -> Attained:
 
 
 def reaches(target: Target, known: Estimation) -> bool | None:
-    """Return whether an accuracy that was asked for is reached; None where none was asked for."""
-    return standing(target, known).reached not in (None, DOES_NOT_FIT) if target.accurate else None
+    """Return whether an accuracy that was asked for is reached, with what no reading can see; None where none was."""
+    return (standing(target, known).reached or "").endswith(_REACHED) if target.accurate else None
 
 
 def _promised(said: str, known: Estimation) -> Attained:
@@ -99,7 +100,7 @@ def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | No
     )
     for name, limit, seen, whole, k in wanted:
         if limit is not None and larger * seen <= now.attainable(limit / k):
-            return f"{name} target reached" + _unless_hidden(larger * k * whole, limit)
+            return f"{name} {_REACHED}" + _unless_hidden(larger * k * whole, limit)
     return None
 
 
