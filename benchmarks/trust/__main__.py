@@ -1,6 +1,6 @@
 """Write docs/trust.md: `python -m benchmarks.trust` takes half an hour, with --machines 40 --learnt 10 a minute.
 
---part iso renews one section.
+--part iso renews one section. Virtual machines that were tried with these sources are not tried again.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from benchmarks.trust.causes import cause_rows
 from benchmarks.trust.curves import CASES, DATA, iso_test
 from benchmarks.trust.displays import display_rows
 from benchmarks.trust.iso_tests import iso_rows
+from benchmarks.trust.kept import Keeping
 from benchmarks.trust.measured import ENOUGH, Outcome, iso_outcome, outcomes
 from benchmarks.trust.sources import version
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
@@ -179,12 +180,18 @@ def _gross_row(moved: Moved) -> str:
     return f"| {moved.size * 1e6:g} µm | {moved.rejected:.0%} | {shifts} | {alone} |"
 
 
+def _keeping(args: argparse.Namespace, part: str, *files: str) -> Keeping:
+    """Return what keeps the machines of a section by the sources and the files that say what a machine is."""
+    return Keeping(part, [Path(__file__).with_name(name) for name in files], args.processes)
+
+
 def _virtual(args: argparse.Namespace) -> Iterator[str]:
     yield _VIRTUAL.strip("\n")
+    keeping = _keeping(args, "virtual", "virtual.py")
     for name, count in (("one-axis", args.machines), ("three-axis-mill", max(20, args.machines // 10))):
-        yield _virtual_row(covered(name, 1.0, count))
+        yield _virtual_row(covered(name, 1.0, count, keeping))
     for name, count in (("one-axis", args.learnt), ("three-axis-mill", max(5, args.learnt // 10))):
-        yield from (_virtual_row(covered(name, wrong, count)) for wrong in (1 / 3, 3.0))
+        yield from (_virtual_row(covered(name, wrong, count, keeping)) for wrong in (1 / 3, 3.0))
 
 
 def _measured(_: argparse.Namespace) -> Iterator[str]:
@@ -209,7 +216,8 @@ def _measured(_: argparse.Namespace) -> Iterator[str]:
 
 def _gross(args: argparse.Namespace) -> Iterator[str]:
     yield _GROSS.format(trials=args.trials).strip("\n")
-    yield from (_gross_row(gross(size, args.trials)) for size in _SIZES)
+    keeping = _keeping(args, "gross", "virtual.py")
+    yield from (_gross_row(gross(size, args.trials, keeping)) for size in _SIZES)
 
 
 def _iso(_: argparse.Namespace) -> Iterator[str]:
@@ -224,7 +232,7 @@ def _displays(args: argparse.Namespace) -> Iterator[str]:
 
 def _causes(args: argparse.Namespace) -> Iterator[str]:
     yield _CAUSES.format(machines=args.trials, readings=_ATTACKED).strip("\n")
-    yield from cause_rows(args.trials, _ATTACKED)
+    yield from cause_rows(args.trials, _ATTACKED, _keeping(args, "causes", "causes.py"))
 
 
 def _attacks(args: argparse.Namespace) -> Iterator[str]:
@@ -291,7 +299,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=100, help="machines with something wrong, of each kind")
     parser.add_argument("--attacked", type=int, default=100, help="machines in each cell of the attack table")
     parser.add_argument("--only", default=_ONLY, help="of the attacks made again, how they begin, parted by '; '")
-    parser.add_argument("--processes", type=int, default=processors_here(), help="that attack at once")
+    parser.add_argument("--processes", type=int, default=processors_here(), help="that try virtual machines at once")
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which no more machines are attacked")
     parser.add_argument("--part", choices=list(PARTS), help="only this section, the others stay as they are")
     parser.add_argument("--out", type=Path, default=PAGE)

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
-from itertools import product, takewhile
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import stats
 
-from axiscal.campaign.versions import versions
-from axiscal.exceptions import StudyError
-from axiscal.study.processes import Processes
-from axiscal.study.results import Results
-from axiscal.study.running import run_missing
-from axiscal.study.study_case import canonical
-from axiscal.study.work import Engine, WorkItem, here
 from benchmarks.trust.attacks import ATTACKS, Attack, Outcome, outcome
 from benchmarks.trust.benches import PLACES, PRIORS
-from benchmarks.trust.sources import ROOT, version
+from benchmarks.trust.kept import KEPT, Found, Keeping
 
 FIRST = 20_261_200
 """The seed of the first machine: nobody has looked at these before they were shown."""
-_KEPT = ROOT / "build" / "attacks"
+_KEPT = KEPT
 _SURE = 0.95
 _GOAL = 0.02
 
@@ -64,22 +55,10 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
         Trial(number, places, scales, FIRST + index)
         for index, number, (places, scales) in product(range(machines), which, CELLS)
     ]
-    until = time.monotonic() + seconds
-    items = (WorkItem(_key(trial), trial) for trial in takewhile(lambda _: time.monotonic() < until, wanted))
     beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
-    name = version(beside)
-    engine: Engine = Processes(processes) if processes > 1 else here
-    with Results(_KEPT / name, "attacks", name, versions(), resume=True) as results:
-        run_missing(results, items, len(wanted), tried, engine)
-        found = results.all()
-    if wrong := next((done for done in found.values() if done.result is None), None):
-        raise StudyError(f"{wrong.key} could not be tried: {wrong.error}", f"Mend it, and remove {_KEPT / name}")
-    outcomes = {Trial(*json.loads(key)): _outcome(done.result or {}) for key, done in found.items()}
+    found = Keeping("attacks", beside, processes, seconds, _KEPT).found(tried, wanted)
+    outcomes = {Trial(*key): _outcome(result) for key, result in found.items()}
     return outcomes, _complete(outcomes, machines, which)
-
-
-def _key(trial: Trial) -> str:
-    return canonical(list(trial))
 
 
 def tried(trial: Trial) -> dict[str, Any]:
@@ -88,7 +67,7 @@ def tried(trial: Trial) -> dict[str, Any]:
     return {name: None if value != value else value for name, value in found.items()}
 
 
-def _outcome(result: dict[str, Any]) -> Outcome:
+def _outcome(result: Found) -> Outcome:
     names = ("ratio", "inside", "rare")
     ratio, inside, rare = (math.nan if result[name] is None else float(result[name]) for name in names)
     return Outcome(ratio, inside, str(result["word"]), rare)

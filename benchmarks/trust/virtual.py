@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.report.findings import findings
 from axiscal.simulation import Simulator, VirtualMachine
 from axiscal.study.coverage import curves_held, tcp_held
+from benchmarks.trust.kept import Trial, Tried, one_by_one
 
 _LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\napproach = "both"\n'
 _ANGLE = '[[setups]]\nname = "angle {0}"\ninstrument = "autocollimator"\ndirection = "{0}"\n'
@@ -25,6 +27,8 @@ READINGS = {"one-axis": 15, "three-axis-mill": 60, "dmu60": 90}
 _POSES = 80
 _JUDGED = 40
 """Machines whose reports are looked at."""
+_AMONG = 30
+"""Readings, of which one is bad."""
 
 
 @dataclass(frozen=True)
@@ -56,28 +60,40 @@ def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription
     return replace(description, machine=replace(true, errors=tuple(map(stated, true.errors)))), true
 
 
-def covered(name: str, wrong: float, machines: int) -> Coverage:
+def covered(name: str, wrong: float, machines: int, tried: Tried = one_by_one) -> Coverage:
     """Return the coverage over so many virtual machines; scales are learnt where the prior is wrong."""
-    description, true = described(name, wrong, "stated" if wrong == 1 else "estimate")
-    problem, simulator = Case(description), Simulator(true, description.setups)
-    rows = np.array([_one(problem, simulator.drawn(seed), seed, READINGS[name]) for seed in range(machines)])
+    found = tried(held, [(name, wrong, seed) for seed in range(machines)])
+    rows = np.array([[each["curves"], each["tcp"], each["misfit"]] for each in found], dtype=float)
     curves, tcp, misfit = np.nanmean(rows, axis=0)
     return Coverage(name, wrong, machines, curves, float(rows[:, 0].std() / np.sqrt(machines)), tcp, misfit)
 
 
-def _one(problem: Case, machine: VirtualMachine, seed: int, readings: int) -> tuple[float, float, float]:
-    rng = np.random.default_rng((seed, 9))
-    estimation = concluded(problem, read_evenly(problem, machine, rng, readings))
+@cache
+def _drawn_from(name: str, wrong: float) -> tuple[Case, Simulator]:
+    description, true = described(name, wrong, "stated" if wrong == 1 else "estimate")
+    return Case(description), Simulator(true, description.setups)
+
+
+def held(trial: Trial) -> dict[str, float | None]:
+    """Return the shares of one machine that its bands hold, and whether its report says that the prior does not fit.
+
+    trial : machine, how many times too large its prior is stated, and seed
+    """
+    name, wrong, seed = trial
+    problem, simulator = _drawn_from(name, wrong)
+    machine, rng = simulator.drawn(seed), np.random.default_rng((seed, 9))
+    estimation = concluded(problem, read_evenly(problem, machine, rng, READINGS[name]))
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
     approaches = rng.choice([-1.0, 1.0], poses.shape)
-    tcp = tcp_held(estimation, machine, poses, approaches)
-    said = (
-        any(finding.code in ("prior-misfit", "lack-of-fit") for finding in findings(estimation))
-        if seed < _JUDGED
-        else np.nan
-    )
-    return curves_held(estimation, machine), tcp, float(said)
+    told = ("prior-misfit", "lack-of-fit")
+    said = any(each.code in told for each in findings(estimation)) if seed < _JUDGED else None
+    tcp = float(tcp_held(estimation, machine, poses, approaches))
+    return {
+        "curves": float(curves_held(estimation, machine)),
+        "tcp": tcp,
+        "misfit": said if said is None else float(said),
+    }
 
 
 def read_evenly(problem: Case, machine: VirtualMachine, rng: np.random.Generator, readings: int) -> list[Reading]:
@@ -112,24 +128,42 @@ class Moved:
     straight: float
 
 
-def gross(size: float, trials: int, readings: int = 30) -> Moved:
+def gross(size: float, trials: int, tried: Tried = one_by_one) -> Moved:
     """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
-    description, true = described("one-axis", 1.0, "stated")
-    problem, simulator = Case(description), Simulator(true, description.setups)
-    shifts, naive, believed, bent = [], [], [], []
-    for seed in range(trials):
-        rng = np.random.default_rng((seed, 11))
-        taken = read_evenly(problem, simulator.drawn(seed), rng, readings)
-        bad = int(rng.integers(readings))
-        wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
-        judged = concluded(problem, wrong)
-        shifts.append(_shift(concluded(problem, taken), judged))
-        bent.append(_shift(concluded(problem, [*wrong[:bad], *wrong[bad + 1 :]]), judged))
-        naive.append(_shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))))
-        believed.append(not any(d.reading == bad and d.rejected for d in judged.outliers))
-    within, straight = (float(np.mean(np.array(each) <= 0.5)) for each in (shifts, bent))
-    found = 1 - float(np.mean(believed))
-    return Moved(size, max(shifts), float(np.median(shifts)), found, max(naive), within, max(bent), straight)
+    found = list(tried(moved, [(size, seed) for seed in range(trials)]))
+    shifts, bent, naive, rejected = (np.array([each[n] for each in found]) for n in ("shift", "bent", "naive", "found"))
+    within, straight = (float(np.mean(each <= 0.5)) for each in (shifts, bent))
+    return Moved(
+        size=size,
+        worst=float(shifts.max()),
+        typical=float(np.median(shifts)),
+        rejected=float(rejected.mean()),
+        naive=float(naive.max()),
+        within=within,
+        bent=float(bent.max()),
+        straight=straight,
+    )
+
+
+def moved(trial: Trial) -> dict[str, float]:
+    """Return how far one bad reading moves the curves of one machine.  trial : its size, m, and the machine's seed
+
+    shift : beside the right reading; bent : beside none; naive : where all are believed; found : 1 where it is not
+    """
+    size, seed = trial
+    problem, simulator = _drawn_from("one-axis", 1.0)
+    rng = np.random.default_rng((seed, 11))
+    taken = read_evenly(problem, simulator.drawn(seed), rng, _AMONG)
+    bad = int(rng.integers(_AMONG))
+    wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
+    judged = concluded(problem, wrong)
+    without = concluded(problem, [*wrong[:bad], *wrong[bad + 1 :]])
+    return {
+        "shift": _shift(concluded(problem, taken), judged),
+        "bent": _shift(without, judged),
+        "naive": _shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))),
+        "found": float(any(d.reading == bad and d.rejected for d in judged.outliers)),
+    }
 
 
 def _vouched_for(readings: Sequence[Reading]) -> list[Reading]:

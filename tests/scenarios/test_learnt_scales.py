@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from benchmarks.trust.virtual import covered, gross
+from benchmarks.trust.kept import Keeping, Trial
+from benchmarks.trust.virtual import covered, gross, held
 
 
 @pytest.mark.parametrize("wrong", [1 / 3, 3.0])
@@ -20,3 +23,22 @@ def test_one_gross_error_among_thirty_readings_is_found() -> None:
     assert moved.rejected == 1.0
     assert moved.typical < 0.25
     assert moved.naive > 5.0
+
+
+def test_machines_that_were_tried_are_not_tried_again_and_give_the_same(tmp_path: Path) -> None:
+    tried: list[Trial] = []
+
+    def counted(trial: Trial) -> dict[str, float | None]:
+        tried.append(trial)
+        return held(trial)
+
+    keeping = Keeping("virtual", (), folder=tmp_path)
+    trials = [("one-axis", 1.0, seed) for seed in (2, 0, 1)]
+    few = Keeping("virtual", (), seconds=0.0, folder=tmp_path).found(counted, trials)
+    first, again = keeping(counted, trials[:2]), keeping(counted, trials)
+    assert few == {}
+    assert tried == trials
+    assert again[:2] == first
+    assert [each["tcp"] for each in again] == pytest.approx([held(trial)["tcp"] for trial in trials], abs=1e-6)
+    assert covered("one-axis", 1.0, 3, keeping).curves == pytest.approx(covered("one-axis", 1.0, 3).curves, abs=1e-6)
+    assert gross(5e-5, 2, keeping).typical == pytest.approx(gross(5e-5, 2).typical, rel=1e-5)
