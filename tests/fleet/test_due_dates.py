@@ -21,7 +21,7 @@ from axiscal.estimation.type_prior import TypePrior, individual, over
 from axiscal.exceptions import AmbiguityError, PlanError, RecordError, TableError, TargetError
 from axiscal.fleet.aging import Aging, Pair, aging
 from axiscal.fleet.calendar_file import calendar
-from axiscal.fleet.due_dates import DueMachine, Wanted, due_dates
+from axiscal.fleet.due_dates import DueMachine, Wanted, due_dates, titles
 from axiscal.fleet.type_learning import learnt_type
 from axiscal.fleet.wearing import Wearing
 from axiscal.fleet.worn_machine import WornMachine
@@ -235,6 +235,16 @@ def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixtur
     assert "learnt from 1 pair of campaigns" in capsys.readouterr().out
     assert run(["due", str(folder / "nowhere")]) == 1
     assert run([*command[:-1], "4 mrad"]) == 1
+
+
+def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> None:
+    shop = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6)).machines
+    other = replace(shop[0], record=shop[0].record.with_name("c.axiscal"), minutes=75.0)
+    assert titles(shop) == [shop[0].name]
+    assert titles([*shop, other]) == [f"{shop[0].name} (b.axiscal)", f"{shop[0].name} (c.axiscal)"]
+    said = calendar([*shop, other], datetime(2030, 1, 1, tzinfo=UTC)).replace("\r\n ", "")
+    assert "(c.axiscal) is due for calibration" in said
+    assert "c.axiscal\\; about 75 minutes" in said
 
 
 def test_a_calendar_without_dates_is_empty() -> None:

@@ -13,7 +13,7 @@ from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.estimation.type_prior import type_prior
 from axiscal.fleet.calendar_file import calendar
-from axiscal.fleet.due_dates import DueMachine, Shop, Wanted, due_dates
+from axiscal.fleet.due_dates import DueMachine, Shop, Wanted, due_dates, titles
 from axiscal.record.carried import carried_text
 from axiscal.record.durable import write_whole
 from axiscal.record.gathering import records_of
@@ -83,10 +83,11 @@ def _day(text: str | None) -> date:
 
 
 def _lines(found: Shop, tables: str | None, tolerance: float | None) -> list[str]:
-    name = max(len(machine.name) for machine in found.machines)
+    names = titles(found.machines)
+    width = max(map(len, names))
     beyond = "" if tolerance is None else f"  {'P(worst > ' + micrometres(tolerance) + ')':>18}"
-    lines = [f"{'machine':{name}}  {'last':10}  {'RMS now':>9}  {'target':>9}{beyond}  due"]
-    lines += [_line(machine, name) for machine in found.machines]
+    lines = [f"{'machine':{width}}  {'last':10}  {'RMS now':>9}  {'target':>9}{beyond}  due"]
+    lines += [_line(machine, f"{name:{width}}") for machine, name in zip(found.machines, names, strict=True)]
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     pairs = count_text(found.aging.pairs, "pair")
     source = f"learnt from {pairs} of campaigns" if found.aging.pairs else "assumed: no machine was measured again"
@@ -97,7 +98,7 @@ def _lines(found: Shop, tables: str | None, tolerance: float | None) -> list[str
     return lines + [f"Left out: {each.file}: {each.left_out}." for each in found.left_out]
 
 
-def _line(machine: DueMachine, width: int) -> str:
+def _line(machine: DueMachine, name: str) -> str:
     day = "not within 20 years" if machine.due is None else machine.due.isoformat()
     if machine.by_worst:
         day += " by its worst place"
@@ -106,7 +107,7 @@ def _line(machine: DueMachine, width: int) -> str:
     renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
     rms, target = micrometres(machine.now), "-" if machine.target is None else micrometres(machine.target)
     beyond = "" if machine.beyond is None else f"  {100 * machine.beyond:>16.1f} %"
-    said = f"{machine.name:{width}}  {machine.last}  {rms:>9}  {target:>9}{beyond}  {day}"
+    said = f"{name}  {machine.last}  {rms:>9}  {target:>9}{beyond}  {day}"
     return f"{said} ({machine.minutes:.0f} min the last time{_again(machine)}{renewed})"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
-from axiscal.fleet.due_dates import DueMachine
+from axiscal.fleet.due_dates import DueMachine, titles
 from axiscal.units import to_unit
 
 _LONGEST = 75
@@ -15,16 +15,17 @@ _LONGEST = 75
 def calendar(machines: Sequence[DueMachine], now: datetime) -> str:
     """Return the calendar, a day for each machine that is due; the same machine keeps its entry."""
     lines = ["BEGIN:VCALENDAR", "VERSION:2.0", "PRODID:-//axiscal//due//EN"]
-    for machine in machines:
+    for machine, name in zip(machines, titles(machines), strict=True):
         if machine.due is None:
             continue
-        said = f"{_why(machine)}; last measured {machine.last}, {machine.record.name}"
+        minutes = machine.minutes if machine.again is None else machine.again.seconds / 60.0
+        said = f"{_why(machine)}; last measured {machine.last}, {machine.record.name}; about {minutes:.0f} minutes"
         lines += [
             "BEGIN:VEVENT",
             f"UID:{machine.digest[:32]}@axiscal",
             f"DTSTAMP:{now.astimezone(UTC):%Y%m%dT%H%M%SZ}",
             f"DTSTART;VALUE=DATE:{machine.due:%Y%m%d}",
-            f"SUMMARY:{_escaped(f'{machine.name} is due for calibration')}",
+            f"SUMMARY:{_escaped(f'{name} is due for calibration')}",
             f"DESCRIPTION:{_escaped(said)}",
             "END:VEVENT",
         ]

@@ -11,6 +11,7 @@ sisters have stays (`wearing`). Where the tables of a control are named, what th
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, timedelta
@@ -100,6 +101,12 @@ class Shop:
     left_out: tuple[SisterRecord, ...]
     histories: Mapping[str, Sequence[MachineRecord]]
     known: Mapping[str, Estimation]
+
+
+def titles(machines: Sequence[DueMachine]) -> list[str]:
+    """Return what tells machines apart: the name, and the record's where others without a serial number have it too."""
+    names = Counter(machine.name for machine in machines)
+    return [each.name if names[each.name] == 1 else f"{each.name} ({each.record.name})" for each in machines]
 
 
 @one_thread()
