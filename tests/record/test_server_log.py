@@ -339,7 +339,7 @@ def test_of_two_that_know_the_same_one_question_keeps_one_and_behind_nothing_kno
 def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
     known: bool, log: ServerLog, database: Database, address: str
 ) -> None:
-    other, begun = Database(store_address(address)), Event()
+    other, begun, at_work = Database(store_address(address)), Event(), list[Thread]()
 
     def done_later(query: str, values: dict[str, object]) -> None:
         with other.transaction(log.entry.id):
@@ -348,8 +348,8 @@ def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
             time.sleep(0.5)  # a look in the meantime finds nothing
 
     def unheard(query: str, **values: object) -> bool:
-        doing = Thread(target=done_later, args=(query, values))
-        doing.start()
+        at_work.append(Thread(target=done_later, args=(query, values)))
+        at_work[0].start()
         assert begun.wait(20.0)
         raise UnreachableError("The store does not answer", "Give the command again", "store")
 
@@ -359,6 +359,7 @@ def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
     finally:
         del database.at_once
     assert log.last() == 5
+    at_work[0].join(20.0)  # its own answer may still be on the way
     other.close()
 
 
