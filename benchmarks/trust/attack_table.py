@@ -18,7 +18,6 @@ from benchmarks.trust.kept import KEPT, Found, Keeping
 
 FIRST = 20_261_200
 """The seed of the first machine: nobody has looked at these before they were shown."""
-_KEPT = KEPT
 _SURE = 0.95
 _GOAL = 0.02
 
@@ -56,7 +55,7 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
         for index, number, (places, scales) in product(range(machines), which, CELLS)
     ]
     beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
-    found = Keeping("attacks", beside, processes, seconds, _KEPT).found(tried, wanted)
+    found = Keeping("attacks", beside, processes, seconds, KEPT).found(tried, wanted)
     outcomes = {Trial(*key): _outcome(result) for key, result in found.items()}
     return outcomes, _complete(outcomes, machines, which)
 

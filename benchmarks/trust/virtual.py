@@ -87,12 +87,10 @@ def held(trial: Trial) -> dict[str, float | None]:
     poses = rng.uniform(low, high, (_POSES, len(low)))
     approaches = rng.choice([-1.0, 1.0], poses.shape)
     told = ("prior-misfit", "lack-of-fit")
-    said = any(each.code in told for each in findings(estimation)) if seed < _JUDGED else None
-    tcp = float(tcp_held(estimation, machine, poses, approaches))
     return {
         "curves": float(curves_held(estimation, machine)),
-        "tcp": tcp,
-        "misfit": said if said is None else float(said),
+        "tcp": float(tcp_held(estimation, machine, poses, approaches)),
+        "misfit": float(any(each.code in told for each in findings(estimation))) if seed < _JUDGED else None,
     }
 
 

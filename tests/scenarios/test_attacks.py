@@ -113,7 +113,7 @@ def test_cells_beyond_the_goal_are_named() -> None:
 def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attack_table, "ATTACKS", ATTACKS[18:19])
     known = partial(attacked, which=(0,))
-    monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "kept")
+    monkeypatch.setattr(attack_table, "KEPT", tmp_path / "kept")
     tried = []
 
     def counted(attack: object, places: str, scales: str, seed: int) -> Outcome:
@@ -132,7 +132,7 @@ def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
     assert known(3, 1, np.inf)[1] == 3
     assert known(2, 1, np.inf)[1] == 2
     assert len(tried) == 3 * len(CELLS) + 1
-    monkeypatch.setattr(attack_table, "_KEPT", tmp_path / "other")
+    monkeypatch.setattr(attack_table, "KEPT", tmp_path / "other")
     assert known(2, 1, 0.0) == ({}, 0)
 
 
