@@ -38,6 +38,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
+from axiscal.numerics.gaussian import eigen_root
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
@@ -363,10 +364,4 @@ def largest(errors: ErrorModel, departure: Departure) -> float:
 
 def _prior_root(case: Case) -> Array:
     """Return F (size, r) with F Fᵀ the covariance of the errors before the first reading."""
-    return case.errors.prior_root() if case.inherited is None else _root(case.inherited.covariance)
-
-
-def _root(covariance: Array) -> Array:
-    values, vectors = np.linalg.eigh(covariance)
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
-    return root
+    return case.errors.prior_root() if case.inherited is None else eigen_root(case.inherited.covariance)

@@ -25,7 +25,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.gaussian import eigen_root, lower_root
 
 
 class _TakenOut(NamedTuple):
@@ -65,7 +65,7 @@ class Fitted:
     ) -> Fitted:
         """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
         numbers, size = ReadingSet(observation, readings), observation.errors.size
-        values, root = numbers.values, observation.errors.prior_root() if prior is None else _root(prior[1])
+        values, root = numbers.values, observation.errors.prior_root() if prior is None else eigen_root(prior[1])
         if prior is not None:
             values = values - numbers.rows[:, :size] @ prior[0]
         return cls(numbers.features(root), numbers.noise + numbers.extra_variance, values, numbers.reading)
@@ -156,10 +156,3 @@ def _short(features: Array) -> Array:
         return features
     triangle: Array = np.linalg.qr(features.T, mode="reduced")[1]
     return triangle.T
-
-
-def _root(covariance: Array) -> Array:
-    """Return F with F Fᵀ the covariance."""
-    values, vectors = np.linalg.eigh(covariance)
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
-    return root

@@ -235,6 +235,13 @@ def _triangle(stacked: Array) -> Array:
     return result
 
 
+def eigen_root(covariance: Array) -> Array:
+    """Return F (n, n) with F Fᵀ a covariance, which need not be of full rank; what is below nought counts as nought."""
+    values, vectors = np.linalg.eigh(covariance)
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return root
+
+
 def positive_root(difference: Array, variances: Array) -> Array:
     """Return E with E Eᵀ the positive part of a difference of covariances, judged in units of `variances`, (n,)."""
     scale = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
