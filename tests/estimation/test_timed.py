@@ -10,7 +10,8 @@ import pytest
 from axiscal.estimation.case import Case
 from axiscal.estimation.timed import Timed, timed
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.time_taken import visit_seconds
+from axiscal.measurement.time_taken import first_seconds, reading_seconds
+from axiscal.measurement.travel import way_seconds
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
 
@@ -26,8 +27,12 @@ def _one_by_one(case: Case, readings: list[Reading]) -> list[float]:
     now, ends, last = 0.0, list[float](), None
     for reading in readings:
         setup = case.description.setup(reading.setup)
-        start = np.array(last.pose) if last is not None and last.setup == reading.setup else None
-        now += visit_seconds(case.description.machine, setup, start, np.array(reading.pose), reading.approach)
+        if last is None or last.setup != reading.setup:
+            now += first_seconds(setup)
+        else:
+            here, there = np.array(last.pose), np.array(reading.pose)
+            sides = np.array(reading.approach or np.zeros(len(there)), dtype=float)
+            now += float(way_seconds(case.description.machine, setup, here, there, sides)) + reading_seconds(setup)
         ends.append(now)
         last = reading
     return ends

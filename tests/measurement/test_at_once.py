@@ -13,15 +13,16 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.sight import Sight
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
-from axiscal.measurement.time_taken import visit_seconds
 
 PLACES = ('["-900 mm", "-700 mm", "-500 mm"]', '["900 mm", "-600 mm", "-100 mm"]', '["100 mm", "100 mm", "700 mm"]')
 UNKNOWNS = 'unknowns = { zero = "10 mm", station_x = "5 mm", station_y = "5 mm", station_z = "5 mm", tool_x = "1 mm" }'
@@ -71,9 +72,13 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
 
 
 def test_a_reading_of_all_takes_the_time_of_one() -> None:
-    mill, together, alone = load_machine("three-axis-mill"), described(TOGETHER).setups[0], described(one(0)).setups[0]
-    here, there = np.zeros(3), np.array([0.2, 0.1, 0.1])
-    assert visit_seconds(mill, together, here, there) == visit_seconds(mill, alone, here, there)
+    places = [(0.0, 0.0, 0.0), (0.2, 0.1, 0.1)]
+    seconds = []
+    for texts in (TOGETHER, one(0)):
+        case = Case(described(texts))
+        setup = case.description.setups[0].name
+        seconds.append(case.seconds_along(None, [Place(setup, pose, (0, 0, 0)) for pose in places]).tolist())
+    assert seconds[0] == seconds[1]
 
 
 def test_all_of_them_have_to_see_the_tool() -> None:

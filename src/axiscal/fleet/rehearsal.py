@@ -17,7 +17,6 @@ from axiscal.exceptions import RecordError, TargetError
 from axiscal.inference.sisters.prior_units import prior_units
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.time_taken import visit_seconds
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.proposal import proposed
@@ -76,12 +75,10 @@ def measured(
     virtual: VirtualMachine, described: CampaignDescription, places: Sequence[Place], seed: int
 ) -> list[Reading]:
     """Return what is read of a virtual machine at places, one after another, as its zeros wander meanwhile."""
-    rng, found, seconds = np.random.default_rng((seed, 6)), list[Reading](), 0.0
-    for before, place in zip([None, *places], places, strict=False):
-        setup = described.setup(place.setup)
-        start = np.array(before.pose) if before is not None and before.setup == place.setup else None
-        seconds += visit_seconds(described.machine, setup, start, np.array(place.pose), place.approach)
-        value, *others = virtual.read_all(setup, place.pose, place.approach, rng, seconds)
+    rng, found = np.random.default_rng((seed, 6)), list[Reading]()
+    ends = np.cumsum(Case(described).seconds_along(None, places)).tolist()
+    for place, seconds in zip(places, ends, strict=True):
+        value, *others = virtual.read_all(described.setup(place.setup), place.pose, place.approach, rng, seconds)
         found.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others), time=seconds))
     return found
 

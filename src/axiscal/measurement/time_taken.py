@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,19 +25,6 @@ def reading_seconds(setup: Setup) -> float:
 def first_seconds(setup: Setup) -> float:
     """Return what the first reading of a set-up takes, with mounting it."""
     return setup.setup_time + reading_seconds(setup)
-
-
-def visit_seconds(
-    machine: Machine, setup: Setup, before: Array | None, pose: Array, approach: Sequence[int] = ()
-) -> float:
-    """Return the time of one reading, from the pose before it in the same set-up; None: the set-up is mounted first.
-
-    approach : (q,) +1, −1, 0 for any side; left out for any
-    """
-    if before is None:
-        return first_seconds(setup)
-    sides = np.array(approach, dtype=float) if approach else np.zeros(len(pose))
-    return float(way_seconds(machine, setup, before, pose, sides)) + reading_seconds(setup)
 
 
 def short_way(
