@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -81,6 +82,15 @@ def test_a_file_that_is_no_database_is_refused_in_a_sentence(tmp_path: Path) -> 
         _opened(tmp_path, resume=True)
 
 
+def test_a_byte_in_its_table_of_tables_that_is_no_text_is_said_in_a_sentence(tmp_path: Path) -> None:
+    with _opened(tmp_path):
+        pass
+    file = tmp_path / FILE
+    file.write_bytes(file.read_bytes().replace(b"tablecasescases", b"tablec\xe1sescases"))
+    with pytest.raises(StudyError, match="cannot be read"):
+        _opened(tmp_path, resume=True)
+
+
 def test_another_database_is_left_alone(tmp_path: Path) -> None:
     with closing(sqlite3.connect(tmp_path / FILE)) as database:
         database.execute("CREATE TABLE mine (x)")
@@ -107,7 +117,64 @@ def test_what_is_no_result_is_refused_in_a_sentence(tmp_path: Path, change: str)
         results.keep(Done("a", {"U_um": 0.1, "verdict": "holds", "reached": True, "said": None}))
     with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
         database.execute(change)
-    with pytest.raises(StudyError, match="cannot be read"), _opened(tmp_path, resume=True) as results:
+    said = "cannot be read|is not the one that was kept"
+    with pytest.raises(StudyError, match=said), _opened(tmp_path, resume=True) as results:
+        results.all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        """result = '{"U_um":0.2}'""",
+        """result = '{"U_um":0.1,"said":"so"}'""",
+        "result = CAST(x'7b22555f756d223a302e317dff' AS TEXT)",
+        "result = NULL",
+        "error = 'it did not end'",
+        "key = 'c'",
+        "digest = (SELECT digest FROM cases WHERE key = 'b')",
+    ],
+)
+def test_a_changed_result_is_not_believed_and_can_be_worked_on_again(tmp_path: Path, change: str) -> None:
+    with _opened(tmp_path) as results:
+        results.keep(Done("a", {"U_um": 0.1}))
+        results.keep(Done("b", {"U_um": 0.3}))
+    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        database.execute(f"UPDATE cases SET {change} WHERE key = 'a'")
+    with (
+        pytest.raises(StudyError, match="is not the one that was kept") as caught,
+        _opened(tmp_path, resume=True) as it,
+    ):
+        it.all()
+    found = re.search(r'sqlite3 (\S+) "(DELETE .*?)"', str(caught.value))
+    assert found is not None
+    with closing(sqlite3.connect(found[1], isolation_level=None)) as database:
+        database.execute(found[2])
+    with _opened(tmp_path, resume=True) as results:
+        assert results.keys() <= {"b"}
+
+
+def test_a_case_without_a_digest_is_not_believed(tmp_path: Path) -> None:
+    with _opened(tmp_path) as results:
+        results.keep(Done("a", {"U_um": 0.1}))
+    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        database.execute("UPDATE cases SET digest = NULL")
+    with pytest.raises(StudyError, match="Name another folder"), _opened(tmp_path, resume=True) as results:
+        results.all()
+
+
+def test_results_that_were_begun_before_cases_had_digests_go_on_and_are_held_from_then_on(tmp_path: Path) -> None:
+    kept = {"a": Done("a", {"U_um": 0.1, "verdict": "hält"}), "b": Done("b", None, "wrong")}
+    with _opened(tmp_path) as results:
+        for done in kept.values():
+            results.keep(done)
+    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        database.execute("ALTER TABLE cases DROP COLUMN digest")
+    for _ in range(2):
+        with _opened(tmp_path, resume=True) as results:
+            assert results.all() == kept
+    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        database.execute("""UPDATE cases SET result = '{"U_um":0.2}' WHERE key = 'a'""")
+    with pytest.raises(StudyError, match="is not the one that was kept"), _opened(tmp_path, resume=True) as results:
         results.all()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import sqlite3
@@ -19,7 +20,7 @@ from axiscal.study.work import Done
 FILE, _LOCK = "study.sqlite", ".study.lock"
 _SCHEMA = """
 CREATE TABLE study (text TEXT NOT NULL, digest TEXT NOT NULL, versions TEXT NOT NULL);
-CREATE TABLE cases (key TEXT PRIMARY KEY, result TEXT, error TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE cases (key TEXT PRIMARY KEY, result TEXT, error TEXT NOT NULL, digest TEXT) WITHOUT ROWID;
 """
 _MOST = sys.float_info.max
 _DAMAGED = "Name another folder; what can be read of this one, sqlite3 shows"
@@ -46,6 +47,7 @@ class Results(Closing):
         begun = self.path.exists()
         self._database = sqlite3.connect(self.path, isolation_level=None)
         self._held.callback(self._database.close)
+        self._database.text_factory = lambda raw: raw.decode(errors="replace")  # a flipped bit need not leave UTF-8
         with self._said():
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = FULL")
@@ -67,6 +69,18 @@ class Results(Closing):
         if (first := by.get("axiscal")) != versions.get("axiscal"):
             what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
             raise StudyError(what, "Go on with that version, or name another --out", self.path)
+        with self._said():
+            self._give_digests()
+
+    def _give_digests(self) -> None:
+        """Give results that were begun when a case had no digest the ones of what they hold now."""
+        if any(name == "digest" for _, name, *_ in self._database.execute("PRAGMA table_info(cases)")):
+            return
+        self._database.create_function("digest_of", 3, _digest, deterministic=True)
+        self._database.executescript(
+            "BEGIN; ALTER TABLE cases ADD COLUMN digest TEXT; "
+            "UPDATE cases SET digest = digest_of(key, result, error); COMMIT"
+        )
 
     def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
         """Return the digest of the study and the versions of the programs; raises StudyError."""
@@ -91,17 +105,21 @@ class Results(Closing):
     def keep(self, done: Done) -> None:
         """Write what came of a case, once; it is on the disk when this returns."""
         result = None if done.result is None else canonical(done.result)
+        row = (done.key, result, done.error, _digest(done.key, result, done.error))
         with self._said():
-            self._database.execute("INSERT OR IGNORE INTO cases VALUES (?, ?, ?)", (done.key, result, done.error))
+            self._database.execute("INSERT OR IGNORE INTO cases VALUES (?, ?, ?, ?)", row)
 
     def all(self) -> dict[str, Done]:
         """Return what came of every case that is there, by its key."""
         with self._said():
-            rows = self._database.execute("SELECT key, result, error FROM cases").fetchall()
-        return {str(key): self._done(key, found, error) for key, found, error in rows}
+            rows = self._database.execute("SELECT key, result, error, digest FROM cases").fetchall()
+        return {str(key): self._done(key, found, error, digest) for key, found, error, digest in rows}
 
-    def _done(self, key: object, found: object, error: object) -> Done:
+    def _done(self, key: object, found: object, error: object, digest: object) -> Done:
         match key, found, error:
+            case (str(), None | str(), str()) if digest != _digest(key, found, error):
+                what = f"The result of the case {key!r:.60} is not the one that was kept: somebody or a disk changed it"
+                raise StudyError(what, self._taken_out(digest), self.path)
             case (str(), None, str()):
                 return Done(key, None, error)
             case (str(), str(), str()) if isinstance(result := _read(found), dict):
@@ -109,12 +127,19 @@ class Results(Closing):
                     return Done(key, result, error)
         raise StudyError(f"The result of the case {key!r:.60} cannot be read", _DAMAGED, self.path)
 
+    def _taken_out(self, digest: object) -> str:
+        """Return how a row is taken out by its digest, so that its case is worked on again."""
+        if not isinstance(digest, str) or not digest.isalnum():
+            return _DAMAGED
+        command = f"""sqlite3 {self.path} "DELETE FROM cases WHERE digest = '{digest}'\""""
+        return f"Take it out by `{command}`; --resume works on that case again"
+
     @contextmanager
     def _said(self) -> Iterator[None]:
         """Say what is wrong with the database as a failure of ours."""
         try:
             yield
-        except sqlite3.Error as fault:
+        except (sqlite3.Error, UnicodeDecodeError) as fault:  # sqlite3 may quote what is there in its own words
             if isinstance(fault, sqlite3.OperationalError):
                 what, remedy = f"The results cannot be written: {fault}", "See the room and the rights on the disk"
                 raise StudyError(what, f"{remedy}, then go on with --resume", self.path) from None
@@ -123,6 +148,11 @@ class Results(Closing):
     def close(self) -> None:
         """Close the database, and let others work in its folder."""
         self._held.close()
+
+
+def _digest(key: str, result: str | None, error: str) -> str:
+    """Return the SHA-256 of a row, by which it is seen that it was changed."""
+    return hashlib.sha256(canonical([key, result, error]).encode()).hexdigest()
 
 
 def _read(text: object) -> object:
