@@ -99,3 +99,11 @@ def test_an_earlier_record_with_torn_pages_is_damaged_and_left_alone(tmp_path: P
     with pytest.raises(RecordError, match="damaged"):
         Record.open(path)
     assert path.read_bytes() == before
+
+
+def test_a_byte_of_an_earlier_record_that_is_no_text_is_damage(tmp_path: Path) -> None:
+    path = earlier("closed.axiscal", tmp_path)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"ABORT", b"ABOR\xd4"))
+    with pytest.raises(RecordError, match="damaged"):
+        Record.open(path)

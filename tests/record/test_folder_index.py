@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -144,6 +145,49 @@ def test_an_index_with_other_tables_is_made_anew(tmp_path: Path, change: str) ->
     with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
         other.execute(change)
     assert refreshed(tmp_path) == (["a.axiscal"], found)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        *(f"UPDATE events SET {change} WHERE number = 2" for change in ("at = '2020-01-01'", "kind = 'undone'")),
+        *(f"UPDATE events SET {change} WHERE number = 2" for change in ("number = 9", "chain = 'x'")),
+        "UPDATE events SET file = x'ff' WHERE number = 2 AND file < x'62'",
+        "UPDATE events SET payload = replace(payload, '1', '2') WHERE number = 2",
+        "DELETE FROM events WHERE number = 2",
+        "INSERT INTO events SELECT file, 9, at, kind, payload, chain FROM events WHERE number = 2",
+        *(f"UPDATE records SET {change}" for change in ("campaign = 'x'", "chain = 'x'", "last = 7", "fault = 'torn'")),
+        "UPDATE records SET digest = NULL",
+        "DELETE FROM records",
+    ],
+)
+def test_what_the_index_says_and_nobody_wrote_is_not_believed(tmp_path: Path, change: str) -> None:
+    for name in ("a.axiscal", "b.axiscal"):
+        begun(tmp_path / name, name, 3)
+    refreshed(tmp_path)
+    before = _said(tmp_path)
+    with closing(sqlite3.connect(tmp_path / INDEX, isolation_level=None)) as other:
+        other.execute(change)
+    assert _said(tmp_path) == before
+
+
+def test_a_bit_of_the_index_that_changes_is_never_believed(tmp_path: Path) -> None:
+    begun(tmp_path / "a.axiscal", "m", 2)
+    before, path, dice = _said(tmp_path), tmp_path / INDEX, random.Random(5)
+    content = path.read_bytes()
+    begin = content.index(b"CREATE TABLE")
+    tables = [8 * place + 7 for place in range(begin - 60, begin + 100)]  # what is no text in SQLite's own words
+    for bit in [*tables, *(dice.randrange(8 * len(content)) for _ in range(200))]:
+        flipped = bytearray(content)
+        flipped[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(flipped)
+        assert _said(tmp_path) == before
+
+
+def _said(folder: Path) -> object:
+    with FolderIndex.open(folder) as index:
+        index.refresh()
+        return index.records(), index.kinds()
 
 
 @pytest.mark.parametrize("value", ["NULL", "''", "7", "x'ff'", "CAST(x'ff' AS TEXT)", "replace(answer, '7', '8')"])

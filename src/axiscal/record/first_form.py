@@ -31,7 +31,7 @@ def first_events(path: Path) -> tuple[Stored, ...]:
     try:
         with _still(path) as address:
             events = _events_at(address)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # sqlite3 may quote in its own words what is no text
         raise DamageError(str(error)) from error
     for log in logs_beside(path):
         if log.exists() and events[: len(alone := _events_alone(path))] != alone:
@@ -41,7 +41,7 @@ def first_events(path: Path) -> tuple[Stored, ...]:
 
 def _events_alone(path: Path) -> tuple[Stored, ...]:
     """Return what the file holds without a log; nothing where it cannot be read without it."""
-    with contextlib.suppress(sqlite3.Error, DamageError):
+    with contextlib.suppress(sqlite3.Error, UnicodeDecodeError, DamageError):
         return _events_at(_alone(path))
     return ()
 

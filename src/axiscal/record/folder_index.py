@@ -24,13 +24,13 @@ from axiscal.record.opening import opened_log
 
 INDEX = ".fleet.sqlite"
 """Its name in the folder."""
-_KIND, _FORM = 0x41584958, 3
+_KIND, _FORM = 0x41584958, 4
 """By which SQLite knows the database as ours ("AXIX"), and its form; of another form it is made anew."""
 _PATIENCE = 4.0
 """Seconds to wait for another program that writes into it; it does without it then."""
 _TABLES = """
 CREATE TABLE records (file BLOB PRIMARY KEY, size INTEGER, changed INTEGER, fault TEXT, campaign TEXT, chain TEXT,
-    last INTEGER);
+    last INTEGER, digest TEXT) WITHOUT ROWID;
 CREATE TABLE events (file BLOB, number INTEGER, at TEXT, kind TEXT, payload TEXT, chain TEXT,
     PRIMARY KEY (file, number)) WITHOUT ROWID;
 CREATE TABLE findings (chain TEXT, question TEXT, answer TEXT, PRIMARY KEY (chain, question)) WITHOUT ROWID;
@@ -120,16 +120,19 @@ class FolderIndex(Closing):
             why = fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)
             with self._writing() as database:
                 database.execute("DELETE FROM events WHERE file = ?", (_name(file),))
-                self._enter((_name(file), *stamp, why, "", "", 0))
+                self._enter(_name(file), *stamp, why, "", "", 0)
             return
         with self._writing() as database:
             begin = self._known(_name(file), texts)
             new = ((_name(file), n, *_fields(text)) for n, text in enumerate(texts[begin:], begin + 1))
             database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?, ?)", new)
-            self._enter((_name(file), *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts)))
+            self._enter(_name(file), *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts))
 
-    def _enter(self, row: tuple[object, ...]) -> None:
-        self._database.execute("INSERT OR REPLACE INTO records VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+    def _enter(self, name: bytes, *row: object) -> None:
+        """Write what is said of a record, after its events."""
+        self._database.execute("INSERT OR REPLACE INTO records VALUES (?, ?, ?, ?, ?, ?, ?, '')", (name, *row))
+        digest = _digest(self._database, name)
+        self._database.execute("UPDATE records SET digest = ? WHERE file = ?", (digest, name))
 
     def _known(self, name: bytes, texts: tuple[ChainedText, ...]) -> int:
         """Return how many events of a record are in the index; none where it has not simply gone on."""
@@ -242,7 +245,7 @@ def _opened(path: Path) -> sqlite3.Connection:
             return _hurried(_existing(path))
         except sqlite3.OperationalError:  # another program holds it, or it may not be read: nothing is wrong with it
             raise
-        except sqlite3.DatabaseError:
+        except (sqlite3.DatabaseError, UnicodeDecodeError):  # sqlite3 may quote in its own words what is no text
             path.unlink()
     return _hurried(_made(str(path)))
 
@@ -250,21 +253,43 @@ def _opened(path: Path) -> sqlite3.Connection:
 def _hurried(database: sqlite3.Connection) -> sqlite3.Connection:
     """Return a database that waits for no disk: what lost power tears is seen when it is opened, and made anew."""
     database.execute("PRAGMA synchronous = OFF")
-    database.text_factory = lambda raw: raw.decode(errors="replace")  # a flipped bit need not leave UTF-8
     return database
 
 
 def _existing(path: Path) -> sqlite3.Connection:
-    database = sqlite3.connect(path, timeout=_PATIENCE, isolation_level=None)
+    database = _connected(str(path))
     try:
         kind, form = (database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version"))
         whole = database.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok" and _tables(database) == _TABLES
-        if (kind, form) != (_KIND, _FORM) or not whole:
-            raise sqlite3.DatabaseError("it is not an index of this form")
+        if (kind, form) != (_KIND, _FORM) or not whole or not _as_written(database):
+            raise sqlite3.DatabaseError("it is not an index of this form, or not as it was written")
     except BaseException:
         database.close()
         raise
     return database
+
+
+def _as_written(database: sqlite3.Connection) -> bool:
+    """Whether each record and its events are what was written, and there are no events without a record."""
+    kept = dict(database.execute("SELECT file, digest FROM records"))
+    named = {file for (file,) in database.execute("SELECT DISTINCT file FROM events")}
+    return named <= kept.keys() and all(digest == _digest(database, file) for file, digest in kept.items())
+
+
+def _digest(database: sqlite3.Connection, name: bytes) -> str:
+    """Return the SHA-256 of what is said of a record and of all its events."""
+    row = database.execute(
+        "SELECT size, changed, fault, campaign, chain, last FROM records WHERE file = ?", (name,)
+    ).fetchone()
+    found = hashlib.sha256(repr((name, row)).encode())
+    events = database.execute(
+        "SELECT CAST(number || ' ' || at || ' ' || kind || ' ' || payload || ' ' || chain AS BLOB) FROM events "
+        "WHERE file = ? ORDER BY number",
+        (name,),
+    )
+    for (event,) in events:
+        found.update(event or b"")
+    return found.hexdigest()
 
 
 def _tables(database: sqlite3.Connection) -> str:
@@ -273,8 +298,14 @@ def _tables(database: sqlite3.Connection) -> str:
     return "".join(f"\n{sql};" for (sql,) in rows) + "\n"
 
 
-def _made(address: str) -> sqlite3.Connection:
+def _connected(address: str) -> sqlite3.Connection:
     database = sqlite3.connect(address, timeout=_PATIENCE, isolation_level=None)
+    database.text_factory = lambda raw: raw.decode(errors="replace")  # a flipped bit need not leave UTF-8
+    return database
+
+
+def _made(address: str) -> sqlite3.Connection:
+    database = _connected(address)
     database.executescript(
         f"BEGIN IMMEDIATE; {_TABLES} PRAGMA application_id = {_KIND}; PRAGMA user_version = {_FORM}; COMMIT;"
     )
