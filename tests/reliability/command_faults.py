@@ -27,9 +27,17 @@ from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
 from tests.reliability.faults import HOWS, Fault, Outcome, Say, faults
 from tests.reliability.trial import Trial, scratch
+from tests.study.texts import CAMPAIGN as STUDIED
+from tests.study.texts import STUDY
 
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
-INPUTS = {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN, "readings.csv": READINGS}
+INPUTS = {
+    "machine.toml": MACHINE,
+    "campaign.toml": CAMPAIGN,
+    "readings.csv": READINGS,
+    "shop/campaign.toml": STUDIED,
+    "shop/study.toml": STUDY,
+}
 RECORD = "mill.axiscal"
 
 
@@ -61,6 +69,12 @@ EXPORT = _words(f"export {RECORD} --to linuxcnc --out out")
 RUN = _words("run campaign.toml --source sim:3 --out out")
 ESTIMATE = _words("estimate campaign.toml readings.csv --out out")
 UNDONE = _words(f"undo {RECORD}")
+BRANCHED = (
+    *MEASURED,
+    *map(_words, (f"copy {RECORD} branch.axiscal", "next branch.axiscal", "record branch.axiscal 2_um")),
+)
+TWO = (*MEASURED, *map(_words, ("start campaign.toml two.axiscal", "next two.axiscal", "record two.axiscal 3_um")))
+STUDIED_HERE = _words("study shop/study.toml --out out --workers 1")
 SET, TABLES = "manifest.json", "manifest-linuxcnc.json"
 
 COMMANDS: Mapping[str, Command] = {
@@ -81,6 +95,14 @@ COMMANDS: Mapping[str, Command] = {
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
+    "adopt": Command(_words(f"adopt {RECORD} branch.axiscal --same-mounting"), BRANCHED),
+    "bring": Command(_words(f"bring shop {RECORD}"), MEASURED),
+    "fleet": Command(_words("fleet . --page out.html --target 4_um"), MEASURED, out="out.html"),
+    "due": Command(_words("due . --calendar out.ics --target 4_um"), MEASURED, out="out.ics"),
+    "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
+    "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
+    "type learn": Command(_words("type learn . --out out.type.json --page out.html"), TWO, out="out.type.json"),
+    "study": Command(STUDIED_HERE, again=(*STUDIED_HERE, "--resume"), out="out"),
     "plan, compared": Command(_words("plan campaign.toml --compare out.html"), out="out.html"),
 }
 
@@ -96,6 +118,7 @@ def tried(name: str, every: int = 1, hows: Sequence[str] = HOWS) -> Trial:
         before = top / "before"
         before.mkdir()
         for file, text in INPUTS.items():
+            (before / file).parent.mkdir(exist_ok=True)
             (before / file).write_text(text)
         for words in command.before:
             if _apart(before, words) != 0:

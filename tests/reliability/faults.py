@@ -114,7 +114,8 @@ def _faulty(fault: Fault, say: Say) -> Iterator[None]:
         return called
 
     def opened(file: Any, mode: str = "r", *arguments: Any, **options: Any) -> Any:
-        return (open_to_write if set(mode) & set("wax+") else open_as_it_is)(file, mode, *arguments, **options)
+        changes = not isinstance(file, int) and set(mode) & set("wax+")  # a handle is of what is open already
+        return (open_to_write if changes else open_as_it_is)(file, mode, *arguments, **options)
 
     open_as_it_is, open_to_write = io.open, counted("open", io.open)
     io.open = builtins.open = opened

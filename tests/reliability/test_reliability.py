@@ -54,6 +54,11 @@ def test_a_fault_in_a_command_loses_nothing_and_blocks_nothing(command: str, eve
     assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
 
 
+def test_a_kill_while_a_record_is_brought_leaves_nothing_behind_its_second_try() -> None:
+    trial = command_faults.tried("bring", hows=("kill",))
+    assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
+
+
 def test_no_bit_of_a_record_changes_unseen() -> None:
     trial = changed.bits(every=29)
     assert (trial.lost, trial.tried > 300) == (0, True)

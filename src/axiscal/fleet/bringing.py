@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from axiscal.exceptions import RecordError
+from axiscal.record.durable import clear_drafts
 from axiscal.record.folder_index import FolderIndex, IndexedRecord
 from axiscal.record.log import ChainedText, EventLog, campaign_of
 from axiscal.record.store import Record
@@ -30,6 +31,7 @@ def brought(folder: Path, source: Path) -> Brought:
         there = [each for each in index.records() if each.campaign == campaign]
         for each in there:
             if index.chain_at(each, len(texts)) == texts[-1].chain:
+                clear_drafts(folder, each.file.name)  # of one who was killed when it had just been published
                 return Brought(each.file, "there already", 0)
         for each in there:
             if each.last <= len(texts) and texts[each.last - 1].chain == each.chain:
