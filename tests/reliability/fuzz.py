@@ -26,6 +26,9 @@ _CHANGE = st.tuples(st.floats(0, 1), st.floats(0, 0.1), st.binary(max_size=12) |
 CHANGES = st.lists(_CHANGE, max_size=6)
 """Where in a file, how much of it goes, and what comes in its place."""
 
+MOST = 2.0
+"""Seconds of a processor that a file may take; the clock would count what other programs take."""
+
 Changes = Sequence[tuple[float, float, bytes]]
 
 
@@ -45,7 +48,7 @@ def fuzzed(kind: Kind, examples: int) -> None:
 
         @settings(
             max_examples=examples,
-            deadline=2000,
+            deadline=None,
             database=None,
             suppress_health_check=list(HealthCheck),
             phases=[Phase.generate, Phase.shrink],
@@ -59,8 +62,11 @@ def fuzzed(kind: Kind, examples: int) -> None:
 
 def _read(kind: Kind, path: Path, content: bytes) -> None:
     path.write_bytes(content)
+    begin = time.process_time()
     with contextlib.suppress(AxiscalError):
         kind.read(path)
+    if (spent := time.process_time() - begin) > MOST:
+        raise AssertionError(f"a file of {len(content)} bytes took {spent:.1f} s of a processor")
 
 
 def main(words: Sequence[str]) -> int:

@@ -97,6 +97,12 @@ def test_a_file_changed_at_random_is_an_error_of_ours_or_still_good(kind: bad_fi
     fuzz.fuzzed(kind, 25)
 
 
+def test_a_file_that_takes_a_processor_too_long_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fuzz, "MOST", 0.0)
+    with pytest.raises(AssertionError, match="s of a processor"):
+        fuzz.fuzzed(bad_files.KINDS[0], 1)
+
+
 @pytest.mark.parametrize("kind", bad_files.KINDS, ids=lambda kind: kind.name)
 def test_a_bad_file_is_one_error_of_ours_or_still_good(kind: bad_files.Kind, tmp_path: Path) -> None:
     """Every way to spoil it that is small; the large ones are in `make reliability`, each with its time and memory."""
