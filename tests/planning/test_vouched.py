@@ -50,16 +50,19 @@ def test_readings_that_show_enough_vouch_for_a_figure() -> None:
 
 def test_what_rests_on_statements_is_said_with_what_would_show_it() -> None:
     line, zero = Statement("EXX_reversal", "", 3e-6), Statement("zero", "laser", 1e-3, 0)
-    rests_on = Resting((line,), 0.68, 4e-6, 0.07, 6e-6, zero)
+    rests_on = Resting((line,), 0.68, 4e-6, 0.07, 6e-6, (zero,))
     found = Defence(6e-6, 5e-6, 24, (), rests_on)
     leaves = "These 24 readings leave as stated EXX_reversal (3 um): 68 % of the promised variance rests on what is "
     leaves += "stated alone, and what can be vouched for is a standard uncertainty of 6 um. "
     shown = 'They would show it with zero of "laser" (1000 um) known better than that.'
     assert vouched_words(case(), found) == leaves + shown
-    alone = replace(found, rests_on=replace(rests_on, shown_by=None))
+    alone = replace(found, rests_on=replace(rests_on, shown_by=()))
     assert vouched_words(case(), alone) == leaves + "Only a reading of another kind would show it."
     itself = replace(found, rests_on=replace(rests_on, named=(zero,)))
     assert vouched_words(case(), itself).endswith("Measured by itself and stated closer it would leave less.")
+    two = replace(rests_on, named=(line, zero), shown_by=(zero, line))
+    closer = "Measured by themselves and stated closer they would leave less."
+    assert vouched_words(case(), replace(found, rests_on=two)).endswith(closer)
     both = vouched_words(case(), replace(found, departures=(replace(DRIFT, damage=7e-6),)))
     assert both.startswith('These 24 readings could not show a drift of "laser" above 3 um; what')
     assert both.endswith(shown)

@@ -94,7 +94,22 @@ def within(spectra: Array, squares: Array) -> Array:
     largest = spectra.max(axis=1, initial=0.0)
     still, scale = largest == 0, np.where(largest > 0, largest, 1.0)
     relative = np.where(still[:, None], 1.0, spectra / scale[:, None])
-    first, second, third = (factor * np.sum(relative**n, axis=1) for n, factor in ((1, 1), (2, 2), (3, 8)))
-    degrees = 8 * second**3 / third**2
-    at = (squares / scale - first) * np.sqrt(2 * degrees / second) + degrees
-    return np.where(still, 1.0, chi_square_share(degrees, np.maximum(at, 0.0)))
+    first, second, third = (np.sum(relative**n, axis=1) for n in (1, 2, 3))
+    return np.where(still, 1.0, _by_moments(first, second, third, squares / scale))
+
+
+def within_one(covariance: Array, squares: Array) -> Array:
+    """Return P(|x|² ≤ square) of one normal x, (m,), by the traces of Σ, Σ² and Σ³.  covariance : Σ (w, w), m²"""
+    scale = float(np.trace(covariance))
+    if not scale > 0:
+        return (squares >= 0).astype(float)
+    relative = covariance / scale
+    second, third = (np.full(1, np.sum(each)) for each in (relative**2, (relative @ relative) * relative))
+    return _by_moments(np.ones(1), second, third, squares / scale)
+
+
+def _by_moments(first: Array, second: Array, third: Array, squares: Array) -> Array:
+    """Return P(Σλz² ≤ square) by Σλ, Σλ² and Σλ³."""
+    degrees = second**3 / third**2
+    at = (squares - first) * np.sqrt(degrees / second) + degrees
+    return chi_square_share(degrees, np.maximum(at, 0.0))

@@ -99,6 +99,12 @@ class Yardstick:
         return Gram(self.moments.gram - counted.T @ counted).root
 
     @cached_property
+    def steady(self) -> Root:
+        """The same less every constant shift, VᵀV = E[HᵀH] − E[H]ᵀE[H] in the directions that count."""
+        mean = self._counts * self.moments.mean
+        return Gram(self.moments.gram - mean.T @ mean).root
+
+    @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
         return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))

@@ -135,7 +135,7 @@ class Defence:
 
     @property
     def rests(self) -> bool:
-        """Whether so much of the promise is as somebody stated it that one machine in twenty is far worse unseen."""
+        """Whether so much of the promise is as somebody stated it that one machine in fifty is far worse unseen."""
         return self._stated > self.promise
 
     @property
@@ -294,19 +294,16 @@ class EffectMap:
         return Harm(white.T @ white, (float(np.sum(left**2)) + beside) / columns.shape[1], most)
 
     def left_open(self, columns: Array, root: Array, own: Array) -> LeftOpen:
-        """Return what readings leave of unknowns, over the volume but for a constant shift that nobody sees.
+        """Return what readings leave of unknowns and of all else, over the volume but for a constant shift.
 
         columns : (m, s) what one standard deviation of each adds to the numbers; own : (size, s) to the errors
         root : (size, r) of the errors before the first reading, with which the features begin
         """
-        white = transposed_solution(self._upper, columns)
-        followed = self._white[:, : root.shape[1]].T @ white
-        over, shifts = (rows @ own - (rows @ root) @ followed for rows in self._rows)
-        return LeftOpen(over.T @ over - shifts.T @ shifts, white.T @ white)
-
-    @property
-    def _rows(self) -> tuple[Array, Array]:
-        return self._yardstick.root.matrix, self._yardstick.shifts
+        white, followed = transposed_solution(self._upper, columns), self._white[:, : root.shape[1]]
+        steady = self._yardstick.steady
+        over = steady.of(root)
+        kept, fields = over @ followed.T, steady.of(own) - over @ (followed.T @ white)
+        return LeftOpen(fields, over @ over.T - kept @ kept.T - fields @ fields.T, white.T @ white)
 
 
 def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:

@@ -7,7 +7,7 @@ Rules in this order: `contradicted` where the test fires and the likeliest expla
 the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
 were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise, or
 where a step or a detail, as large as curves are and anywhere, would with more than 5 % spoil the promise unseen, or
-where so much of it rests on what is stated alone that more than 5 % of machines that are as stated are far worse.
+where so much of it rests on what is stated alone that more than 2 % of machines that are as stated are far worse.
 """
 
 from __future__ import annotations

@@ -101,11 +101,14 @@ def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) 
 
 def _remedy(case: Case, rests_on: Resting) -> str:
     best = rests_on.shown_by
-    if best is None:
+    if not best:
         return said("Only a reading of another kind would show it.")
-    if best in rests_on.named:
+    if set(best) <= set(rests_on.named):
+        if len(best) > 1:
+            return said("Measured by themselves and stated closer they would leave less.")
         return said("Measured by itself and stated closer it would leave less.")
-    return said("They would show it with {unknown} known better than that.", unknown=_stated(case, best))
+    unknown = listed(", ", [_stated(case, each) for each in best[:_NAMED]])
+    return said("They would show it with {unknown} known better than that.", unknown=unknown)
 
 
 def _stated(case: Case, each: Statement) -> str:
