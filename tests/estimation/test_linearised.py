@@ -1,0 +1,88 @@
+"""When readings are looked at anew, and how far from linear they are: draws of our own, estimates made twice."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.checks import checked
+from axiscal.estimation.learnt import counts_to_learn_from, learnt
+from axiscal.estimation.located import located
+from axiscal.estimation.nonlinearity import SETTLED, indices, moved_by
+from axiscal.measurement.reading_rows import seen, shown_values
+from benchmarks.nonlinear.stations import read, tracers
+from tests.generators import laser_axis
+from tests.generators.campaigns import mixed
+
+
+@pytest.mark.parametrize("count", [0, 4, 5, 6, 7, 9, 10, 11, 40, 1000])
+def test_scales_are_learnt_anew_by_a_third_more_readings_up_to_the_last(count: int) -> None:
+    learning, due = mixed('scales = "estimate"'), counts_to_learn_from(mixed('scales = "estimate"'), count)
+    assert learning.variable
+    assert due[:1] == ([5] if count >= 5 else [])
+    assert all(after == int(np.ceil(1.34 * before)) for before, after in pairwise(due))
+    assert all(each <= count for each in due)
+    assert not due or int(np.ceil(1.34 * due[-1])) > count
+    assert counts_to_learn_from(laser_axis.CASE, count) == []
+    assert counts_to_learn_from(tracers("1 mm", "1 mm"), count) == due
+
+
+@pytest.mark.parametrize(
+    ("readings", "checks"),
+    [(9, None), (10, 3), (14, 3), (19, 3), (20, 4), (24, 4), (25, 5), (59, 11), (60, 12), (64, 12), (90, 12)],
+)
+def test_every_fifth_reading_is_a_check_at_least_three_and_at_most_twelve(readings: int, checks: int | None) -> None:
+    found = checked(laser_axis.CASE, laser_axis.read(laser_axis.machine(1), readings), 1e-6)
+    assert (None if found is None else found.count) == checks
+
+
+def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the_belief() -> None:
+    case = tracers("20 mm", "5 mm")
+    _, readings = read(case, 1)
+    found = located(learnt(case, readings[::6], {}), readings[::6], {})
+    some = readings[::18]
+    observation, belief = found.knowledge.observation, found.knowledge.belief
+    errors = observation.errors.size + len(observation.unknowns)
+    numbers, rng, count = seen(observation, some), np.random.default_rng(9), 400
+    mean, total = belief.mean[:errors], np.zeros(len(numbers.values))
+    nominal = shown_values(observation, some, mean)
+    for _ in range(count):
+        step = (belief.factor @ rng.standard_normal(belief.size))[:errors]
+        total += (shown_values(observation, some, mean + step) - nominal - numbers.rows[:, :errors] @ step) ** 2
+    each = np.sqrt(total / count / numbers.variances)
+    expected = np.array([each[numbers.reading == index].max() for index in range(len(some))])
+    assert indices(found, some) == pytest.approx(expected, rel=0.5)
+    assert float(np.mean(indices(found, some) / expected)) == pytest.approx(1.0, abs=0.12)
+    assert indices(found, []).shape == (0,)
+
+
+def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None:
+    """In standard deviations, RMS over all directions; a reading that counts for nothing moves nothing."""
+    case = tracers("3 mm", "1 mm")
+    _, readings = read(case, 4)
+    some = readings[::3]
+    before = absorbed(Absorbed.nothing(case), some, {})
+    better = case.linear_about(before.knowledge.belief.mean)
+    after = absorbed(Absorbed.nothing(better), some, {})
+    belief = before.knowledge.belief
+    step = np.linalg.lstsq(belief.factor, after.knowledge.belief.mean - belief.mean, rcond=None)[0]
+    moved = moved_by(before, some, np.ones(len(some)), better)
+    assert moved > 1.0
+    assert moved == pytest.approx(float(np.sqrt(np.mean(step**2))), rel=0.05)
+    assert moved_by(before, some, np.zeros(len(some)), better) == 0.0
+    settled = located(learnt(case, some, {}), some, {})
+    again = settled.case.linear_about(settled.knowledge.belief.mean)
+    assert moved_by(settled, some, np.ones(len(some)), again) < SETTLED
+
+
+def test_a_reading_counts_as_often_as_its_weight_says() -> None:
+    case = tracers("3 mm", "1 mm")
+    _, readings = read(case, 4)
+    some = readings[:1]
+    before = absorbed(Absorbed.nothing(case), some, {})
+    far = case.linear_about(0.5 * before.knowledge.belief.mean)
+    whole, half = (moved_by(before, some, np.full(1, weight), far) for weight in (1.0, 0.5))
+    assert half == pytest.approx(whole / 2)

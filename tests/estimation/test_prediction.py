@@ -1,0 +1,119 @@
+"""Predictions of the tool point: drawn machines, the ends of each travel, and what a pose leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.error_model.actual import deviation_of
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import predict_poses, tcp_prediction
+from axiscal.exceptions import ReadingError
+from axiscal.machine import machine_from_text
+from axiscal.measurement.readers.poses import RawPose
+
+TEXT = """
+chain = "w-X'-b-C-t"
+[axes.X]
+travel = ["-100 mm", "300 mm"]
+[axes.C]
+travel = ["-30 deg", "90 deg"]
+[errors]
+EXX = { std = "10 um", length = "150 mm", knots = 4, rest = "2 um" }
+EYX = { std = "6 um", length = "150 mm", knots = 4 }
+EXX_reversal = { std = "4 um" }
+EYX_reversal = { std = "3 um" }
+EXC = { std = "5 um", length = "40 deg", knots = 4, rest = "1 um" }
+"""
+ERRORS = ErrorModel(machine_from_text(TEXT))
+FILE = Path("poses.csv")
+
+
+@dataclass
+class Known:
+    """What of an estimation a prediction looks at."""
+
+    errors: ErrorModel
+    belief: Belief
+
+    def estimation(self) -> Estimation:
+        """Return it as one."""
+        case = SimpleNamespace(errors=self.errors, description=SimpleNamespace(machine=self.errors.machine))
+        banded = SimpleNamespace(case=case, knowledge=SimpleNamespace(belief=self.belief))
+        return cast("Estimation", SimpleNamespace(case=case, banded=banded))
+
+
+def known(seed: int = 1) -> Known:
+    """Return a belief whose numbers are any."""
+    rng = np.random.default_rng(seed)
+    root = 2e-6 * rng.standard_normal((ERRORS.size, ERRORS.size))
+    return Known(ERRORS, Belief(4e-6 * rng.standard_normal(ERRORS.size), root @ root.T))
+
+
+POSES = np.array([[-0.1, 0.3], [0.05, -0.5], [0.3, 1.5], [0.12, 0.0]])
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 1.0])
+def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_any(side: float) -> None:
+    """Where nobody says from which side, the tool comes from either as often; rests are drawn at each place."""
+    have, rng, count = known(), np.random.default_rng(2), 60_000
+    mean, std = tcp_prediction(have.estimation(), POSES, np.full(POSES.shape, side))
+    drawn = have.belief.sample(rng, count)
+    sides = rng.choice([-1.0, 1.0], count) if side == 0 else np.full(count, side)
+    levers = ERRORS.levers(POSES)
+    for index, pose in enumerate(POSES):
+        rows = [ERRORS.rows(pose[None], np.full((1, 2), each))[0] for each in (-1.0, 1.0)]
+        shown = np.where((sides < 0)[:, None], drawn @ rows[0].T, drawn @ rows[1].T)
+        for term, lever in zip(ERRORS.terms, levers, strict=True):
+            shown += term.rest * rng.standard_normal(count)[:, None] * lever[index]
+        np.testing.assert_allclose(std[index], shown.std(axis=0), rtol=0.02, atol=1e-12)
+    exact = deviation_of(ERRORS, have.belief.mean, POSES, np.full(POSES.shape, side)).displacement
+    assert np.array_equal(mean, exact)
+
+
+def raw(position: dict[str, float], approach: dict[str, int] | None = None, line: int = 2) -> RawPose:
+    """Return a pose of a file."""
+    return RawPose(position, approach or {}, line)
+
+
+def test_what_a_pose_leaves_out_is_the_middle_of_the_travel_from_any_side_and_lengths_are_um() -> None:
+    have = known().estimation()
+    (found,) = predict_poses(have, [raw({"C": 0.2}, {"C": -1})], FILE)
+    (stated,) = predict_poses(have, [raw({"X": 0.1, "C": 0.2}, {"C": -1})], FILE)
+    mean, std = tcp_prediction(have, np.array([[0.1, 0.2]]), np.array([[0.0, -1.0]]))
+    assert found.mean_um == pytest.approx(stated.mean_um)
+    assert found.mean_um == pytest.approx(mean[0] * 1e6)
+    assert found.std_um == pytest.approx(std[0] * 1e6)
+    assert predict_poses(have, [], FILE) == []
+
+
+def test_poses_come_in_their_order() -> None:
+    have = known().estimation()
+    wanted = [raw({"X": x, "C": c}, {"X": 1, "C": 1}) for x, c in POSES.tolist()]
+    mean, _ = tcp_prediction(have, POSES, np.ones_like(POSES))
+    assert np.array([each.mean_um for each in predict_poses(have, wanted, FILE)]) == pytest.approx(mean * 1e6)
+
+
+@pytest.mark.parametrize(("at", "allowed"), [(0.0, True), (0.5e-9, True), (2e-9, False)])
+def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bool) -> None:
+    have, (low, high) = known().estimation(), ERRORS.machine.axes[0].travel
+    for end in (low - at, high + at):
+        if allowed:
+            assert len(predict_poses(have, [raw({"X": end})], FILE)) == 1
+        else:
+            with pytest.raises(ReadingError, match=r"poses\.csv, line 7.*X = .* mm is outside the travel") as caught:
+                predict_poses(have, [raw({"X": 0.0}), raw({"X": end}, line=7)], FILE)
+            assert "X goes from -100 mm to 300 mm" in str(caught.value)
+
+
+@pytest.mark.parametrize("pose", [raw({"Y": 0.1}, line=4), raw({"X": 0.1}, {"Y": 1}, line=4)])
+def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
+    with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
+        predict_poses(known().estimation(), [pose], FILE)

@@ -1,0 +1,200 @@
+"""What a type has taught: its text to the letter, every limit of it met exactly, and its beliefs written out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from axiscal.error_model.model import ErrorModel
+from axiscal.estimation.case import Inherited, Rival
+from axiscal.estimation.membership import shares_of_rivals
+from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, individual, is_type_text, rivals, type_prior
+from axiscal.exceptions import RecordError
+from axiscal.inference.weighted_fit import Fitted
+from axiscal.machine import machine_from_text
+from tests.generators.laser_axis import CASE, machine, read
+
+TEXT = """
+chain = "w-X'-b-Y-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Y]
+travel = ["0 mm", "300 mm"]
+[errors]
+EXX = { std = "10 um", length = "200 mm", knots = 4 }
+EYY = { std = "8 um", length = "100 mm", knots = 5 }
+EXX_reversal = { std = "2 um" }
+EC0Y = { std = "30 urad" }
+"""
+ERRORS = ErrorModel(machine_from_text(TEXT))
+SIZE = ERRORS.size
+LEARNED = {"EXX": Learned(0.25, 0.1, 0.5, 0.2), "C0Y": Learned(3.0, 0.0, 1.0, 0.0)}
+
+
+def taught() -> TypePrior:
+    """Return a type whose numbers are any."""
+    rng = np.random.default_rng(1)
+    root, half = 5e-6 * rng.standard_normal((2, SIZE, SIZE))
+    records = (SisterRecord("a.axiscal", "12", 30), SisterRecord("b.axiscal", "34", 0, "it has no readings"))
+    common, own = root @ root.T, half @ half.T
+    return TypePrior(TEXT, records, LEARNED, 3, 0.1, 1e-6 * rng.standard_normal(SIZE), common + own, own)
+
+
+def test_a_text_says_all_of_it_to_the_last_bit_and_again() -> None:
+    found = taught()
+    again = type_prior(found.text())
+    for name in ("mean", "covariance", "own"):
+        assert np.array_equal(getattr(again, name), getattr(found, name))
+    for name in ("machine_text", "records", "learned", "directions", "doubt", "fine_knots"):
+        assert getattr(again, name) == getattr(found, name)
+    assert again.text() == found.text()
+    assert type_prior(replace(found, fine_knots=True).text()).fine_knots
+    assert [record.file for record in found.counted] == ["a.axiscal"]
+    assert is_type_text(found.text())
+    assert not is_type_text(json.dumps({"created": {}}))
+
+
+def changed(change: Callable[[dict[str, Any]], object], digest: bool = False) -> str:
+    """Return the text after a change.  digest : the one of before stays"""
+    document = json.loads(taught().text())
+    if not digest:
+        del document["digest"]
+    change(document)
+    return json.dumps(document)
+
+
+def test_a_text_without_a_digest_is_as_it_was_and_one_that_does_not_fit_is_refused() -> None:
+    assert type_prior(changed(lambda document: None)).doubt == 0.1
+    assert type_prior(changed(lambda document: None, digest=True)).doubt == 0.1
+    with pytest.raises(RecordError, match="its digest does not fit"):
+        type_prior(changed(lambda document: document.update(doubt=0.2), digest=True))
+
+
+def learned(**fields: float) -> Callable[[dict[str, Any]], object]:
+    """Return what changes what was learnt of one error."""
+    return lambda document: document["learned"]["EXX"].update(fields)
+
+
+def values(**fields: object) -> Callable[[dict[str, Any]], object]:
+    """Return what changes fields of the document."""
+    return lambda document: document.update(fields)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        *(learned(share=share) for share in (0.0, 1.0)),
+        *(learned(scale=scale) for scale in (1e-300, 1e300)),
+        *(learned(scale_std=0.0, share_std=std) for std in (0.0, 1e9)),
+        *(values(doubt=doubt) for doubt in (1e-300, 1 - 1e-16)),
+        values(fine_knots=True),
+        values(records=[]),
+        values(learned={}),
+    ],
+)
+def test_what_just_can_be_is_read(change: Callable[[dict[str, Any]], object]) -> None:
+    type_prior(changed(change))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        *((learned(share=share), "no size above zero") for share in (-1e-300, 1.0 + 1e-15, np.nan)),
+        *((learned(scale=scale), "no size above zero") for scale in (0.0, -1.0, np.inf, np.nan)),
+        *((learned(scale_std=std), "no size above zero") for std in (-1e-300, np.inf, np.nan)),
+        *((learned(share_std=std), "no size above zero") for std in (-1e-300, np.inf, np.nan)),
+        *((values(doubt=doubt), "no doubt between 0 and 1") for doubt in (0.0, 1.0, -0.1, np.nan)),
+        (values(mean=[0.0] * (SIZE - 1)), "a triangle of"),
+        (values(mean=[0.0] * (SIZE - 1) + [np.inf]), "all of them finite"),
+        (values(schema="axiscal-type/2"), "of the form"),
+        (values(own="####"), "cannot be read"),
+        (values(own=""), "a triangle of"),
+        (lambda document: document["records"][0].update(readings=1.5), "no file with a digest and a count"),
+        (lambda document: document["records"][0].update(digest=None), "no file with a digest and a count"),
+        (lambda document: document.pop("doubt"), "cannot be read"),
+    ],
+)
+def test_what_cannot_be_is_refused(change: Callable[[dict[str, Any]], object], said: str) -> None:
+    with pytest.raises(RecordError, match=said):
+        type_prior(changed(change))
+
+
+@pytest.mark.parametrize("name", ["covariance", "own"])
+def test_a_matrix_that_is_no_covariance_is_refused(name: str) -> None:
+    found = taught()
+    matrix = getattr(found, name).copy()
+    values, vectors = np.linalg.eigh(matrix)
+    for least, good in ((0.0, True), (-0.1, False)):
+        bent = (vectors * np.r_[least * values[-1], values[1:]]) @ vectors.T
+        text = replace(found, **{name: (bent + bent.T) / 2}).text()
+        if good:
+            type_prior(text)
+        else:
+            with pytest.raises(RecordError, match="is none"):
+                type_prior(text)
+
+
+@pytest.mark.parametrize(("doubt", "told"), [(None, 0.1), (0.4, 0.4)])
+def test_the_beliefs_are_those_of_the_first_lines_of_the_module(doubt: float | None, told: float) -> None:
+    found, stated = taught(), ERRORS.prior_covariance()
+    expected = {
+        "like its sisters": (1 - told, found.mean, found.covariance),
+        "like its sisters, and 2.4 times as far from them": (0.3 * told, found.mean, 6.0 * found.covariance),
+        "like its sisters but for X": (
+            0.15 * told,
+            found.mean,
+            found.covariance + _where(stated, "EXX", "EXX_reversal"),
+        ),
+        "like its sisters but for Y": (0.15 * told, found.mean, found.covariance + _where(stated, "EYY", "C0Y")),
+        "as stated, in the sizes of its type": (0.2 * told, np.zeros(SIZE), _sized(stated)),
+        "as stated, and up to twice as large": (0.2 * told, np.zeros(SIZE), 4.0 * stated),
+    }
+    side_by_side = rivals(found, ERRORS, doubt)
+    assert [rival.name for rival in side_by_side] == list(expected)
+    assert sum(rival.weight for rival in side_by_side) == pytest.approx(1.0, abs=1e-15)
+    for rival in side_by_side:
+        weight, mean, covariance = expected[rival.name]
+        assert rival.weight == pytest.approx(weight)
+        assert np.abs(rival.belief.mean - mean).max() < 1e-12
+        assert np.abs(rival.belief.covariance - covariance).max() < 1e-15
+    assert np.abs(individual(found, ERRORS) - found.own).max() < 1e-15
+
+
+def _where(matrix: np.ndarray[Any, np.dtype[np.float64]], *names: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return what of a matrix stands between the unknowns of the same of these errors."""
+    kept = np.zeros_like(matrix)
+    for name in names:
+        columns = next(term.columns for term in ERRORS.terms if term.name == name)
+        kept[columns, columns] = matrix[columns, columns]
+    return kept
+
+
+def _sized(stated: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    sized, factors = stated.copy(), {name: each.scale for name, each in LEARNED.items()}
+    for name, factor in factors.items():
+        sized += (factor - 1) * _where(stated, name)
+    return sized
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_how_probable_each_belief_is_after_readings_is_bayes_rule_written_out(seed: int) -> None:
+    readings, size = read(machine(seed), 12), CASE.errors.size
+    stated = CASE.errors.prior_covariance()
+    beliefs = [Rival(f"{factor:g}", weight, Inherited(np.full(size, shift), factor * stated))
+               for factor, weight, shift in ((1.0, 0.2, 0.0), (0.3, 0.5, 1e-6), (4.0, 0.6, 0.0))]  # fmt: skip
+    expected = []
+    for rival in beliefs:
+        numbers = Fitted.of(CASE.observation, readings, (rival.belief.mean, rival.belief.covariance))
+        seen = multivariate_normal(cov=numbers.covariance())
+        expected.append(np.log(rival.weight) + float(seen.logpdf(numbers.values)))
+    shares = np.exp(np.array(expected) - max(expected))
+    found = shares_of_rivals(beliefs, replace(CASE, inherited=beliefs[-1].belief), readings, {})
+    assert found == pytest.approx(shares / shares.sum(), rel=1e-5)
+    before = np.array([0.2, 0.5, 0.6]) / 1.3
+    assert shares_of_rivals(beliefs, CASE, [], {}) == pytest.approx(before)

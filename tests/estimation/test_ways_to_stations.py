@@ -1,0 +1,167 @@
+"""Starts, shares and polish each by itself: exact distances, scipy's least squares, and what each share promises."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from axiscal.estimation.case import Case
+from axiscal.estimation.progressive import shares as shares_module
+from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.progressive.polish import polished
+from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive.starts import closed_form, mirrored, tips
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from benchmarks.nonlinear.stations import read, tracers
+
+CASE = tracers("300 mm", "100 mm")
+SIZE = CASE.errors.size
+TRUTH = np.array([0.12, -0.21, 0.05])
+ZERO = 0.031
+
+
+def exact(case: Case, poses: Sequence[tuple[float, float, float]], index: int = 0) -> list[Reading]:
+    """Return what a tracer shows that stands off by TRUTH, of a machine without errors."""
+    setup = case.description.setups[index]
+    bare = [Reading(setup.name, pose, (1, 1, 1), 0.0, time=0.0) for pose in poses]
+    stated, dead = np.array(setup.standing[0]), ZERO if "zero" in {u.name for u in setup.unknowns} else 0.0
+    places = tips(case, bare)
+    shown = np.linalg.norm(places - stated - TRUTH, axis=1) - np.linalg.norm(places - stated, axis=1) - dead
+    return [replace(each, value=float(value)) for each, value in zip(bare, shown, strict=True)]
+
+
+def found(case: Case, readings: Sequence[Reading]) -> tuple[Array, float]:
+    """Return where the first station is found by closed form, and its dead path."""
+    point = closed_form(case, readings, case.prior.mean)
+    columns = case.station_columns(0)[0]
+    own = dict(zip((u.name for u in case.description.setups[0].unknowns), case.observation.unknowns_of(0), strict=True))
+    rest = np.delete(point - case.prior.mean, [*columns, *([own["zero"]] if "zero" in own else [])])
+    assert not rest.any()
+    return point[list(columns)], float(point[own["zero"]]) if "zero" in own else 0.0
+
+
+POSES = [(0.0, 0.0, 0.0), (0.5, 0.0, 0.1), (0.0, 0.4, 0.2), (0.5, 0.4, 0.3), (0.2, 0.1, 0.35), (0.3, 0.3, 0.05)]
+
+
+def test_six_exact_distances_give_the_station_and_its_dead_path() -> None:
+    station, zero = found(CASE, exact(CASE, POSES))
+    assert station == pytest.approx(TRUTH, abs=1e-9)
+    assert abs(zero) == pytest.approx(ZERO, abs=1e-9)
+    shown = CASE.observation.shown(
+        0, np.array(POSES), np.ones((6, 3)), closed_form(CASE, exact(CASE, POSES), CASE.prior.mean)
+    )
+    assert shown[:, 0] == pytest.approx([each.value for each in exact(CASE, POSES)], abs=1e-9)
+
+
+def test_five_distances_and_those_from_one_plane_leave_the_station_where_it_is_stated() -> None:
+    assert not found(CASE, exact(CASE, POSES[:5]))[0].any()
+    flat = [(x, y, 0.2) for x, y, _ in POSES]
+    assert not found(CASE, exact(CASE, [*flat, (0.1, 0.3, 0.2)]))[0].any()
+    assert found(CASE, exact(CASE, [*flat, (0.1, 0.3, 0.21)]))[0] == pytest.approx(TRUTH, abs=1e-7)
+
+
+def test_without_a_dead_path_the_station_is_found_as_well() -> None:
+    setups = tuple(
+        replace(setup, unknowns=tuple(u for u in setup.unknowns if u.name != "zero"))
+        for setup in CASE.description.setups
+    )
+    case = Case(replace(CASE.description, setups=setups))
+    station, zero = found(case, exact(case, POSES))
+    assert station == pytest.approx(TRUTH, abs=1e-9)
+    assert zero == 0.0
+
+
+def test_an_image_is_as_far_from_every_place_of_a_plane_and_behind_it() -> None:
+    flat = [(x, y, 0.2) for x, y, _ in POSES]
+    readings = exact(CASE, flat)
+    (image,) = mirrored(CASE, readings, CASE.prior.mean, 0)
+    columns = list(CASE.station_columns(0)[0])
+    stated, places = np.array(CASE.description.setups[0].standing[0]), tips(CASE, readings)
+    station, behind = stated + CASE.prior.mean[columns], stated + image[columns]
+    assert np.linalg.norm(places - station, axis=1) == pytest.approx(np.linalg.norm(places - behind, axis=1))
+    assert (station - places[0])[2] == pytest.approx(-(behind - places[0])[2])
+    assert not np.delete(image - CASE.prior.mean, columns).any()
+    assert mirrored(CASE, readings[:4], CASE.prior.mean, 0)
+    assert mirrored(CASE, readings[:3], CASE.prior.mean, 0) == []
+    assert mirrored(CASE, readings, CASE.prior.mean, 1) == []
+
+
+def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
+    _, readings = read(CASE, 3)
+    problem = BentReadings(CASE, readings)
+
+    def left(z: Array) -> Array:
+        both: Array = np.r_[z, problem.left(problem.start + problem.root @ z)]
+        return both
+
+    start = closed_form(CASE, readings, CASE.prior.mean)
+    found = polished(problem, start)
+    z, before = problem.whitened(found.point), problem.whitened(start)
+    assert found.cost < float(left(before) @ left(before)) / 2
+    assert found.cost == pytest.approx(float(left(z) @ left(z)) / 2)
+    by_scipy = least_squares(left, z, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    assert found.cost == pytest.approx(float(by_scipy.cost), rel=1e-9)
+    assert np.abs(by_scipy.x - z).max() < 1e-5
+    again = polished(problem, found.point)
+    assert again.cost <= found.cost
+    assert problem.whitened(again.point) == pytest.approx(z, abs=1e-6)
+    from_far = polished(problem, CASE.prior.mean)  # 300 mm off, by damping alone
+    assert from_far.cost == pytest.approx(found.cost, rel=1e-6)
+
+
+def test_each_share_is_nearly_linear_against_the_noise_that_it_leaves_and_they_make_up_the_whole() -> None:
+    _, readings = read(CASE, 0)
+    problem = BentReadings(CASE, readings)
+    way = shares(problem)
+    assert (way[0].gamma, way[-1].gamma) == (0.0, 1.0)
+    assert not way[0].z.any()
+    assert np.array_equal(way[0].triangle, np.eye(SIZE + 16))
+    for here, after in pairwise(way):
+        step = after.gamma - here.gamma
+        allowed = min(1.0 - here.gamma, 0.25 / here.worst**2)
+        halved = round(np.log2(allowed / step))
+        assert 0 <= halved <= 6
+        assert step == pytest.approx(allowed / 2**halved)
+        assert after.worst * np.sqrt(step) <= 1.0 or halved == 6
+        assert after.point == pytest.approx(problem.start + problem.root @ after.z)
+    last = way[-1]
+    numbers = problem.at(last.point)
+    slopes = numbers.rows @ problem.root / np.sqrt(numbers.variances)[:, None]
+    information = np.eye(SIZE + 16) + slopes.T @ slopes
+    assert last.triangle.T @ last.triangle == pytest.approx(
+        information, rel=0.05, abs=0.05 * np.diagonal(information).max()
+    )
+
+
+def test_where_all_is_linear_one_share_is_the_whole_and_is_plain_conditioning() -> None:
+    case = tracers("1 um", "1 um")
+    _, readings = read(case, 2)
+    problem = BentReadings(case, readings)
+    before, after = shares(problem)
+    assert (before.gamma, after.gamma) == (0.0, 1.0)
+    once = _conditioned(problem, problem.start)
+    twice = _conditioned(problem, problem.start + problem.root @ once)
+    assert np.abs(once - twice).max() > 1e-5
+    assert after.z == pytest.approx(twice, abs=1e-8)
+
+
+def _conditioned(problem: BentReadings, about: Array) -> Array:
+    """Return z after all readings, linearised about a point, by normal equations."""
+    numbers = problem.at(about)
+    slopes = numbers.rows @ problem.root / np.sqrt(numbers.variances)[:, None]
+    left = (numbers.values - numbers.rows @ problem.start) / np.sqrt(numbers.variances)
+    return np.asarray(np.linalg.solve(np.eye(slopes.shape[1]) + slopes.T @ slopes, slopes.T @ left), dtype=float)
+
+
+def test_shares_that_come_to_no_end_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, readings = read(CASE, 0)
+    monkeypatch.setattr(shares_module, "_MOST", 4)
+    way = shares(BentReadings(CASE, readings))
+    assert len(way) == 4
+    assert way[-1].gamma < 1.0
