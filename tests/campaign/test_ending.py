@@ -54,7 +54,7 @@ def test_an_unchecked_promise_reaches_a_target_by_what_readings_vouch_for_or_whe
 
 
 def test_where_a_promise_rests_on_statements_alone_the_verdict_says_that(gapped: Estimation) -> None:
-    """No more than 45 % of the variance: that is not most of it, and one machine in twenty is far worse."""
+    """No more than 45 % of the variance: that is not most of it, and one machine in fifty is far worse."""
     ruling, plain = ruling_of(gapped), replace(CASE.description.target, rms=None)
     promise = ruling.defence.promise
     rests_on = Resting((Statement("EXX_reversal", "", 3e-6),), 0.45, 0.67 * promise, 0.055, 1.01 * promise)

@@ -99,7 +99,9 @@ class RejectedReading(Fields):
 class DepartureValue(Fields):
     """An entry of `departures`: what the model does not hold and readings may not show, the most damaging first."""
 
-    name: str = Field(description="kind of departure, and the set-up or error it is of; statement: what is only stated")
+    name: str = Field(
+        description="kind of departure, and the set-up or error it is of; statement, noise: what is only stated"
+    )
     power: float = Field(description="probability that the readings show it where the truth is 1.5 times `rms_um`")
     seen_from_um: float | None = Field(description="size that they show with 90 %, in `unit`; null: not at any size")
     damage_um: float = Field(description="RMS that it does where they would only just show it")

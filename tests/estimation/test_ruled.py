@@ -118,3 +118,14 @@ def test_the_verdict_is_the_same_every_time() -> None:
     first, second = (ruled(concluded(CASE, readings)) for _ in range(2))
     assert ruling_of(first).verdict == ruling_of(second).verdict
     assert first.accuracy == second.accuracy
+
+
+@pytest.mark.parametrize("count", [10, 24])
+def test_what_is_said_to_be_open_is_what_the_verdict_is_about_where_the_headline_is_wider(count: int) -> None:
+    model = concluded(CASE, read(machine(1), count))
+    ruling = ruling_of(ruled(model))
+    assert ruling.verdict in ("unchecked", "holds")
+    assert ruling.standard > model.accuracy.rms
+    assert ruling.defence.promise == model.accuracy.rms
+    assert ruling.defence.u_def >= ruling.standard
+    assert (ruling.verdict == "unchecked") == ruling.defence.unchecked

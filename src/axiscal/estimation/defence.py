@@ -21,6 +21,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.scatter import Scatter, scattered
 from axiscal.estimation.statements import LeftOpen, Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
@@ -106,6 +107,7 @@ class Defence:
 
     u_def : m; promise : RMS over the volume as it is promised, m; readings : how many
     departures : the most damaging first; rests_on : statements that no reading shows, None where nothing rests on any
+    scatter : a noise that they do not tell from the machine, None where they tell
     """
 
     u_def: float
@@ -113,10 +115,18 @@ class Defence:
     readings: int
     departures: tuple[Departed, ...]
     rests_on: Resting | None = None
+    scatter: Scatter | None = None
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
         return replace(self, u_def=max(promise, self._shown, self._stated), promise=promise)
+
+    def at_least(self, size: float) -> Defence:
+        """Return it vouching for no less than a headline that is wider than the model; what is open stays so to that.
+
+        size : m. Bands and tables are the model's then, and it is the model's promise that the verdict is about.
+        """
+        return replace(self, u_def=max(self.u_def, size))
 
     @property
     def _shown(self) -> float:
@@ -126,7 +136,7 @@ class Defence:
     @property
     def _stated(self) -> float:
         """The least promise that can be vouched for beside what it rests on, m."""
-        return 0.0 if self.rests_on is None else self.rests_on.bearable
+        return max((each.bearable for each in (self.rests_on, self.scatter) if each is not None), default=0.0)
 
     @property
     def hides(self) -> bool:
@@ -168,7 +178,15 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
     made = EffectMap.of_numbers(case, numbers, root)
     found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
-    return replace(found, readings=len(readings), rests_on=rests_on).promising(promise)
+    scatter = scattered(case.observation, chosen, numbers, case.yardstick, _open_rests(case, stated))
+    return replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter).promising(promise)
+
+
+def _open_rests(case: Case, stated: Machine) -> set[str]:
+    """Return the errors whose rest is to be learnt."""
+    every = case.description.scales_estimated
+    curves = {each.name for each in stated.errors if every or each.rest_estimated}
+    return curves | {each.name for each in stated.planes if every or each.rest_estimated}
 
 
 def _rests_on(

@@ -7,7 +7,8 @@ Rules in this order: `contradicted` where the test fires and the likeliest expla
 the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
 were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise, or
 where a step or a detail, as large as curves are and anywhere, would with more than 5 % spoil the promise unseen, or
-where so much of it rests on what is stated alone that more than 2 % of machines that are as stated are far worse.
+where so much of it rests on what is stated alone that more than 2 % of machines that are as stated are far worse, or
+where it is small beside a noise that nothing tells from the machine.
 """
 
 from __future__ import annotations
@@ -73,7 +74,8 @@ def ruled(known: Estimation) -> Estimation:
     own = _expanded(known.banded)
     wide, figures = _no_narrower(known, own, mixture, moved, factor)
     accuracy = wide.case.yardstick.measure(wide.knowledge.belief)
-    checks, vouched = checked(known.case, readings, own.space), defence.promising(accuracy.rms)
+    checks = checked(known.case, readings, own.space)
+    vouched = defence.promising(accuracy.rms) if verdict == "widened" else defence.at_least(accuracy.rms)
     ruling = Ruling(
         verdict, comparison, figures, vouched, accuracy.rms, mixture.model, factor, checks, tuple(readings)
     )  # fmt: skip

@@ -13,11 +13,13 @@ from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence
+from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting, Statement
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.planning.next_readings import guarding
 from axiscal.units import said_quantity, to_unit
 
@@ -75,12 +77,43 @@ def _planned(case: Case, plan: Plan) -> list[Reading]:
 
 def vouched_words(case: Case, found: Defence) -> str:
     """Return in sentences what readings can vouch for, and what they could not show if that is much more."""
-    rests_on = found.rests_on if found.rests else None
-    size, open_ones = said_quantity(found.u_def, "um"), _open(found)
+    parts, size = [], said_quantity(found.u_def, "um")
+    rests_on, scatter = rests_on_too_much(found), scatters_too_much(found)
+    if _open(found) or (rests_on is None and scatter is None):
+        parts.append(_shown_words(case, found))
     if rests_on is not None:
-        stated = _statements_words(case, found, rests_on, size)
-        return put("{shown} {stated}", shown=_shown_words(case, found), stated=stated) if open_ones else stated
-    return _shown_words(case, found)
+        parts.append(_statements_words(case, found, rests_on, size))
+    if scatter is not None:
+        parts.append(_scatter_words(case, found, scatter, size))
+    return listed(" ", parts)
+
+
+def rests_on_too_much(found: Defence) -> Resting | None:
+    """Return the statements that spoil a promise, None where none do."""
+    return found.rests_on if found.rests_on is not None and found.rests_on.bearable > found.promise else None
+
+
+def scatters_too_much(found: Defence) -> Scatter | None:
+    """Return the noise that spoils a promise, None where none does."""
+    return found.scatter if found.scatter is not None and found.scatter.bearable > found.promise else None
+
+
+def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> str:
+    """Return which noise readings do not tell from the machine, and what would tell."""
+    setup = case.description.setups[scatter.setup]
+    noise = said_quantity(scatter.std, _unit_read(setup))
+    what = counted(
+        'This {count} reading does not tell the noise of "{setup}" ({noise}) from what the machine does from place to '
+        "place; what can be vouched for is a standard uncertainty of {size}.",
+        'These {count} readings do not tell the noise of "{setup}" ({noise}) from what the machine does from place to '
+        "place; what can be vouched for is a standard uncertainty of {size}.",
+        found.readings,
+        setup=setup.name,
+        noise=noise,
+        size=size,
+    )
+    remedy = counted("Read {count} place once more.", "Read {count} places once more.", scatter.lacking)
+    return put("{what} {remedy}", what=what, remedy=remedy)
 
 
 def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) -> str:
@@ -175,7 +208,9 @@ def vouched_of(case: Case, found: Defence) -> Vouched:
 
 def departure_rows(case: Case, found: Defence) -> list[dict[str, Any]]:
     """Return the departures of a document, the most damaging first; before them what a promise rests on too much."""
-    rows = [_statement_row(case, found.rests_on)] if found.rests_on is not None and found.rests else []
+    rests_on, scatter = rests_on_too_much(found), scatters_too_much(found)
+    rows = [] if rests_on is None else [_statement_row(case, rests_on)]
+    rows += [] if scatter is None else [_scatter_row(case, scatter)]
     for each in found.departures:
         unit = _unit(case, each)
         rows.append(
@@ -206,6 +241,20 @@ def _statement_row(case: Case, rests_on: Resting) -> dict[str, Any]:
     }
 
 
+def _scatter_row(case: Case, scatter: Scatter) -> dict[str, Any]:
+    setup = case.description.setups[scatter.setup]
+    return {
+        "name": f"noise {setup.name}",
+        "power": 0.0,
+        "seen_from_um": None,
+        "damage_um": _figure(to_unit(scatter.effect, "um")),
+        "hidden": 0.0,
+        "bearable_um": _figure(to_unit(scatter.bearable, "um")),
+        "unit": _unit_read(setup),
+        "counted": True,
+    }
+
+
 def _figure(value: float) -> float:
     """Return six digits of a number."""
     return float(f"{value:.6g}")
@@ -230,9 +279,13 @@ def _limit(case: Case, each: Departed) -> str:
 
 def _unit(case: Case, each: Departed) -> str:
     """Return the unit of the size of a departure."""
-    names = {setup.name: INSTRUMENTS[setup.instrument].reads for setup in case.description.setups}
-    if each.owner in names and each.family in ("drift", "levelling"):
-        return "um" if names[each.owner] == "length" else "urad"
+    setups = {setup.name: setup for setup in case.description.setups}
+    if each.owner in setups and each.family in ("drift", "levelling"):
+        return _unit_read(setups[each.owner])
     if each.family == "together":
         return "um"
     return "urad" if case.errors.names[each.owner].angular else "um"
+
+
+def _unit_read(setup: Setup) -> str:
+    return "um" if INSTRUMENTS[setup.instrument].reads == "length" else "urad"
