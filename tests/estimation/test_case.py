@@ -1,0 +1,167 @@
+"""What a case makes of its description: the prior, where stations are found, which scales vary, which sides count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case, Inherited, Rival
+from axiscal.exceptions import DescriptionError
+from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.time_taken import first_seconds, reading_seconds
+from benchmarks.nonlinear.stations import at_once, bars, tracers
+from tests.generators import laser_axis
+from tests.generators.campaigns import drawn, mixed
+
+LASER = laser_axis.CASE
+
+
+def moved(case: Case, shifts: Sequence[float], index: int = 1) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Return the mean of the prior with one station moved, m."""
+    mean = case.prior.mean.copy()
+    mean[list(case.station_columns(index)[0])] += shifts
+    return mean
+
+
+def test_what_was_inherited_is_the_prior_of_the_errors_and_of_nothing_else() -> None:
+    size, rng = LASER.errors.size, np.random.default_rng(1)
+    root = 1e-6 * rng.standard_normal((size, size))
+    belief = Inherited(1e-6 * rng.standard_normal(size), root @ root.T)
+    stated, found = LASER.prior, replace(LASER, inherited=belief).prior
+    assert np.array_equal(found.mean[:size], belief.mean)
+    assert found.covariance[:size, :size] == pytest.approx(belief.covariance, abs=1e-20)
+    assert found.covariance[size:, size:] == pytest.approx(stated.covariance[size:, size:])
+    assert not found.covariance[:size, size:].any()
+    assert not stated.mean.any()
+    assert stated.size > size
+
+
+def test_each_of_its_rivals_is_a_side_and_without_them_it_is_its_own() -> None:
+    rivals = tuple(Rival(name, 0.5, Inherited(np.full(LASER.errors.size, shift), np.eye(LASER.errors.size)))
+                   for name, shift in (("one", 1e-6), ("other", 2e-6)))  # fmt: skip
+    sides = replace(LASER, rivals=rivals).sides
+    assert [float(side.prior.mean[0]) for side in sides] == pytest.approx([1e-6, 2e-6])
+    assert all(side.rivals == () for side in sides)
+    assert LASER.sides == (LASER,)
+
+
+def test_candidates_are_four_for_each_unknown_but_not_too_few_nor_too_many() -> None:
+    assert LASER.observation.size < 50
+    assert len(LASER.lattice.poses) == pytest.approx(200, rel=0.1)
+    case = mixed()
+    assert 50 < case.observation.size < 375
+    assert len(case.lattice.poses) == pytest.approx(4 * case.observation.size, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("case", "bends"),
+    [(tracers("1 mm", "1 mm"), True), (bars("1 mm", "1 mm"), True), (at_once("1 mm", "1 mm"), True), (LASER, False)],
+)
+def test_only_a_station_that_its_readings_have_to_find_bends(case: Case, bends: bool) -> None:
+    assert case.bends == bends
+
+
+def test_stations_are_found_where_the_mean_has_them_and_stay_when_they_move_by_nothing() -> None:
+    case = tracers("1 mm", "1 mm")
+    there = case.located(moved(case, (1e-3, -2e-3, 3e-3)))
+    assert there is not None
+    setups = there.description.setups
+    assert setups[1].found == pytest.approx((1e-3, -2e-3, 3e-3))
+    assert [setup.found for setup in (setups[0], *setups[2:])] == [None] * 3
+    assert case.located(moved(case, (0.0, 0.0, 0.0))) is None
+    assert case.located(moved(case, (0.99e-8, -0.99e-8, 0.0))) is None
+    assert case.located(moved(case, (0.0, 0.0, -1.01e-8))) is not None
+    again = there.located(moved(there, (1e-3 + 0.9e-8, -2e-3, 3e-3)))
+    assert again is None
+    further = there.located(moved(there, (1e-3 + 1.1e-8, -2e-3, 3e-3)))
+    assert further is not None
+    assert further.description.setups[1].found == pytest.approx((1e-3 + 1.1e-8, -2e-3, 3e-3), abs=1e-12)
+
+
+def test_columns_of_stations_are_those_of_their_unknowns() -> None:
+    case, together = tracers("1 mm", "1 mm"), at_once("1 mm", "1 mm")
+    names = [unknown.name for unknown in case.observation.unknowns]
+    for index in range(4):
+        ((x, y, z),) = case.station_columns(index)
+        assert [names[column - case.errors.size] for column in (x, y, z)] == list(SHIFTS)
+        assert {x, y, z} <= set(case.observation.unknowns_of(index).tolist())
+    assert len(together.station_columns(0)) == 4
+    assert len({column for station in together.station_columns(0) for column in station}) == 12
+    assert LASER.station_columns(0) == ()
+
+
+def test_another_case_lends_where_readings_are_linear_and_nothing_else() -> None:
+    case = tracers("1 mm", "1 mm")
+    other = case.linear_about(moved(case, (1e-3, 0.0, 0.0)))
+    lent = case.linear_as(other)
+    assert [setup.found for setup in lent.description.setups] == [setup.found for setup in other.description.setups]
+    assert lent.about is other.about
+    assert lent.description.machine is case.description.machine
+    assert other.about is not None
+    assert not other.about.bent
+    assert len(other.about.point) == case.errors.size + len(case.observation.unknowns)
+    assert case.linear_about(case.prior.mean, bent=True).errors is not case.errors
+
+
+def test_only_rests_that_are_named_are_others() -> None:
+    wider = mixed().with_rests({"EXX": 7e-7})
+    before = {error.name: error.rest for error in mixed().description.machine.errors}
+    assert {error.name: error.rest for error in wider.description.machine.errors} == {**before, "EXX": 7e-7}
+
+
+def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_noises_and_rests_alone() -> None:
+    assert LASER.variable == ()
+    learning = mixed('scales = "estimate"')
+    kinds = {scale.kind for scale in learning.variable}
+    assert {"noise", "rest"} < kinds
+    size = learning.errors.size
+    left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).variable
+    assert left == tuple(scale for scale in learning.variable if scale.kind in ("noise", "rest"))
+
+
+def test_a_way_has_the_seconds_of_its_readings_one_after_the_other() -> None:
+    case = mixed()
+    readings = drawn(case, 9)
+    order = [*readings[:5], readings[6], readings[8]]
+    one_by_one = [case.seconds_of(last, each) for last, each in zip((None, *order), order, strict=False)]
+    assert case.seconds_along(None, order) == pytest.approx(one_by_one)
+    assert case.seconds_along(readings[7], order)[0] == first_seconds(case.description.setup(order[0].setup))
+    same = case.seconds_along(order[0], [order[0]])[0]
+    assert same == pytest.approx(reading_seconds(case.description.setup(order[0].setup)), abs=30.0)
+    assert same < case.seconds_of(order[0], readings[8])
+    assert case.seconds_along(None, []).shape == (0,)
+
+
+SIDES = """machine = "m"
+[target]
+readings = 1
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "{approach}"
+"""
+
+
+@pytest.mark.parametrize(
+    ("approach", "allowed"), [("+", (1,)), ("-", (-1,)), ("both", (1, -1))], ids=["from below", "from above", "both"]
+)
+def test_a_reading_comes_as_allowed_where_a_reversal_shows(approach: str, allowed: tuple[int, ...]) -> None:
+    for text, reverses in ((laser_axis.MACHINE, True), (laser_axis.MACHINE.replace("EXX_reversal", "EYX"), False)):
+        case = Case(campaign_from_texts(SIDES.format(approach=approach), "c.toml", text, "m"))
+        for side in (1, -1, 0):
+            reading = Reading("laser", (0.5,), (side,), 0.0)
+            assert case.came_as_allowed(reading) == (side in allowed or not reverses)
+            assert replace(case, both=frozenset({"laser"})).came_as_allowed(reading) == (side != 0 or not reverses)
+
+
+def test_a_set_up_is_found_by_its_name_alone() -> None:
+    case = mixed()
+    assert [case.index(name) for name in ("probe", "nest")] == [0, 1]
+    with pytest.raises(DescriptionError):
+        case.index("laser")
