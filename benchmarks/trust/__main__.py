@@ -121,10 +121,10 @@ unknown, which is above 1.5 times the promise in 13 % of machines where everythi
 rests on what is stated alone, and is `unchecked`. With the tool stated to 5 µm so much still is of tool and axis lines
 together, and of right machines more than one in fifty is 1.5 times as far off for it: `unchecked` as well where scales
 are stated (known to 2 µm the tool leaves little enough). Whoever states the tool to 5 µm while it is 50 µm longer is
-told no more than that. Where scales are learnt they make room for what is wrong: a rest that is larger than stated
-explains two dozen readings of a reversal that varies about as well as that does, and some such machines stay silent.
-Even and random places leave gaps in which a step or a bump could hide, and a verdict is `unchecked` for it on right
-machines too: a plan leaves none.
+told no more than that. Where scales are learnt they make room for what is wrong. So a departure with the scales as
+stated is compared with them too, and a reversal that varies is mostly found; where a larger rest explains two dozen
+readings as well, some such machines stay silent. Even and random places leave gaps in which a step or a bump could
+hide, and a verdict is `unchecked` for it on right machines too: a plan leaves none.
 (`make trust PART=attacks MACHINES={machines}`; it goes on where it was stopped, and `MINUTES=30` stops it.)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.prior import between_knots
+from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
 from axiscal.inference.mixture import mixture
 from axiscal.inference.scales import Scale, log_prior_precision
@@ -28,8 +29,20 @@ def test_draws_give_the_moments_of_a_density_that_is_no_normal() -> None:
     heights = np.exp(grid - np.exp(grid) - grid**2 / 8)
     expected = float(np.sum(heights * np.exp(2 * grid)) / np.sum(heights))
     assert found.mean_square(0) == pytest.approx(expected, rel=0.15)
+    assert found.whole == pytest.approx(float(np.log(np.sum(heights) * (grid[1] - grid[0]))), abs=0.05)
     assert found.size > 60
     assert found.weights.sum() == pytest.approx(1.0)
+
+
+def test_how_probable_readings_are_at_any_scales_is_the_mean_over_draws_from_their_prior() -> None:
+    observation = observed('noise = "1 um"')
+    scales = (Scale("std", "EXX", 10e-6), Scale("noise", "it", 1e-6))
+    readings = _read(observation, 12)
+    found, evidence = fit(observation, readings, scales), Evidence(observation, readings, scales)
+    covariance = np.linalg.inv(log_prior_precision(scales))
+    drawn = np.random.default_rng(0).multivariate_normal(np.zeros(2), covariance, 20_000)
+    logs = np.array([evidence.log_likelihood(each) for each in drawn])
+    assert found.averaged == pytest.approx(logs.max() + np.log(np.mean(np.exp(logs - logs.max()))), abs=0.1)
 
 
 def test_where_the_readings_say_nothing_the_draws_are_as_wide_as_the_prior() -> None:

@@ -47,6 +47,15 @@ def test_what_two_axes_do_together_is_no_silent_failure(scales: str) -> None:
     assert np.exp(np.mean(np.log([each.ratio for each in found]))) < 1.5
 
 
+def test_scales_that_were_learnt_hide_no_departure_that_the_stated_ones_show() -> None:
+    """Rests of three times as stated explain a reversal that varies; with those that are stated it explains more."""
+    varies = BY_WORDS["reversal that varies, 8 µm"]
+    found = [outcome(varies, "planned", "estimate", seed) for seed in (20_269_001, 20_269_022)]
+    assert {each.word for each in found} == {"widened"}
+    right = outcome(BY_WORDS["nothing"], "planned", "estimate", 20_269_001)
+    assert right.word == "holds"
+
+
 def test_what_is_in_another_unit_is_refused_and_a_turned_sign_is_not_seen() -> None:
     assert outcome(BY_WORDS["values in mm, read as µm"], "even", "stated", 1).word == "refused"
     turned = outcome(BY_WORDS["sign turned"], "even", "stated", 1)

@@ -5,10 +5,10 @@
 
 Rules in this order: `contradicted` where the test fires and the likeliest explanation itself fits with p < 0.001, or
 the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
-were twenty to one at any time; `unchecked` where the readings could vouch for no less than 1.25 times the promise, or
-where a step or a detail, as large as curves are and anywhere, would with more than 5 % spoil the promise unseen, or
-where so much of it rests on what is stated alone that more than 2 % of machines that are as stated are far worse, or
-where it is small beside a noise that nothing tells from the machine.
+were twenty to one at any time, those with the stated scales against any too; `unchecked` where the readings could vouch
+for no less than 1.25 times the promise, or where a step or a detail, as large as curves are and anywhere, would with
+more than 5 % spoil the promise unseen, or where so much of it rests on what is stated alone that more than 2 % of
+machines that are as stated are far worse, or where it is small beside a noise that nothing tells from the machine.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
 from axiscal.estimation.vouching import defended
 from axiscal.inference.averaging import Average, average
-from axiscal.inference.contradiction import FEWEST, FITS, MOST, Comparison, compared
+from axiscal.inference.contradiction import FEWEST, FITS, MOST, SURE, Comparison, compared
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import drawn
 from axiscal.inference.terms import evidence_of
@@ -68,6 +68,7 @@ def ruled(known: Estimation) -> Estimation:
         return replace(known, ruling=Ruling("unchecked", comparison, own, defence, known.accuracy.rms))
     readings, comparison = _compared(known, readings)
     mixture = _average(known, readings)
+    comparison = _beside_what_is_stated(known, readings, comparison, mixture)
     verdict = _verdict(known, comparison, defence)
     factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
     moved = mixture.moved + _brought_back(known, readings) if verdict == "widened" else None
@@ -118,6 +119,20 @@ def _compared(known: Estimation, trusted: Sequence[Reading]) -> tuple[Sequence[R
             return readings, found
     chosen = drawn(trusted, MOST)
     return chosen, compared(observation, chosen, prior)
+
+
+def _beside_what_is_stated(
+    known: Estimation, readings: Sequence[Reading], comparison: Comparison, mixture: Average
+) -> Comparison:
+    """Return how departures explain readings at the stated scales where these say so and the learnt ones do not.
+
+    Scales that were learnt make room for whatever it is. Where a departure with the stated ones is likelier by twenty
+    to one than the model with any scales, the odds are an e-value as those of the stated model are.
+    """
+    if known.fit is None or comparison.contradicted or mixture.evalue < SURE:
+        return comparison
+    found = compared(known.stated.observation, readings, known.case.inherited)
+    return replace(found, evalue=mixture.evalue, highest=mixture.evalue, fits=comparison.fits)
 
 
 def _brought_back(known: Estimation, readings: Sequence[Reading]) -> Array | float:

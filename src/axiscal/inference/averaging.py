@@ -31,6 +31,8 @@ are believed where readings show them, and make no band wide where none could.
 """
 _NOTHING = 5e-4
 """Weight of a term that counts for nothing."""
+_SURELY_NOT = 1e-12
+"""Below what any odds are asked for."""
 
 
 class Term(NamedTuple):
@@ -56,6 +58,11 @@ class Average:
     rests: Mapping[str, float]
     model: float
     size: float
+
+    @property
+    def evalue(self) -> float:
+        """The evidence of departures against the model, other scales among it, at all scales that are averaged over."""
+        return MODEL / sum(PRIOR.values()) * (1.0 - self.model) / max(self.model, _SURELY_NOT)
 
 
 class _Sizes(NamedTuple):

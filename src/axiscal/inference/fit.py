@@ -53,6 +53,12 @@ class Fit:
         """By how much the readings are more probable than under what was stated: twice the log of the ratio."""
         return 2.0 * (self.found - self.stated)
 
+    @property
+    def averaged(self) -> float:
+        """Return log p(y), averaged over the scales by their prior, for curves as smooth as is likeliest."""
+        weak = log_prior_precision(self.scales.of)
+        return self.possible.whole + 0.5 * float(np.linalg.slogdet(weak / (2 * np.pi))[1])
+
 
 @one_thread()
 def fit(

@@ -9,6 +9,7 @@ draw share, 0.7 to 1.7, alone left a few of them. A curvature counts as no flatt
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -34,7 +35,7 @@ class Mixture:
     """Draws of the logarithms of the scales' factors.
 
     logs : (l, n), the first one the most probable; weights : (l,), sum 1
-    whole : log ∫ p(y | θ) p(θ) dθ, up to what does not depend on the density
+    whole : log ∫ of the density
     """
 
     logs: Array
@@ -77,7 +78,8 @@ def _drawn(density: Callable[[Array], float], best: Array, root: Array, count: i
     proposed = -(freedom + size) / 2 * np.log1p(np.sum(draws**2, axis=1) / freedom)
     ratios = np.array([density(each) for each in logs]) - proposed
     weights = np.exp(ratios - ratios.max())
-    whole = float(ratios.max() + np.log(np.mean(weights)) + np.linalg.slogdet(root)[1])
+    volume = math.lgamma(freedom / 2) - math.lgamma((freedom + size) / 2) + size / 2 * math.log(freedom * math.pi)
+    whole = float(ratios.max() + np.log(np.mean(weights)) + np.linalg.slogdet(root)[1]) + volume
     return Mixture(logs, weights / weights.sum(), whole)
 
 

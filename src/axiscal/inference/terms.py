@@ -41,11 +41,17 @@ def evidence_of(
 
 
 def _learnt(fit: Fit) -> list[Term]:
-    """Return the draws of a fit, about its most probable scales."""
+    """Return the draws of a fit, about its most probable scales, and beside all of them those that are stated.
+
+    Larger scales explain what a departure does as well, and where they were learnt no draw is left of those that were
+    stated: a departure from these is then not compared, however much better it explains the readings.
+    """
     best = np.log(np.array(fit.scales.factors))
     parts = sorted(fit.possible.parts(), key=lambda part: -part[1])[:_DRAWS]
     model = Term(np.zeros(len(best)), _NEVER, _NEVER)  # the mode gives the mean; the draws, the weights
-    return [model, *(Term(logs - best, float(np.log(w)), float(np.log(w))) for logs, w in parts)]
+    learnt = [Term(logs - best, float(np.log(w)), float(np.log(w))) for logs, w in parts]
+    stated = fit.stated - fit.averaged
+    return [model, *learnt, Term(-best, stated, stated)]
 
 
 def _stated(evidence: Evidence) -> list[Term]:
