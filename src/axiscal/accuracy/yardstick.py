@@ -129,14 +129,14 @@ class Yardstick:
         """Return the figures of a belief."""
         return self.figures(self.root.value(belief.factor), self.variances(belief.factor))
 
-    def along(self, belief: Belief, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
+    def along(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
         """Return the figures after each of many readings.
 
-        belief : before them; losses : (m, size) what each number takes off the covariance, d dᵀ
+        factor : F (n, r) before them; losses : (m, n) what each number takes off the covariance, d dᵀ
         ends : how many numbers there were after each reading
         """
         own = losses[:, : self.errors.size]
-        total, variances = self.root.value(belief.factor), self.variances(belief.factor)
+        total, variances = self.root.value(factor), self.variances(factor)
         totals = total - _summed(np.sum((own @ self.root.matrix.T) ** 2, axis=1))[ends]
         lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
         left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]

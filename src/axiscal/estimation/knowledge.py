@@ -70,7 +70,7 @@ class Block:
     def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
         """Return how well the machine was known after each reading."""
         ends = np.cumsum([each.degrees for each in self.innovations])
-        return yardstick.along(self.before.belief, self.losses, ends)
+        return yardstick.along(self.before.belief.factor, self.losses, ends)
 
 
 def block(knowledge: Knowledge, readings: Sequence[Reading], weights: Array) -> Block:

@@ -139,6 +139,16 @@ class Covariance:
             return state
         return replace(state, factor=informed(state.factor, state.whitened(places)[0]))
 
+    def losses(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
+        """Return what each number of readings takes off the covariance, d dᵀ, (m, n), and whose it is, (m,), in order.
+
+        With [Bᵀ; I] = Q U of the whitened rows B, the d of the first numbers are F times the first rows of Qᵀ, whatever
+        follows. The unknowns of the readings' cells are open; readings together, (r + m) m² operations.
+        """
+        scaled, owner = self.whitened(places)
+        apart = np.linalg.qr(np.vstack([scaled.T, np.eye(len(scaled))]))[0]
+        return apart[: scaled.shape[1]].T @ self.factor.T, owner
+
     def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
         """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
         rows, variances, owner = self.rows(places)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.design.gains.covariance import LowRank
+from axiscal.design.gains.covariance import Covariance, LowRank
+from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+
+_TOGETHER = 80
+"""Readings that are taken in at once: of speed, not of the result."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,3 +41,15 @@ class RunningAccuracy:
     def accuracy(self) -> Accuracy:
         """The figures."""
         return self.yardstick.figures(self.total, self.variances)
+
+
+def along(state: Covariance, yardstick: Yardstick, order: Places) -> Iterator[tuple[float, Accuracy]]:
+    """Yield J and the accuracy after each of many readings.  state : before the first"""
+    for start in range(0, len(order), _TOGETHER):
+        part = order.within(slice(start, start + _TOGETHER))
+        state = state.opened(part)
+        losses, owner = state.losses(part)
+        ends = np.searchsorted(owner, np.arange(len(part)), side="right")
+        values = state.value - np.cumsum(np.sum(state.root.of(losses.T) ** 2, axis=0))[ends - 1]
+        yield from zip(values.tolist(), yardstick.along(state.factor, losses, ends), strict=True)
+        state = state.after_readings(part)

@@ -170,15 +170,19 @@ class Scores:
 
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
-        member, numbers = self.members[slot], self._numbers(slot)
-        rows = self._padded(member)
-        state, change = self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
+        numbers, (state, change) = self._numbers(slot), self.known_without(slot)
         cross, reach = (column @ change.turn.T for column in self._columns(slot))
         here = change.turn @ reach[numbers]
         change = change._replace(omega=(here + here.T) / 2)
         self._changed(numbers, change, cross, reach)
         self.state, self.last = state, change
         return -change.gain
+
+    def known_without(self, slot: int) -> tuple[Covariance, LowRank]:
+        """Return the state without a reading of the plan, and what that would change."""
+        member = self.members[slot]
+        rows = self._padded(member)
+        return self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""

@@ -32,9 +32,9 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
 
-_HEAVIEST = 16
-"""Departures by which candidates are ruled out: of time. Of a demo's 3,011 they leave eleven or fewer."""
-_AT_ONCE = 64
+_HEAVIEST = (2, 16)
+"""Departures by which candidates are ruled out, few and then more: of time. Of a demo's 3,011 they leave 45 and twelve."""
+_AT_ONCE = 16
 """Candidates that are looked at in full together: of time."""
 _ROUNDING = 1e-10
 """Share of the objective by which a floor may be above it."""
@@ -132,9 +132,13 @@ class DefendedScores(Scores):
         """
         looked, those = self._looked_without(slot), np.flatnonzero(allowed)
         before, gains = float(self._goal.value(looked.standing)), np.full(len(self.pool), -np.inf)
-        floors = self._with_each(looked, those, self._goal.heaviest(looked.standing, _HEAVIEST))
         own = before - self.objective
-        most, best = before - floors + _ROUNDING * before, -np.inf if better is None else own * (1 + better)
+        best = -np.inf if better is None else own * (1 + better)
+        for count in _HEAVIEST:
+            floors = self._with_each(looked, those, self._goal.heaviest(looked.standing, count))
+            most = before - floors + _ROUNDING * before
+            able = ~(most < best - ALIKE * abs(best))
+            those, most = those[able], most[able]
         order = np.argsort(-most, kind="stable")
         for start in range(0, len(order), _AT_ONCE):
             part = order[start : start + _AT_ONCE]

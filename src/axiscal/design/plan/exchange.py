@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.plan.move_all import moved
@@ -114,19 +116,20 @@ def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
     """Put the best reading there is, on the lattice or off it, into a slot."""
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
-    old = scores.places.at(slot)
-    own = scores.leave(slot)
-    found = _climbed(scores, gains, old)
-    gain = scores.state.entered(found)[1].gain
-    scores.enter(found if gain > own * (1 + _BETTER) else old, slot)
+    state, change = scores.known_without(slot)
+    found = _climbed(scores.pool, state, gains, scores.places.at(slot))
+    if state.entered(found)[1].gain > -change.gain * (1 + _BETTER):  # tables are changed for what is better only
+        scores.leave(slot)
+        scores.enter(found, slot)
 
 
-def _climbed(scores: Scores, gains: Array, old: Places) -> Places:
+def _climbed(pool: Pool, state: Covariance, gains: Array, old: Places) -> Places:
     """Return the best reading found from a reading and the best candidates.
 
+    state : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    scorer, lattice = scores.pool.scorer(scores.state), scores.pool.lattice
+    scorer, lattice = pool.scorer(state), pool.lattice
     order = ranked(gains, ALIKE, _CANDIDATES)
     if np.all(np.isfinite(gains)) and _small(scorer, lattice):
         return best_of(scorer, lattice).place

@@ -17,7 +17,7 @@ import numpy as np
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.design.bound.lower_bound import Bound, lower_bound
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.running_accuracy import RunningAccuracy
+from axiscal.design.gains.running_accuracy import RunningAccuracy, along
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
@@ -162,13 +162,10 @@ def _bound(task: Task, limits: Limits, times: Clock, pool: Pool, trial: Trial) -
 
 def _plan(task: Task, limits: Limits, trial: Trial, bound: Bound | None, candidates: int) -> Plan:
     state, order = task.state, in_order(task, trial.scores.places)
-    meter = RunningAccuracy.of(task.yardstick, state.factor)
-    start, readings = meter.accuracy, list[PlannedReading]()
-    for i, seconds in enumerate(np.cumsum(seconds_each(task, order)).tolist()):
-        state, change = state.entered(order.at(i))
-        meter = meter.after(change)
-        readings.append(PlannedReading(state.value, meter.accuracy, seconds))
+    before = RunningAccuracy.of(task.yardstick, state.factor).accuracy
+    ends = np.cumsum(seconds_each(task, order)).tolist()
+    known = zip(along(state, task.yardstick, order), ends, strict=True)
+    readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     places = replace(order, approaches=arriving(task, order))
-    return Plan(
-        places, tuple(readings), state.value, start, limits.met(meter.accuracy), bound, candidates, trial.setups
-    )
+    value, accuracy = (readings[-1].value, readings[-1].accuracy) if readings else (state.value, before)
+    return Plan(places, readings, value, before, limits.met(accuracy), bound, candidates, trial.setups)
