@@ -106,6 +106,12 @@ def test_ruling_out_from_below_finds_the_candidate_that_looking_at_all_finds(tas
         assert found.candidate == best
         assert found.gain == pytest.approx(gains[best], rel=1e-9, abs=1e-12 * scores.objective)
         assert found.own == pytest.approx(own, rel=1e-12)
+        for better in (0.0, 0.02):
+            needed = scores.replacement(slot, allowed, better)
+            if gains[best] > own * (1 + better + 1e-6):
+                assert (needed.candidate, needed.gain) == (found.candidate, found.gain)
+            else:
+                assert not needed.gain > own * (1 + better + 1e-6)
     assert scores.replacement(0, np.zeros(len(scores.pool), dtype=bool)).gain == -np.inf
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
@@ -27,7 +28,7 @@ _BLOCK = 4096
 """Rows made at once: of memory, not of the result."""
 _NEAR = 81920
 """Numbers of rows that stay in the cache while they are multiplied: of speed, not of the result."""
-_FEW = 4
+_FEW = 6
 """Columns up to which one product each is faster: of speed, not of the result."""
 MEMORY = 1e9
 """Bytes that the rows of a lattice may take unless said otherwise."""
@@ -38,6 +39,7 @@ class _Block:
     """Candidates of one set-up.
 
     candidates, numbers : slices of the pool's candidates and of their numbers; rests : what those of cells do to them
+    rows : (numbers, c) over the unknowns that one of them feels, None where they are made anew; felt : (c,) which
     shown : by candidate, the cells that a reading there opens
     """
 
@@ -45,6 +47,7 @@ class _Block:
     candidates: slice
     numbers: slice
     rows: Array | None
+    felt: NDArray[np.intp]
     rests: RestsInCells
     shown: RestEffects
 
@@ -102,9 +105,9 @@ class Pool:
         for block in self._blocks:
             rows, into = self._rows(block), result[:, block.numbers]
             if len(columns) > _FEW:
-                into[:] = columns[:, : self.size] @ rows.T
+                into[:] = columns[:, block.felt] @ rows.T
             else:
-                _dotted(rows, columns[:, : self.size], into)
+                _dotted(rows, columns[:, block.felt], into)
         for block in self._blocks:
             self._add_cells_and_drifts(block, observation, columns, result[:, block.numbers])
         return result.T
@@ -121,7 +124,7 @@ class Pool:
         result = np.empty(len(self))
         columns = np.ascontiguousarray(vectors.T)
         for block in self._blocks:
-            seen = columns[:, : self.size] @ self._rows(block).T
+            seen = columns[:, block.felt] @ self._rows(block).T
             self._add_cells_and_drifts(block, observation, columns, seen)
             result[block.candidates] = np.einsum("ij,ij->j", seen, seen).reshape(-1, self._values(block)).sum(axis=1)
         return result
@@ -162,7 +165,7 @@ class Pool:
         count = self._values(block)
         inside = count * (index - block.candidates.start) + np.arange(count)
         result = np.zeros((count, observation.size))
-        result[:, : self.size] = self._rows(block)[inside]
+        result[:, block.felt] = self._rows(block)[inside]
         effects = block.rests.effects
         of = RestEffects(effects.functions, effects.reach[:, inside], effects.cells[:, inside])
         add_rests(of, np.zeros(len(of.functions)), observation.cell_columns.at(of), result, np.zeros(count))
@@ -201,8 +204,13 @@ class Pool:
     def _block(self, setup: int, candidates: slice) -> _Block:
         first, count = int(self.first[candidates.start]), int(self.values[candidates].sum())
         shown = cells_shown(self._bare, setup, self.lattice.poses[candidates])
-        block = _Block(setup, candidates, slice(first, first + count), None, self._rests(setup, candidates), shown)
-        return replace(block, rows=self._rows(block)) if self._kept else block
+        rests, every = self._rests(setup, candidates), np.arange(self.size)
+        block = _Block(setup, candidates, slice(first, first + count), None, every, rests, shown)
+        if not self._kept:
+            return block
+        rows = self._rows(block)
+        felt = np.flatnonzero(np.any(rows != 0, axis=0))
+        return replace(block, rows=np.ascontiguousarray(rows[:, felt]), felt=felt)
 
     def _rests(self, setup: int, candidates: slice) -> RestsInCells:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""

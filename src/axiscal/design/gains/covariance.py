@@ -23,6 +23,7 @@ from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution, solution_of_product
 from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.low_rank import take_off
 
 _MODERATE = 1e13
 """By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
@@ -121,8 +122,8 @@ class Covariance:
         seen = self.factor @ basis
         h: Array = seen * values
         z, omega = self.weighed(h)
-        taken = (seen * shrink) @ basis.T
-        np.subtract(self.factor, taken, out=taken)
+        taken = np.empty_like(self.factor)
+        take_off(self.factor, seen * shrink, basis.T, taken)
         change = LowRank(np.diag(weights), h, z, omega, turn / sizes, sizes[:, None] * turn.T)
         return replace(self, factor=taken), change
 

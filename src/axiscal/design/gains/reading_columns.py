@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
+from axiscal.numerics.low_rank import take_off
 
-_NEAR = 32768
-"""Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
 _WAITING = 48
 """Columns of changes that wait: of speed, not of the result."""
 _EVERY = slice(None)
@@ -102,14 +101,4 @@ class ReadingColumns:
             self._waiting = 0
 
     def _take_off(self, left: Array, right: Array) -> None:
-        take_off(self._columns, np.ascontiguousarray(right.T), left.T)
-
-
-def take_off(table: Array, left: Array, right: Array) -> None:
-    """Subtract a product of low rank in place, (m, k) −= (m, j) (j, k): 2 m k j operations, 16 m k bytes.
-
-    A few rows at a time, so that the product is taken off while it is near.
-    """
-    height = max(1, _NEAR // max(table.shape[1], 1))
-    for start in range(0, len(table), height):
-        table[start : start + height] -= left[start : start + height] @ right
+        take_off(self._columns, np.ascontiguousarray(right.T), left.T, self._columns)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -55,6 +56,14 @@ class LeftOver(NamedTuple):
     reach: Array
 
 
+class _Leaving(NamedTuple):
+    """What a reading does that leaves.  grown, omega : E and Ω (k, k); least : eigenvalue of E⁻¹, m²"""
+
+    grown: Array
+    omega: Array
+    least: float
+
+
 class Replacement(NamedTuple):
     """The best candidate for a slot, what it gains, and what the reading gains that holds the slot."""
 
@@ -84,6 +93,8 @@ class Scores:
         self.above, self.below, self.joint = pool.forms(state.scorer())
         self._followed: ReadingColumns | None = None
         self._rows: Array | None = None
+        self._starts: list[int] | None = None
+        self._leavings: dict[int, _Leaving] = {}
 
     def follow(self) -> ReadingColumns:
         """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
@@ -103,7 +114,7 @@ class Scores:
         other.members = list(self.members)
         other.above, other.below, other.joint = self.above.copy(), self.below.copy(), self.joint.copy()
         other._followed = None if self._followed is None else self._followed.copy()
-        other._rows = None  # written in place
+        other._rows, other._leavings = None, {}  # written in place
         return other
 
     @property
@@ -142,7 +153,7 @@ class Scores:
         for index in range(len(places)):
             mine = np.flatnonzero(owner == index)
             self.members.append(Member(rows[mine], float(variances[mine[0]])))
-        self._rows, self.places = None, Places.joined([self.places, places])
+        self._rows, self._starts, self.places = None, None, Places.joined([self.places, places])
         here = slice(start, start + len(rows))
         self._room(here)
         return self._taken(places, rows, here, self._noises[here.start - self.pool.count :])
@@ -186,8 +197,8 @@ class Scores:
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
-        self._rows = None
         self._cut(self._numbers(slot))
+        self._rows, self._starts, self._leavings = None, None, {}
         del self.members[slot]
         self.places = self.places.without(slot)
 
@@ -262,27 +273,34 @@ class Scores:
 
         Tables from which it is taken hold nothing of the rest; such a reading keeps its place.
         """
-        numbers, noise = self._numbers(slot), self.members[slot].variance
-        if numbers.stop - numbers.start == 1:
-            return False
-        crossed, _ = self.follow().of(slice(numbers.start - self.pool.count, numbers.stop - self.pool.count), numbers)
-        return float(np.linalg.eigvalsh(crossed)[-1]) > (1.0 - _ALONE) * noise
+        numbers = self._numbers(slot)
+        several = numbers.stop - numbers.start > 1
+        return several and self._left_by(slot).least < _ALONE * self.members[slot].variance
 
     def _leaving(self, slot: int) -> tuple[Array, Array]:
-        """Return E and Ω of a reading: without it C ← C + H E Hᵀ, and J rises by tr(E Ω); each (k, k).
+        """Return E and Ω of a reading: without it C ← C + H E Hᵀ, and J rises by tr(E Ω); each (k, k)."""
+        left = self._left_by(slot)
+        return left.grown, left.omega
 
-        E = (R − G C Gᵀ)⁻¹, Ω = G C W C Gᵀ with its rows G.
-        """
+    def _left_by(self, slot: int) -> _Leaving:
+        """Return the same and its least eigenvalue, kept until something enters or leaves."""
+        if slot not in self._leavings:
+            self._leavings[slot] = self._found_leaving(slot)
+        return self._leavings[slot]
+
+    def _found_leaving(self, slot: int) -> _Leaving:
+        """Return E = (R − G C Gᵀ)⁻¹ and Ω = G C W C Gᵀ of a reading with its rows G."""
         numbers, noise = self._numbers(slot), self.members[slot].variance
         here = numbers.start
         if numbers.stop - here == 1:
             spread, omega = float(self.below[here]) - noise, float(self.above[here])
-            return np.array([[1.0 / max(noise - spread, _SMALLEST * noise)]]), np.array([[omega]])
+            left = max(noise - spread, _SMALLEST * noise)
+            return _Leaving(np.array([[1.0 / left]]), np.array([[omega]]), left)
         own = slice(here - self.pool.count, numbers.stop - self.pool.count)
         crossed, reached = self.follow().of(own, numbers)
         values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed)
         grown: Array = vectors / np.maximum(values, _SMALLEST * noise) @ vectors.T
-        return grown, reached
+        return _Leaving(grown, reached, float(values[0]))
 
     def _columns(self, slot: int) -> tuple[Array, Array]:
         """Return rows times C Gᵀ and times C W C Gᵀ of a reading of the plan, each (numbers, k).
@@ -307,14 +325,16 @@ class Scores:
         """Return where the numbers of a reading of the plan stand."""
         if self.pool.scalar:
             return slice(self.pool.count + slot, self.pool.count + slot + 1)
-        start = self.pool.count + sum(len(member.rows) for member in self.members[:slot])
-        return slice(start, start + len(self.members[slot].rows))
+        if self._starts is None:
+            counts = [len(member.rows) for member in self.members]
+            self._starts = list(accumulate(counts, initial=self.pool.count))
+        return slice(self._starts[slot], self._starts[slot + 1])
 
     def _place(self, slot: int, place: Places, member: Member) -> None:
         """Put a reading into a slot, with room for as many numbers as it has."""
         if slot == len(self.members):
             self.members.append(member)
-            self.places = Places.joined([self.places, place])
+            self._starts, self.places = None, Places.joined([self.places, place])
             self._room(self._numbers(slot))
             if self._rows is not None:
                 self._rows = np.concatenate([self._stacked(), self._padded(member)])
@@ -324,7 +344,7 @@ class Scores:
             self._cut(self._numbers(slot))
         self.members[slot], self.places = member, self.places.exchanged(slot, place)
         if not same:
-            self._rows = None
+            self._rows, self._starts = None, None
             self._room(self._numbers(slot))
         elif self._rows is not None:
             here = self._numbers(slot)
@@ -367,6 +387,7 @@ class Scores:
         cross : rows times H = C Gᵀ, (numbers, k); reach : times Z = C W H
         """
         self.above, self.below, self.joint = self._after(change.eta, change.omega, cross, reach)
+        self._leavings = {}
         if self._followed is not None:
             scaled = cross @ change.eta
             self._followed.change(scaled, reach - scaled @ (change.omega / 2), cross)

@@ -163,12 +163,13 @@ class _Guarding:
 
     def best(self) -> _Tried:
         """Return the best plan with as many readings of each set-up as the first one, or that itself."""
-        tried = [self._first, *(self._tried(places) for places in self.plain())]
-        few = self._task.observation.size <= _MANY
-        starts = tried if few else tried[:1]
+        few, plain = self._task.observation.size <= _MANY, self.plain()
+        tried = starts = [self._first, *(self._tried(places) for places in plain if few)]
         for how in (_ROUGHLY, _FINELY)[: 1 + few]:
             roughly = [self._tried(self.exchanged(each.order, self._watched[how.humps], how)) for each in starts]
             tried = [*tried, *roughly, self._closely(self._best([self._first, *roughly]))]
+        if not few:
+            tried += [self._tried(places) for places in plain if self._could_be(places, self._best(tried))]
         best = self._best(tried)
         closed = [self._tried(places) for places in self.closed(best.order)]
         return self._best([self._first, best, *closed])
@@ -185,6 +186,11 @@ class _Guarding:
         found = self._tried(scores.places)
         many = self._task.observation.size > _MANY
         return found if many else self._best([found, self._closely(found)])
+
+    def _could_be(self, places: Places, best: _Tried) -> bool:
+        """Whether readings may vouch for as much as the best: for no more than they promise."""
+        promise = self._task.yardstick.rms_of(self._task.state.after_readings(places).value)
+        return promise <= best.vouched * (1 + ALIKE)
 
     def _tried(self, places: Places) -> _Tried:
         return _tried(self._task, self.limits, places)
