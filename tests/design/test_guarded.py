@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from axiscal.accuracy.criterion import joint_root
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.plan import guarded as guarded_module
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.guarded import enough_readings, vouched_for
 from axiscal.design.plan.order import in_order, seconds_each
@@ -258,3 +259,13 @@ def with_noise(noise: float) -> Task:
     (setup,) = task.observation.setups
     observation = replace(task.observation, setups=(replace(setup, noise=noise),))
     return replace(task, observation=observation, lattice=task.lattice.within(slice(None, None, 8)))
+
+
+def test_plain_readings_that_promise_too_little_are_not_looked_at_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = mixed(150)
+    monkeypatch.setattr(guarded_module, "_MANY", 0)
+    made = make_plan(task, Limits(readings=6), bounded=False, guard=True, patience=0.0)
+    monkeypatch.setattr(guarded_module._Guarding, "_could_be", lambda *_: True)
+    every = make_plan(task, Limits(readings=6), bounded=False, guard=True, patience=0.0)
+    assert made.places.same_as(every.places)
+    assert made.value == every.value

@@ -113,27 +113,38 @@ def _moved_segment(order: list[int], table: Array) -> list[int] | None:
     """Return the way with up to three places in a row put elsewhere (Or-opt), turned if that is better."""
     best: tuple[float, list[int]] | None = None
     for length in range(1, min(_LONGEST_SEGMENT, len(order) - 2) + 1):
-        for a in range(1, len(order) - length + 1):
-            segment, rest = order[a : a + length], order[:a] + order[a + length :]
-            saved = table[order[a - 1], segment[0]]
-            if a + length < len(order):
-                saved += table[segment[-1], order[a + length]] - table[order[a - 1], order[a + length]]
-            ways = [segment, segment[::-1]] if length > 1 else [segment]
-            for way in ways:
-                inside = sum(table[x, y] for x, y in pairwise(way))
-                inside -= sum(table[x, y] for x, y in pairwise(segment))
-                gain, at = _best_gap(np.array(rest), way, table)
-                if saved - inside - gain > _GAIN and (best is None or saved - inside - gain > best[0] + _GAIN):
-                    best = (saved - inside - gain, [*rest[: at + 1], *way, *rest[at + 1 :]])
+        shorter, gaps = _gains_of_segments(np.array(order), length, table)
+        for a, turned in np.argwhere(shorter > _GAIN).tolist():
+            gain, at = float(shorter[a, turned]), int(gaps[a, turned])
+            if best is None or gain > best[0] + _GAIN:
+                segment, rest = order[a + 1 : a + 1 + length], order[: a + 1] + order[a + 1 + length :]
+                best = gain, [*rest[: at + 1], *(segment[::-1] if turned else segment), *rest[at + 1 :]]
     return None if best is None else best[1]
 
 
-def _best_gap(rest: Order, way: list[int], table: Array) -> tuple[float, int]:
-    """Return what it costs to put a segment into its best gap, and the place before that gap."""
-    added = table[rest, way[0]].copy()
-    added[:-1] += table[way[-1], rest[1:]] - table[rest[:-1], rest[1:]]
-    at = _least(added)
-    return float(added[at]), at
+def _gains_of_segments(way: Order, length: int, table: Array) -> tuple[Array, Order]:
+    """Return by how much a way is shorter with each of its segments in its best gap, and the place before that gap.
+
+    way : (n,); both (n − length, 1 or 2): of the segments from the second place on, as they are and turned
+    """
+    begins, count = np.arange(1, len(way) - length + 1), len(way) - length
+    first, last, before = way[begins], way[begins + length - 1], way[begins - 1]
+    saved, inner = table[before, first].copy(), begins[:-1]  # the last segment has nothing behind it
+    saved[:-1] += table[last[:-1], way[inner + length]] - table[before[:-1], way[inner + length]]
+    places = np.arange(count)
+    rest = way[places + length * (places >= begins[:, None])]
+    between = table[rest[:, :-1], rest[:, 1:]]
+    steps = [(way[begins + i], way[begins + i + 1]) for i in range(length - 1)]
+    back = sum((table[y, x] for x, y in reversed(steps)), np.zeros(count))
+    back -= sum((table[x, y] for x, y in steps), np.zeros(count))
+    shorter, gaps = [], []
+    for head, tail, inside in [(first, last, np.zeros(count)), (last, first, back)][: min(length, 2)]:
+        added = table[rest, head[:, None]]
+        added[:, :-1] += table[tail[:, None], rest[:, 1:]] - between
+        at = (added <= added.min(axis=1, keepdims=True) + _GAIN).argmax(axis=1)
+        shorter.append(saved - inside - added[places, at])
+        gaps.append(at)
+    return np.array(shorter).T, np.array(gaps).T
 
 
 def _least(seconds: Array) -> int:

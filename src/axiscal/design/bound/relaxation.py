@@ -168,16 +168,15 @@ class Relaxation:
     def _violators(self, slopes: Array, level: float, support: NDArray[np.intp]) -> NDArray[np.intp]:
         order = np.argsort(-slopes, kind="stable")[: 20 * max(_ADDED, len(support) // _PART)]
         order = order[(slopes[order] > level * (1 + 1e-6)) & ~np.isin(order, support) & (order < len(self.pool))]
-        lattice = self.pool.lattice
+        lattice, most = self.pool.lattice.within(order), max(_ADDED, len(support) // _PART)
         spans = np.array([axis.length for axis in self.state.observation.machine.axes])
-        chosen: list[int] = []
-        most = max(_ADDED, len(support) // _PART)
-        for i in order:
-            here = [k for k in chosen if lattice.setups[k] == lattice.setups[i]]
-            near = np.abs(lattice.poses[here] - lattice.poses[i]) / spans <= self._apart
-            alike = np.all(lattice.approaches[here] == lattice.approaches[i], axis=1)
-            if len(chosen) < most and not np.any(np.all(near, axis=1) & alike):
-                chosen.append(int(i))
+        able, chosen = np.ones(len(order), dtype=bool), list[int]()
+        while len(chosen) < most and able.any():
+            steepest = int(able.argmax())
+            chosen.append(int(order[steepest]))
+            near = np.all(np.abs(lattice.poses - lattice.poses[steepest]) / spans <= self._apart, axis=1)
+            alike = np.all(lattice.approaches == lattice.approaches[steepest], axis=1)
+            able &= ~(near & alike & (lattice.setups == lattice.setups[steepest]))
         return np.array(chosen, dtype=np.intp)
 
     @property
