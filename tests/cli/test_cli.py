@@ -197,7 +197,10 @@ def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None
 def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("finish", "m.axiscal", "--out", "r").status == 0
     assert started("finish", "m.axiscal", "--out", "r").status == 0
-    assert "Finished: ended by the operator" in started("status", "m.axiscal").out
+    ended = started("status", "m.axiscal").out
+    assert "Finished: ended by the operator" in ended
+    assert "Verdict: unchecked. " in ended
+    assert json.loads(started("status", "m.axiscal", "--json").out)["verdict"].startswith("unchecked. ")
     started("next", "m.axiscal").refused("The campaign is finished", "axiscal undo")
     assert "took back the end" in started("undo", "m.axiscal").out.lower()
     assert started("next", "m.axiscal").status == 0

@@ -109,3 +109,18 @@ def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path
         words = verdict_words(ruling, target)
         assert "of what is promised rests on statements alone. The target counts by the promise all the same" in words
         assert words.endswith('unchecked = "allow" is stated.')
+
+
+def test_once_it_has_ended_its_status_says_the_verdict_of_the_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "c.axiscal"
+    with _read(path) as campaign:
+        assert campaign.status().verdict == ""
+        campaign.finish("ended by the operator")
+        said = campaign.status().verdict
+        assert said == f"unchecked. {vouched_of(campaign.case(), ruling_of(campaign.ruled()).defence).words}"
+        assert said.startswith(f"unchecked. {NAMED}")
+    monkeypatch.setattr(knowing, "concluded", None)  # nothing is found anew
+    with Campaign.open(path, write=False) as campaign:
+        assert campaign.status().verdict == said

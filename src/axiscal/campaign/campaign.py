@@ -279,7 +279,9 @@ class Campaign(Closing):
         """Return where the campaign stands; of one that has ended, what its report says."""
         ended = self.state.finished is not None
         accuracy = self._knowing.accuracy(self.state.readings, ended)
-        return Status(self.state, accuracy, self._seconds(), None if ended else self.reached())
+        if ended:
+            return Status(self.state, accuracy, self._seconds(), None, self._knowing.verdict(self.state.readings))
+        return Status(self.state, accuracy, self._seconds(), self.reached())
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""

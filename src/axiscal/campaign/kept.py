@@ -135,9 +135,9 @@ class Kept:
 
         return Attained(*self._answered("standing", readings, _is_attained, found))
 
-    def unvouched(self, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
-        """Return in the language that is spoken what exactly these readings could not show.  find : as of `standing`"""
-        return self._answered(f"unvouched, {spoken_now()}", readings, _is_said, lambda: str(find()))
+    def sentence(self, of: str, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
+        """Return a sentence about exactly these readings in the language that is spoken.  find : as of `standing`"""
+        return self._answered(f"{of}, {spoken_now()}", readings, _is_said, lambda: str(find()))
 
     def watched(self, readings: tuple[Reading, ...], known: Callable[[], Estimation], ended: bool = False) -> Watched:
         """Return the e-value after exactly these readings.  known : by them, where it is not kept; ended : no more"""

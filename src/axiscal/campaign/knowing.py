@@ -26,6 +26,7 @@ from axiscal.estimation.ruled import ruled
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import AmbiguityError, AxiscalError
 from axiscal.inference.contradiction import Watched
+from axiscal.language.spoken import put, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
 from axiscal.planning.vouched import vouched_words
@@ -120,7 +121,21 @@ class Knowing:
             found = self._standing(readings).found
             return "" if found is None else vouched_words(self._stated, found)
 
-        return self._kept.unvouched(readings, words)
+        return self._kept.sentence("unvouched", readings, words)
+
+    def verdict(self, readings: Readings) -> str:
+        """Return the verdict of a report on all readings in a word, and what they could not show where it is that."""
+
+        def words() -> str:
+            known = self._in_the_end(readings)
+            if known.ruling is None:
+                return ""
+            verdict = said(known.ruling.verdict)
+            if known.ruling.verdict != "unchecked":
+                return verdict
+            return put("{verdict}. {why}", verdict=verdict, why=vouched_words(known.case, known.ruling.defence))
+
+        return self._kept.sentence("verdict", readings, words)
 
     def watched(self, readings: Readings, ended: bool = False) -> Watched:
         """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""
@@ -140,6 +155,7 @@ class Knowing:
         """Leave beside a copy of a record that has ended what the first look at it asks for."""
         self.accuracy(readings, True)
         self.watched(readings, True)
+        self.verdict(readings)
         self.seconds(readings)
         self._kept.leave(copy)
 

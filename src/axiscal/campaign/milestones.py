@@ -11,12 +11,16 @@ from axiscal.record.events import State
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would."""
+    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
+
+    verdict : of one that has ended, in words; "" of others, and where the report has none
+    """
 
     state: State
     accuracy: Accuracy
     seconds: float
     reached: str | None
+    verdict: str = ""
 
 
 @dataclass(frozen=True, slots=True)

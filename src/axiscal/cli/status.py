@@ -45,7 +45,8 @@ def _lines(campaign: Campaign) -> list[str]:
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
-        return [*lines, f"Finished: {state.finished}"]
+        verdict = [f"Verdict: {status.verdict}{'' if status.verdict.endswith('.') else '.'}"] if status.verdict else []
+        return [*lines, *verdict, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
     lines += [f"Mind: {sentence}" for sentence in standing_words(campaign)]
@@ -75,6 +76,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "target": _target(campaign),
         "reached": status.reached,
         "finished": state.finished,
+        "verdict": status.verdict or None,
         "mind": standing_words(campaign),
         "evalue": campaign.watched().evalue,
         "sisters": _sisters(campaign) or None,
