@@ -68,7 +68,7 @@ def test_what_a_promise_rests_on_is_named_while_measuring_as_in_the_report(tmp_p
         assert reaches(campaign.description.target, concluded) is False
         assert said == REFUSED + vouched_of(concluded.case, ruling_of(concluded).defence).words
         assert said.startswith(REFUSED + NAMED)
-        assert said.endswith("Only a reading of another kind would show it.")
+        assert said.endswith("A reading along x while X moves and comes from both sides would show EXX_reversal.")
 
 
 def test_it_is_kept_for_the_next_command_in_each_language(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

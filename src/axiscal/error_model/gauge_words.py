@@ -66,7 +66,7 @@ def missing(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Iterator[Hi
     """Yield what moves the tool point unseen, joined by the reading that would show it, the worst first."""
     groups: dict[str, list[tuple[Aspect, float]]] = {}
     for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
-        groups.setdefault(_reading(model, aspect.function), []).append((aspect, effect))
+        groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
     for reading, members in list(groups.items())[:_LISTED]:
         subject = _listed([_phrase(aspect) for aspect, _ in members])
         effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
@@ -90,7 +90,8 @@ def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
         yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
 
 
-def _reading(model: ErrorModel, function: Term) -> str:
+def reading_that_shows(model: ErrorModel, function: Term) -> str:
+    """Return in words which reading would show an error that no allowed one shows."""
     axis, component = model.machine.axes[function.axis], function.component % 3
     if function.kind == "location" and not axis.rotary:
         across = "xyz"[3 - component - letter_direction(axis.letter)]

@@ -11,11 +11,12 @@ from typing import Any
 from axiscal.accuracy.other_tool import other_tool
 from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
+from axiscal.error_model.gauge_words import reading_that_shows
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence
 from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting, Statement
-from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.language.spoken import capital, counted, later, listed, put, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import Reading
@@ -135,13 +136,22 @@ def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) 
 def _remedy(case: Case, rests_on: Resting) -> str:
     best = rests_on.shown_by
     if not best:
-        return said("Only a reading of another kind would show it.")
+        return _shown_otherwise(case, rests_on)
     if set(best) <= set(rests_on.named):
         if len(best) > 1:
             return said("Measured by themselves and stated closer they would leave less.")
         return said("Measured by itself and stated closer it would leave less.")
     unknown = listed(", ", [_stated(case, each) for each in best[:_NAMED]])
     return said("They would show it with {unknown} known better than that.", unknown=unknown)
+
+
+def _shown_otherwise(case: Case, rests_on: Resting) -> str:
+    """Return which reading would show the first of the errors, in the words for what cannot be seen."""
+    name = next((each.name for each in rests_on.named if each.setup is None), None)
+    if name is None:
+        return said("Only another set-up would show it.")
+    reading = capital(reading_that_shows(case.errors, case.errors.names[name]))
+    return said("{reading} would show {name}.", reading=reading, name=name)
 
 
 def _stated(case: Case, each: Statement) -> str:
