@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from axiscal.campaign.ending import reaches, standing, unshown
+from axiscal.campaign.ending import ONLY_STATED, out_of_reach, reaches, standing, unshown
 from axiscal.description.target import Target
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.statements import Resting, Statement
+from axiscal.measurement.reading import Reading
 from axiscal.report.verdict import verdict_words
+from axiscal.simulation import Simulator
+from benchmarks.trust.benches import case_of, visits
 from tests.generators.laser_axis import CASE, machine, read
 
 
@@ -69,3 +73,25 @@ def test_whether_it_is_reached_is_the_same_before_and_after_the_verdict(gapped: 
     for share in (0.6, 0.99, 1.01):
         target = asked(share * ruling_of(gapped).defence.u_def)
         assert standing(target, before) == standing(target, gapped)
+
+
+def test_what_rests_on_statements_alone_ends_where_more_readings_would_not_mend_it() -> None:
+    """A tool that nobody measured: 4 um are promised, 5.3 counted, and the last ten readings took 4 % off that."""
+    case, rng = case_of("five axes", "stated", (("TOOL", "100 um"),)), np.random.default_rng(0)
+    drawn, setup = Simulator(case.description.machine, case.description.setups).drawn(3), case.description.setups[0]
+    taken = []
+    for index, visit in enumerate(visits("five axes", "stated", "random", 60, 20_269_000)[:44]):
+        first, *others = map(float, drawn.read_all(setup, *visit, rng))
+        taken.append(Reading("it", *visit, first, others=tuple(others), time=60.0 * index))
+    before, known = concluded(case, taken[:34]), concluded(case, taken)
+    path = [before.accuracy] * 10 + [known.accuracy]
+
+    def ended(rms: float, count: int | None = None) -> str | None:
+        return out_of_reach(replace(case.description.target, rms=rms, readings=count), known, path)
+
+    assert known.accuracy.seen < 4.2e-6
+    assert ended(4.2e-6) == ONLY_STATED
+    assert ended(5.0e-6) is None, "fifty more may reach it"
+    assert ended(6.0e-6) is None, "it is reached"
+    assert ended(3.0e-6) is None, "it is not even promised"
+    assert ended(4.2e-6, 60) is None, "so many are wanted"

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 
-from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, NOT_VOUCHED, OUT_OF_REACH
+from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, NOT_VOUCHED, ONLY_STATED, OUT_OF_REACH
 from axiscal.language.spoken import Said, counted, said
 
 ENDINGS = (
     BUDGET,
     DOES_NOT_FIT,
     NOT_VOUCHED,
+    ONLY_STATED,
     OUT_OF_REACH,
     "nothing is left to measure",
     "ended by the operator",

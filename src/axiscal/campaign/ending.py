@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.description.target import Target
@@ -17,10 +18,15 @@ from axiscal.units import to_unit
 FUTILE = 50
 OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
 NOT_VOUCHED = f"target promised, not vouched for: the last {FUTILE} readings improved what they can by less than 1 %"
+ONLY_STATED = (
+    f"target promised, not vouched for: it rests on what is stated, which {FUTILE} more readings would not mend"
+)
 DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
 BUDGET = "time budget used"
 _REACHED = "target reached"
 _HARDLY = 0.99
+_LOOKED_AT = 10
+"""Readings over which it is seen how fast they mend what rests on statements: of fewer a single good one decides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +94,23 @@ def unshown(target: Target, known: Estimation) -> float:
 
 def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | None:
     """Return which accuracy is reached by what is known, where the standard uncertainty is so many times as large."""
+    for each in _asked(target, known, larger):
+        if each.counted <= each.allowed:
+            return f"{each.name} {_REACHED}" + _unless_hidden(each.whole, each.limit)
+    return None
+
+
+class _Asked(NamedTuple):
+    """An accuracy that is asked for: counted against what is allowed, and with what no reading sees, all in m."""
+
+    name: str
+    limit: float
+    counted: float
+    allowed: float
+    whole: float
+
+
+def _asked(target: Target, known: Estimation, larger: float) -> Iterator[_Asked]:
     now, factor = known.accuracy, 1.0
     if target.expanded is not None:
         found = expanded_uncertainty(known)
@@ -99,9 +122,8 @@ def _reached(target: Target, known: Estimation, larger: float = 1.0) -> str | No
         ("U", target.expanded, now.seen, now.rms, factor),
     )
     for name, limit, seen, whole, k in wanted:
-        if limit is not None and larger * seen <= now.attainable(limit / k):
-            return f"{name} {_REACHED}" + _unless_hidden(larger * k * whole, limit)
-    return None
+        if limit is not None:
+            yield _Asked(name, limit, larger * seen, now.attainable(limit / k), larger * k * whole)
 
 
 def out_of_reach(target: Target, known: Estimation, path: Sequence[Accuracy]) -> str | None:
@@ -110,7 +132,11 @@ def out_of_reach(target: Target, known: Estimation, path: Sequence[Accuracy]) ->
     path : how well the machine was known before the first reading and after each
     Where the promise is good enough and the readings cannot vouch for it, it is what they vouch for that has to grow.
     """
-    if len(path) <= FUTILE or target.readings is not None or target.budget is not None:
+    if target.readings is not None or target.budget is not None:
+        return None
+    if len(path) > _LOOKED_AT and _rests_for_good(target, known, path[-1 - _LOOKED_AT]):
+        return ONLY_STATED
+    if len(path) <= FUTILE:
         return None
     before, now = path[-1 - FUTILE], path[-1]
     if standing(target, known).promised is not None:
@@ -118,6 +144,22 @@ def out_of_reach(target: Target, known: Estimation, path: Sequence[Accuracy]) ->
         return NOT_VOUCHED if defended(known).u_def > _HARDLY * vouched else None
     still = now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
     return OUT_OF_REACH if still else None
+
+
+def _rests_for_good(target: Target, known: Estimation, before: Accuracy) -> bool:
+    """Return whether what is promised rests on statements alone, and more readings would not bring it to the target.
+
+    before : how well the machine was known some readings ago. Each reading mends no more than the one before it did.
+    """
+    if _reached(target, known) is None:
+        return False
+    found, larger = defended(known), unshown(target, known)
+    missed = min((each.counted / each.allowed for each in _asked(target, known, larger)), default=0.0)
+    if missed <= 1.0 or not found.only_stated:
+        return False
+    earlier = defended_by(known, len(known.readings) - _LOOKED_AT, before.rms).u_def / before.rms * before.seen
+    mended = larger * known.accuracy.seen / earlier
+    return bool(missed * mended ** (FUTILE / _LOOKED_AT) > 1.0)
 
 
 def _unless_hidden(whole: float, target: float) -> str:

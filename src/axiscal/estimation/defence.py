@@ -149,6 +149,12 @@ class Defence:
         return self._stated > self.promise
 
     @property
+    def only_stated(self) -> bool:
+        """Whether it is what somebody stated, and nothing that other readings could show or repeat, that is open."""
+        told = replace(self, rests_on=None)
+        return self.rests and not told.unchecked
+
+    @property
     def leaves(self) -> bool:
         """Whether readings could not have shown a departure that would make the promise much too good."""
         return self._shown > OPEN * self.promise or self.hides
