@@ -202,3 +202,16 @@ def test_a_curve_that_was_found_small_does_not_make_steps_in_a_gap_small() -> No
     own, stated = (defence(case, taken, 3e-6, each) for each in (machine, larger))
     shares = [next(each.hidden for each in found.departures if each.family == "step") for found in (own, stated)]
     assert shares[1] > 2 * shares[0]
+
+
+def test_departures_together_do_what_each_does_alone() -> None:
+    case, taken = axis(), readings()
+    several = [each for each in departures(case.observation, taken, IN_PLANS) if each.family != "bad"]
+    assert {each.columns.shape[1] for each in several} >= {1, 2}
+    effects = EffectMap.of(case, taken)
+    for departure, together in zip(several, effects.each(several), strict=True):
+        alone = effects.effect(departure)
+        np.testing.assert_allclose(together.information, alone.information, rtol=1e-10, atol=1e-12)
+        assert together.most == alone.most
+        assert together.wrong == pytest.approx(alone.wrong, rel=1e-9)
+        assert together.damage == pytest.approx(alone.damage, rel=1e-9)

@@ -57,7 +57,8 @@ class Harm(NamedTuple):
     @property
     def least_information(self) -> float:
         """I: of the worst phase where the departure has two."""
-        return max(float(np.linalg.eigvalsh(self.information)[0]), 0.0)
+        least = self.information[0, 0] if self.degrees == 1 else np.linalg.eigvalsh(self.information)[0]
+        return max(float(least), 0.0)
 
     @property
     def degrees(self) -> int:

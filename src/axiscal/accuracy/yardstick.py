@@ -247,6 +247,6 @@ class Yardstick:
         """
         own = factor[: self.errors.size]
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
-            own = np.linalg.qr(own.T).R.T
+            own = np.asarray(np.linalg.qr(own.T, mode="r")).T
         seen: Array = rows.reshape(-1, self.errors.size) @ own
         return seen

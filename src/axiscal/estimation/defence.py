@@ -224,7 +224,7 @@ def with_gaps(
     told = [each for each in possible if each.family in _ANYWHERE]
     entries, open_ones = (observation.errors.machine.errors, stated.errors), {}
     for key, members in groupby(told, key=lambda each: (each.family, each.owner)):
-        harms = [effects.effect(each) for each in members]
+        harms = effects.each(list(members))
         std = max(entry.std for machine in entries for entry in machine if entry.name == key[1])
         open_ones[key] = hidden(harms, std, found.promise), bearable(harms, std, 1 - LEVEL)
     seen = []
@@ -251,7 +251,7 @@ def _departed(
     told = [each for each in possible if each.family != "scale"]
     for _, members in groupby(told, key=lambda each: (each.family, each.owner)):
         group = list(members)
-        yield _family(group, [effects.effect(each) for each in group], promise)
+        yield _family(group, effects.each(group), promise)
 
 
 def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float) -> Departed:
@@ -306,16 +306,24 @@ class EffectMap:
 
     def effect(self, departure: Departure) -> Harm:
         """Return what a departure of size 1 does; of a drift over the whole set-up."""
-        columns, most = departure.columns, largest(self._yardstick.errors, departure)
-        if departure.function is None:
-            columns = columns / np.ptp(columns)
-        white = transposed_solution(self._upper, columns)
-        left = -(self._kept @ white)
+        return self.each([departure])[0]
+
+    def each(self, several: Sequence[Departure]) -> list[Harm]:
+        """Return the same of several, from one solution with the columns of all of them."""
+        drifts = [each.columns / np.ptp(each.columns) if each.function is None else each.columns for each in several]
+        white = transposed_solution(self._upper, np.hstack(drifts))
+        cuts = np.cumsum([each.columns.shape[1] for each in several])[:-1]
+        seen, left = np.split(white, cuts, axis=1), np.split(-(self._kept @ white), cuts, axis=1)
+        return [self._harm(*part) for part in zip(several, seen, left, strict=True)]
+
+    def _harm(self, departure: Departure, white: Array, left: Array) -> Harm:
+        """Return what a departure does.  white : (m, r) R⁻ᵀ b; left : (w, r) −V x, x what the estimate makes of b"""
         beside = 0.0
         if departure.function is not None:
             followed, beside = field(self._yardstick, departure)
             left = left + followed
-        return Harm(white.T @ white, (float(np.sum(left**2)) + beside) / columns.shape[1], most)
+        wrong = (float(np.sum(left**2)) + beside) / departure.columns.shape[1]
+        return Harm(white.T @ white, wrong, largest(self._yardstick.errors, departure))
 
     def left_open(self, columns: Array, root: Array, own: Array) -> LeftOpen:
         """Return what readings leave of unknowns and of all else, over the volume but for a constant shift.

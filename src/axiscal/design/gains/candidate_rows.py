@@ -156,7 +156,7 @@ class Pool:
         """Return the gains under a state, as if no cell had been visited."""
         factor = state.factor[: self.size]
         if factor.shape[1] > self.size:
-            factor = np.linalg.qr(factor.T).R.T
+            factor = np.asarray(np.linalg.qr(factor.T, mode="r")).T
         return replace(state, observation=self._bare, factor=factor).scorer()
 
     def rows(self, observation: Observation, index: int) -> Array:

@@ -94,6 +94,7 @@ class Scores:
         self._followed: ReadingColumns | None = None
         self._rows: Array | None = None
         self._starts: list[int] | None = None
+        self._noise: Array | None = None
         self._leavings: dict[int, _Leaving] = {}
 
     def follow(self) -> ReadingColumns:
@@ -153,7 +154,8 @@ class Scores:
         for index in range(len(places)):
             mine = np.flatnonzero(owner == index)
             self.members.append(Member(rows[mine], float(variances[mine[0]])))
-        self._rows, self._starts, self.places = None, None, Places.joined([self.places, places])
+        self._rows, self._starts, self._noise = None, None, None
+        self.places = Places.joined([self.places, places])
         here = slice(start, start + len(rows))
         self._room(here)
         return self._taken(places, rows, here, self._noises[here.start - self.pool.count :])
@@ -161,8 +163,10 @@ class Scores:
     @property
     def _noises(self) -> Array:
         """The variance of the noise of every number of the plan."""
-        counts = [len(member.rows) for member in self.members]
-        return np.repeat([member.variance for member in self.members], counts)
+        if self._noise is None:
+            counts = [len(member.rows) for member in self.members]
+            self._noise = np.repeat([member.variance for member in self.members], counts)
+        return self._noise
 
     def _taken(self, places: Places, rows: Array, here: slice, variances: float | Array) -> float:
         """Take numbers in.  rows : (k, n); here : where they stand; variances : of their noise"""
@@ -198,7 +202,7 @@ class Scores:
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
         self._cut(self._numbers(slot))
-        self._rows, self._starts, self._leavings = None, None, {}
+        self._rows, self._starts, self._noise, self._leavings = None, None, None, {}
         del self.members[slot]
         self.places = self.places.without(slot)
 
@@ -332,6 +336,7 @@ class Scores:
 
     def _place(self, slot: int, place: Places, member: Member) -> None:
         """Put a reading into a slot, with room for as many numbers as it has."""
+        self._noise = None
         if slot == len(self.members):
             self.members.append(member)
             self._starts, self.places = None, Places.joined([self.places, place])
