@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from axiscal.belief import Belief
-from axiscal.compensation.conditional import mean_along
+from axiscal.compensation.conditional import from_the_other_side, mean_along
 from axiscal.compensation.effect import Effect, effect_of_control, table_control
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.sampling import axis_tables, cross_tables, own_table, points
@@ -24,6 +24,7 @@ from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline
 from axiscal.simulation import VirtualMachine
@@ -111,6 +112,34 @@ def test_rows_are_the_mean_over_the_other_axes() -> None:
         error = sampled.std(axis=0) / np.sqrt(len(drawn))
         assert rows[0, n] == pytest.approx(sampled[:, 1].mean(), abs=5 * error[1])
         assert rows[1, n] == pytest.approx(sampled[:, 0].mean(), abs=5 * error[0])
+
+
+@pytest.mark.parametrize(("moved", "over"), [(["X", "Z"], "X"), (["Y", "X"], "Z"), (["Z"], "Y")])
+def test_rows_are_the_mean_over_the_other_axes_of_a_machine_that_turns(moved: list[str], over: str) -> None:
+    """From either side, row by row; a turn of a rotor beyond its command is in its own table."""
+    model, rng = ErrorModel(load_machine("dmu60")), np.random.default_rng(1)
+    box = tuple(
+        (low + 0.1 * (high - low), low + 0.8 * (high - low)) for low, high in (a.travel for a in model.machine.axes)
+    )
+    index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
+    low, high = np.array(box).T
+    at = np.array([low[index], 0.3 * low[index] + 0.7 * high[index], high[index]])
+    rows = mean_along(model, box, axes, index, at, 1)
+    taken = {"B": "EBB", "C": "ECC"}
+    left = [f for f in model.functions if f.name.partition("_")[0] not in taken.values()]
+    for sign, found in ((1, rows), (-1, from_the_other_side(model, index, rows))):
+        for number, position in enumerate(at):
+            poses = rng.uniform(low, high, (6000, len(low)))
+            poses[:, index] = position
+            sides = np.zeros_like(poses)
+            sides[:, index] = sign
+            seen = model.rows(poses, sides)
+            for n, axis in enumerate(axes):
+                ways = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
+                sampled = np.einsum("mcn,mc->mn", seen, ways)
+                mean, error = sampled.mean(axis=0), sampled.std(axis=0) / np.sqrt(len(poses))
+                for f in left:
+                    assert np.all(np.abs(found[n, number] - mean)[f.columns] <= 5 * error[f.columns] + 1e-12), f.name
 
 
 @given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))

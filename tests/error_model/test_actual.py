@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.error_model.actual import deviation_of, levers_at
+from axiscal.error_model.actual import MovedErrors, deviation_of, deviations_of, levers_at
 from axiscal.error_model.linear_bound import linear_to, longest_arm
 from axiscal.error_model.linear_ways import linear_along, linear_ways
 from axiscal.error_model.model import ErrorModel
@@ -33,6 +33,28 @@ def test_levers_of_a_machine_with_large_errors_are_the_differences_of_the_exact_
         one = _STEP * np.eye(model.size)[i]
         up, down = (deviation_of(model, at + sign * one, poses, sides).displacement for sign in (1, -1))
         assert np.abs((up - down) / (2 * _STEP) - rows[:, :, i]).max() < 1e-7
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_many_machines_at_once_deviate_as_each_of_them(seed: int) -> None:
+    """So many poses that they are not all looked at together."""
+    model, rng = ErrorModel(random_machine(seed)), np.random.default_rng(seed)
+    poses, sides = random_poses(model.machine, 3000, rng)
+    machines = np.array([_drawn(model, rng, 30.0) for _ in range(5)])
+    found = list(deviations_of(model, machines, poses, sides))
+    for machine, one in zip(machines, found, strict=True):
+        for mine, alone in zip(one, deviation_of(model, machine, poses, sides), strict=True):
+            np.testing.assert_allclose(mine, alone, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_levers_of_some_errors_are_theirs_among_all(name: str) -> None:
+    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
+    poses, _ = random_poses(model.machine, 5, rng)
+    some = rng.permutation(len(model.terms))[: len(model.terms) // 2]
+    for errors in (model, MovedErrors(model.machine, _drawn(model, rng, 10.0))):
+        np.testing.assert_array_equal(errors.levers_of(some.tolist(), poses), errors.levers(poses)[some])
+        assert errors.levers_of([], poses).shape == (0, 5, 3)
 
 
 @pytest.mark.parametrize("name", builtin_names())

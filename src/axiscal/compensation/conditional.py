@@ -34,18 +34,24 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
     rows = np.zeros((len(moved), len(positions), model.size))
     for axis in {f.axis for f in model.functions}:
         if axis == over:
-            rows += _seen(model, box, moved, over, axis, positions, sign)
+            _add(rows, model, axis, _levers_over(model, box, moved, over, positions), positions, sign)
             continue
         ends = positions[[0, -1]]
         share = ((positions - ends[0]) / (ends[1] - ends[0]))[:, None]
-        both = _seen(model, box, moved, over, axis, ends, 0)
-        columns = np.flatnonzero(both.any(axis=(0, 1)))
-        first, last = np.moveaxis(both[:, :, None, columns], 1, 0)
-        rows[:, :, columns] += first + share * (last - first)
+        _add_between(rows, model, axis, over, *_levers_of_other(model, box, moved, over, axis, ends), share)
     for index, plane in enumerate(model.planes, len(model.functions)):
         if over in plane.axes:
             rows += _together(model, box, moved, over, index, positions)
     return rows
+
+
+def from_the_other_side(model: ErrorModel, over: int, rows: Array) -> Array:
+    """Return the rows (…, size) of `mean_along` where positions are approached in the other direction."""
+    result = rows.copy()
+    for function in model.functions:
+        if function.kind == "reversal" and function.axis == over:
+            result[..., function.columns] *= -1.0
+    return result
 
 
 def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) -> Array:
@@ -59,14 +65,60 @@ def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) 
     return model.along(levers, poses, _approaches(poses, axis, sign))
 
 
-def _seen(model: ErrorModel, box: Box, moved: Sequence[int], over: int, owner: int, at: Array, sign: int) -> Array:
-    """Return the rows (moved, at, size) that the functions of one axis bring."""
-    poses, weights = _grid(model, box, over, at, None if owner == over else owner)
-    levers = model.levers(poses)
-    others = [i for i, f in enumerate(model.functions) if f.axis != owner or _taken_by_rotor(model, i)]
-    levers[others] = 0.0
-    levers[len(model.functions) :] = 0.0
-    return _along_moves(model, moved, over, levers, (poses, weights), len(at), sign)
+def _seen_of(model: ErrorModel, owner: int, over: int) -> list[int]:
+    """Return the functions of an axis that are seen along linear ones, reversals of the axis of the positions alone.
+
+    A turn of a rotor about its own line is in its own table.
+    """
+    own = [i for i, f in enumerate(model.functions) if f.axis == owner and not _taken_by_rotor(model, i)]
+    return [i for i in own if owner == over or model.functions[i].kind != "reversal"]
+
+
+def _levers_over(model: ErrorModel, box: Box, moved: Sequence[int], over: int, at: Array) -> Array:
+    """Return the mean levers of the functions of the axis that positions are of, (moved, functions, at)."""
+    poses, weights = _grid(model, box, over, at, None)
+    return _levers_along(model, moved, _seen_of(model, over, over), poses, len(at)) @ weights
+
+
+def _levers_of_other(
+    model: ErrorModel, box: Box, moved: Sequence[int], over: int, owner: int, ends: Array
+) -> tuple[Array, Array]:
+    """Return positions (nodes,) of another axis, and the mean levers of its functions there times what each counts.
+
+    levers : (moved, functions, ends, nodes)
+    """
+    poses, weights = _grid(model, box, over, ends, owner)
+    at, of = np.unique(poses[: len(weights), owner], return_inverse=True)
+    shares = np.zeros((len(weights), len(at)))
+    shares[np.arange(len(weights)), of] = weights
+    return at, _levers_along(model, moved, _seen_of(model, owner, over), poses, len(ends)) @ shares
+
+
+def _levers_along(model: ErrorModel, moved: Sequence[int], functions: list[int], poses: Array, count: int) -> Array:
+    """Return the levers of functions along moved axes, (moved, functions, count, nodes beside each)."""
+    levers, rotations = model.levers_of(functions, poses), frames(model.machine, poses).rotations
+    ways = np.stack([rotations[o] @ np.array(model.machine.axes[o].direction) for o in moved])
+    along: Array = np.einsum("fmc,omc->ofm", levers, ways)
+    return along.reshape(len(moved), len(functions), count, len(poses) // count)
+
+
+def _add(rows: Array, model: ErrorModel, over: int, levers: Array, positions: Array, sign: int) -> None:
+    """Add what functions of the axis of the positions bring.  levers : (moved, functions, positions)"""
+    for index, each in zip(_seen_of(model, over, over), np.moveaxis(levers, 1, 0), strict=True):
+        function = model.functions[index]
+        share = 0.5 * sign if function.kind == "reversal" else 1.0
+        rows[:, :, function.columns] += share * each[:, :, None] * function.rows(positions)
+
+
+def _add_between(rows: Array, model: ErrorModel, owner: int, over: int, at: Array, levers: Array, share: Array) -> None:
+    """Add what functions of another axis bring: levers are affine in the position, so both ends tell.
+
+    at : (nodes,) of it; levers : (moved, functions, ends, nodes); share : (positions, 1) of the way to the second end
+    """
+    for index, each in zip(_seen_of(model, owner, over), np.moveaxis(levers, 1, 0), strict=True):
+        function = model.functions[index]
+        first, last = np.moveaxis((each @ function.rows(at))[:, :, None], 1, 0)
+        rows[:, :, function.columns] += first + share * (last - first)
 
 
 def _together(model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array) -> Array:
@@ -75,11 +127,11 @@ def _together(model: ErrorModel, box: Box, moved: Sequence[int], over: int, inde
     poses, weights = _grid(model, box, over, at, other)
     levers = model.levers(poses)
     levers[np.arange(len(levers)) != index] = 0.0
-    return _along_moves(model, moved, over, levers, (poses, weights), len(at), 0)
+    return _along_moves(model, moved, levers, (poses, weights), len(at))
 
 
 def _along_moves(
-    model: ErrorModel, moved: Sequence[int], over: int, levers: Array, grid: tuple[Array, Array], count: int, sign: int
+    model: ErrorModel, moved: Sequence[int], levers: Array, grid: tuple[Array, Array], count: int
 ) -> Array:
     """Return the mean rows (moved, count, size) along each moved axis.
 
@@ -89,7 +141,7 @@ def _along_moves(
     result = np.empty((len(moved), count, model.size))
     for n, o in enumerate(moved):
         along = np.einsum("fmc,mc->fm", levers, _motion(model, o, poses))
-        rows = model.along(along, poses, _approaches(poses, over, sign))
+        rows = model.along(along, poses, np.zeros_like(poses))
         result[n] = np.einsum("pwn,w->pn", rows.reshape(count, len(weights), model.size), weights)
     return result
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.compensation.conditional import mean_along, turned
+from axiscal.compensation.conditional import from_the_other_side, mean_along, turned
 from axiscal.compensation.hats import Hats
 from axiscal.compensation.table import CompensationTable
 from axiscal.compensation.uneven import closest, places
@@ -94,7 +94,7 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
         sides = _sides(estimate, axis)
         rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in sides])
     else:
-        rows = _along(estimate, axis, axis, hats)
+        (rows,) = _along(estimate, [axis], axis, hats)
     return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
 
 
@@ -148,8 +148,7 @@ def _tables(
     estimate: Estimate, moved: Sequence[int], over: int, positions: Array, uneven: bool
 ) -> Iterator[CompensationTable]:
     hats = _hats(estimate, over, positions)
-    for axis in moved:
-        rows = _along(estimate, axis, over, hats)
+    for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
         if _bends(rows @ estimate.mean) and estimate.sees(rows.mean(axis=0)):
             yield (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
 
@@ -159,11 +158,12 @@ def _bends(curves: Array) -> bool:
     return bool(np.ptp(curves) > _NOTHING)
 
 
-def _along(estimate: Estimate, moved: int, over: int, hats: Hats) -> Array:
-    """Return the mean deviation along a moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
-    sides = _sides(estimate, over)
-    rows = [mean_along(estimate.model, estimate.box, [moved], over, hats.nodes, sign)[0] for sign in sides]
-    return np.stack(rows) if len(rows) > 1 else rows[0][None]
+def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
+    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
+    model, (first, *other) = estimate.model, _sides(estimate, over)
+    rows = mean_along(model, estimate.box, moved, over, hats.nodes, first)
+    sides = [rows, *(from_the_other_side(model, over, rows) for _ in other)]
+    return [np.stack([side[number] for side in sides]) for number in range(len(moved))]
 
 
 def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,9 @@ from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion
 from axiscal.machine.motion_effects import motion_effects
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import Motion
+
+_POSES = 8000
+"""At once: of memory, not of the result."""
 
 
 class ActualLevers(NamedTuple):
@@ -27,6 +31,21 @@ class ActualLevers(NamedTuple):
 def deviation_of(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
     """Return how the tool deviates by the exact chain.  coefficients : (size,); poses, approaches : (m, q)."""
     return actual_deviation(model.machine, poses, model.small_motions(coefficients, poses, approaches))
+
+
+def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
+    """Yield the same of many machines at the same poses.  machines : (n, size) of coefficients; poses : (m, q)"""
+    at_once = max(_POSES // max(len(poses), 1), 1)
+    rows = [term.rows(term.coordinates(poses)) for term in model.terms]
+    for start in range(0, len(machines), at_once):
+        some = machines[start : start + at_once]
+        values = [own @ some[:, term.columns].T for own, term in zip(rows, model.terms, strict=True)]
+        shape = len(model.terms), len(poses), len(some)
+        moved = np.array(values).reshape(shape).swapaxes(1, 2).reshape(shape[0], -1)
+        small = model.compose(moved, np.tile(approaches, (len(some), 1)))
+        done = actual_deviation(model.machine, np.tile(poses, (len(some), 1)), small)
+        straight, turned = (part.reshape(len(some), len(poses), 3) for part in done)
+        yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
 
 def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> ActualLevers:
@@ -61,6 +80,10 @@ class MovedErrors(ErrorModel):
     def levers(self, poses: Array) -> Array:
         """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
         return levers_at(self, self.point, poses).straight
+
+    def levers_of(self, terms: Sequence[int], poses: Array) -> Array:
+        """Return those of some terms alone, (those, m, 3)."""
+        return self.levers(poses)[list(terms)]
 
     def angular_levers(self, poses: Array) -> Array:
         """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""

@@ -47,7 +47,7 @@ def unseen_factor(factor: Array, rows: Array) -> Array:
     if not len(rows):
         return factor
     seen = rows @ factor / np.sqrt(len(rows))
-    triangle = np.linalg.qr(seen).R if len(seen) > len(factor) else seen
+    triangle = np.asarray(np.linalg.qr(seen, mode="r")) if len(seen) > len(factor) else seen
     _, values, right = np.linalg.svd(triangle, full_matrices=True)
     information = np.zeros(len(factor))
     information[: len(values)] = values**2

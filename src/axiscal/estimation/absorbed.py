@@ -20,7 +20,7 @@ MANY = 16
 """Fewer readings than this are taken in one by one: as fast, and a campaign in progress goes on where it was."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Absorbed:
     """case : with the set-ups that were read from other sides than they say; verdict : how much the readings count
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -15,13 +15,16 @@ from axiscal.accuracy.part import POSES
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.belief import Belief
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.target import Target
 from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import volume_moments
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
+from axiscal.estimation.yardsticks import Itself, MeasuredVolume, Yardsticks
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted
+from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
@@ -66,6 +69,7 @@ class Case:
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     about : where readings are linearised; None for the nominal machine
     rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
+    yardsticks : found so far, of all cases that are made from this one
     """
 
     description: CampaignDescription
@@ -73,6 +77,7 @@ class Case:
     both: frozenset[str] = frozenset()
     about: About | None = None
     rivals: tuple[Rival, ...] = ()
+    yardsticks: Yardsticks = field(default_factory=Yardsticks, repr=False)
 
     @cached_property
     def sides(self) -> tuple[Case, ...]:
@@ -115,7 +120,7 @@ class Case:
     def rescaled(self, scales: Scales) -> Case:
         """Return the case with priors and noise as learnt."""
         machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
-        return Case(replace(self.description, machine=machine, setups=setups), self.inherited, about=self.about)
+        return self._plain(replace(self.description, machine=machine, setups=setups))
 
     @property
     def bends(self) -> bool:
@@ -138,7 +143,11 @@ class Case:
             return None
         pairs = zip(self.description.setups, found, strict=True)
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
-        return Case(replace(self.description, setups=setups), self.inherited, about=self.about)
+        return self._plain(replace(self.description, setups=setups))
+
+    def _plain(self, description: CampaignDescription) -> Case:
+        """Return the case of another description, with set-ups read as it allows and no rivals."""
+        return replace(self, description=description, both=frozenset(), rivals=())
 
     def linear_as(self, other: Case) -> Case:
         """Return the case with readings linearised where another case of the same set-ups has them."""
@@ -213,21 +222,33 @@ class Case:
     @cached_property
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
-        target = self.description.target
-        box, sample, alignment = target.volume, self._sample, self._alignment
-        if sample is None:
-            moments = volume_moments(self.errors, box, target.counted)
-        else:
-            moments = sampled_moments(self.errors, sample, alignment, target.counted)
+        grounds = *self._over_what, self.description.setups, self.both, Itself(self.inherited)
+        return self.yardsticks.yardstick(grounds, self._found_yardstick)
+
+    def _found_yardstick(self) -> Yardstick:
+        moments, sample, alignment = self.yardsticks.volume(self._over_what, self._found_volume)
         factor = self.prior.factor
         unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
+        box = self.description.target.volume
         return Yardstick(self.errors, box, moments, unseen, (x, y, z), sample, alignment)
 
-    @cached_property
+    @property
+    def _over_what(self) -> tuple[Machine, Target, Itself]:
+        """All that means over the volume follow from: rows are those of the nominal machine, unless they are bent."""
+        bent = self.about if self.about is not None and self.about.bent else None
+        return self.description.machine, self.description.target, Itself(bent)
+
+    def _found_volume(self) -> MeasuredVolume:
+        target, sample = self.description.target, self._sample()
+        if sample is None:
+            return MeasuredVolume(volume_moments(self.errors, target.volume, target.counted), None, None)
+        alignment = Alignment(self.errors, sample, target.counted) if target.aligned else None
+        return MeasuredVolume(sampled_moments(self.errors, sample, alignment, target.counted), sample, alignment)
+
     def _sample(self) -> Array | None:
-        """Poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
+        """Return poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
         target, machine = self.description.target, self.description.machine
         if target.part is not None:
             return target.part.poses(machine)
@@ -236,13 +257,6 @@ class Case:
         low, high = np.array(target.volume).T
         poses: Array = low + (high - low) * even_points(POSES, len(low))
         return poses
-
-    @cached_property
-    def _alignment(self) -> Alignment | None:
-        """What probing the part takes off; None where a rigid motion counts."""
-        if not self.description.target.aligned or self._sample is None:
-            return None
-        return Alignment(self.errors, self._sample, self.description.target.counted)
 
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:

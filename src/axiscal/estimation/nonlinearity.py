@@ -21,8 +21,9 @@ from axiscal.measurement.about import About
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_values
+from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 
 GAUSSIAN = 0.3
 """Below, the Gaussian is the posterior to the digits printed."""
@@ -59,6 +60,12 @@ def _values(observation: Observation, places: Places, readings: Sequence[Reading
 
 def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
     """Return the index ν of each reading, the largest of its numbers, (readings,)."""
+    return _indices(known, tuple(readings))
+
+
+@remembered
+def _indices(known: Absorbed, readings: tuple[Reading, ...]) -> Array:
+    """Return the same: where rows bend is asked while estimating, and again for the report."""
     observation, belief = known.knowledge.observation, known.knowledge.belief
     if not readings:
         return np.zeros(0)
@@ -66,10 +73,7 @@ def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
     errors = observation.errors.size + len(observation.unknowns)
     drawn = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
     mean = belief.mean[:errors]
-    squares = np.zeros(len(numbers.values))
-    at_mean = shown_values(observation, readings, mean)
-    for draw in drawn.T:
-        beyond = shown_values(observation, readings, mean + draw) - at_mean - numbers.rows[:, :errors] @ draw
-        squares += beyond**2
-    index = np.sqrt(squares / _DRAWS) / np.sqrt(numbers.variances)
-    return np.array([float(index[numbers.reading == i].max()) for i in range(len(readings))])
+    shown = shown_by_each(observation, readings, np.vstack([mean, mean + drawn.T]))
+    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ drawn).T
+    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
+    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))

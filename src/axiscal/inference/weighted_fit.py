@@ -154,5 +154,5 @@ def _short(features: Array) -> Array:
     """Return features with the same products of rows, no more of them than there are rows."""
     if features.shape[1] <= len(features):
         return features
-    triangle: Array = np.linalg.qr(features.T, mode="reduced")[1]
+    triangle: Array = np.asarray(np.linalg.qr(features.T, mode="r"))
     return triangle.T

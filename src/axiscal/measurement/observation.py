@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.actual import MovedErrors, deviation_of
+from axiscal.error_model.actual import MovedErrors, deviations_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
@@ -232,15 +232,21 @@ class Observation:
 
         point : (k,) errors, then unknowns; feet on a way see it to first order only
         """
+        return next(self.shown_by_each(setup, poses, approaches, point[None]))
+
+    def shown_by_each(self, setup: int, poses: Array, approaches: Array, points: Array) -> Iterator[Array]:
+        """Yield the same for each of many machines and set-ups.  points : (n, k) errors, then unknowns"""
         mounted, model = self.setups[setup], model_of(self.setups[setup])
         if mounted.base is not None:
-            return self._first_order(setup, poses, approaches, point)
+            yield from (self._first_order(setup, poses, approaches, point) for point in points)
+            return
         nominal = Nominal(self.machine, poses, mounted.moves, approaches=approaches)
         own = np.array(mounted.direction)
-        actual = Actual(*deviation_of(self.errors, point[: self.errors.size], poses, approaches))
         each = [own if direction is None else direction for direction in directions_of(mounted)]
-        unknowns = self.own_values(setup, point)
-        return np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
+        moved = deviations_of(self.errors, points[:, : self.errors.size], poses, approaches)
+        for point, actual in zip(points, (Actual(*one) for one in moved), strict=True):
+            unknowns = self.own_values(setup, point)
+            yield np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
 
     def curvatures(self, setup: int, poses: Array) -> Array:
         """Return the Hessian of each number by the unknowns of the set-up, (numbers of readings, numbers, k, k)."""

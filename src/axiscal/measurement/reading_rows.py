@@ -81,13 +81,20 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
 
 def shown_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:
     """Return what readings show by the exact chain without noise, (m,).  point : (k,) errors, then unknowns"""
+    shown: Array = shown_by_each(observation, readings, point[None])[0]
+    return shown
+
+
+def shown_by_each(observation: Observation, readings: Sequence[Reading], points: Array) -> Array:
+    """Return the same for each of many machines and set-ups, (n, m).  points : (n, k) errors, then unknowns"""
     places = places_of(observation.setups, readings)
     each = numbers_of_setups(observation.setups)[places.setups]
-    first, result = np.cumsum(each) - each, np.zeros(int(each.sum()))
+    first, result = np.cumsum(each) - each, np.zeros((len(points), int(each.sum())))
     for setup, mine in places.by_setup():
-        shown = observation.shown(setup, places.poses[mine], places.approaches[mine], point)
-        for number in range(shown.shape[1]):
-            result[first[mine] + number] = shown[:, number]
+        shown = observation.shown_by_each(setup, places.poses[mine], places.approaches[mine], points)
+        for values, one in zip(result, shown, strict=True):
+            for number in range(one.shape[1]):
+                values[first[mine] + number] = one[:, number]
     return result
 
 

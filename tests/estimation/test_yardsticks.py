@@ -1,0 +1,78 @@
+"""A yardstick is found once for all cases that it is the same for, and is then what each would find for itself."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from axiscal.accuracy.yardstick import Yardstick
+from axiscal.demo.five_axis import description
+from axiscal.estimation.case import Case
+from axiscal.estimation.yardsticks import Itself, Yardsticks
+
+_STATED = Case(description())
+_POINT = 1e-6 * np.random.default_rng(3).standard_normal(_STATED.errors.size + len(_STATED.observation.unknowns))
+
+
+def _elsewhere(case: Case) -> Case:
+    """Return the case about another machine, with the ball bar where that has it."""
+    return case.linear_about(_POINT)
+
+
+def _bent(case: Case) -> Case:
+    return case.linear_about(_POINT, bent=True)
+
+
+def _rougher(case: Case) -> Case:
+    return case.with_rests({"EXX": 3e-6})
+
+
+def _from_both_sides(case: Case) -> Case:
+    quiet = tuple(replace(setup, approach="+") for setup in case.description.setups)
+    there = replace(case, description=replace(case.description, setups=quiet))
+    assert there.yardstick.unseen.shape == case.yardstick.unseen.shape
+    return replace(there, both=frozenset([quiet[0].name]))
+
+
+@pytest.mark.parametrize("made", [_elsewhere, _bent, _rougher, _from_both_sides])
+def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None:
+    case = made(_STATED)
+    alone = replace(case, yardsticks=Yardsticks())
+    one, other = case.yardstick, alone.yardstick
+    np.testing.assert_array_equal(one.unseen, other.unseen)
+    np.testing.assert_array_equal(one.root.matrix, other.root.matrix)
+    assert one.measure(case.prior) == other.measure(alone.prior)
+    assert one.zeroed == other.zeroed
+
+
+def test_cases_that_differ_only_in_where_readings_are_linear_share_one() -> None:
+    mill = Case(replace(_STATED.description, setups=_STATED.description.setups[:1]))
+    assert mill.linear_about(_POINT).yardstick is mill.yardstick
+    assert _bent(mill).yardstick is not mill.yardstick
+    assert _elsewhere(_STATED).yardstick.moments is _STATED.yardstick.moments
+
+
+def test_the_last_few_are_kept_and_none_in_a_file() -> None:
+    kept, asked = Yardsticks(), list[int]()
+
+    def found(number: int) -> Yardstick:
+        asked.append(number)
+        return _STATED.yardstick
+
+    for number in (0, 1, 2, 3, 0, 4, 0, 1):
+        kept.yardstick(number, partial(found, number))
+    assert asked == [0, 1, 2, 3, 4, 1]
+    again = pickle.loads(pickle.dumps(kept))
+    again.yardstick(0, partial(found, 9))
+    assert asked[-1] == 9
+
+
+def test_what_compares_by_its_identity_is_kept_with_it() -> None:
+    one, other = np.zeros(2), np.zeros(2)
+    assert {Itself(one): 1}[Itself(one)] == 1
+    assert Itself(one) != Itself(other)
