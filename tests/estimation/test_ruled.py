@@ -11,6 +11,7 @@ from axiscal.campaign.ending import DOES_NOT_FIT, standing
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.outliers import Doubt
 from axiscal.simulation import VirtualMachine
 from tests.generators.laser_axis import CASE, machine, plus, read
@@ -66,6 +67,14 @@ def test_one_slip_is_a_bad_reading_and_no_contradiction() -> None:
     )
     assert ruling_of(known).verdict in ("holds", "unchecked")
     assert len(ruling_of(known).readings) == 39
+
+
+@pytest.mark.parametrize("shift", [0.0, 60e-6])
+def test_the_odds_of_a_verdict_are_those_found_from_its_readings(shift: float) -> None:
+    """Of all that can be, whether the verdict compared these or had left a bad one out."""
+    readings = read(machine(2), 40)
+    known = ruled(concluded(CASE, [replace(readings[10], value=readings[10].value + shift), *readings[:10]]))
+    assert watched_so_far(known) == watched_so_far(replace(known, ruling=None))
 
 
 def test_where_its_neighbour_is_as_likely_the_bad_one_none_is_left_out() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array, gaussian
+from axiscal.numerics.from_scipy import triangle_over
 
 
 def covariance(size: int, rank: int, decades: float, seed: int) -> Array:
@@ -100,6 +101,54 @@ def test_readings_one_after_another_are_those_at_once() -> None:
     assert found.mean == pytest.approx(at_once.mean, rel=1e-9)
     assert found.innovation == pytest.approx(values - at_once.expected, rel=1e-9)
     assert found.variance == pytest.approx(at_once.variance + noise, rel=1e-9)
+
+
+def _of_parts(rng: np.random.Generator) -> tuple[gaussian.Factors, Array, Array]:
+    """Return factors of three groups of variables and of one that nothing sees, means, and rows that see a group."""
+    matrix, rows, group = np.zeros((13, 13)), np.zeros((20, 13)), rng.permutation(13)
+    groups = group[:5], group[5:9], group[9:12]
+    for own in (*groups, group[12:]):
+        matrix[np.ix_(own, own)] = covariance(len(own), len(own), 1.0, len(own))
+    for index, row in enumerate(rows):
+        own = groups[index % 7 % 3]
+        row[own[index % 2 :]] = rng.standard_normal(len(own) - index % 2)
+    rows[4] = 0.0
+    return gaussian.factorise(matrix), rng.standard_normal(13), rows
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_parts_that_have_nothing_in_common_are_those_one_after_another(seed: int) -> None:
+    """Readings of three parts mixed, one that sees nothing, and two that do not count."""
+    rng = np.random.default_rng(seed)
+    factors, mean, rows = _of_parts(rng)
+    values, noise = rng.standard_normal(20), rng.uniform(0.1, 2.0, 20)
+    used = noise.copy()
+    used[[3, 11]] = np.inf
+    counts = np.isfinite(used)
+    before = np.cumsum(counts) - counts
+    found = gaussian.condition_at_once(factors, mean, rows, values, used, before)
+    whole = product(factors)
+    for i, row in enumerate(rows):
+        assert found.expected[i] == pytest.approx(row @ mean, rel=1e-9, abs=1e-12)
+        assert found.variance[i] == pytest.approx(row @ whole @ row, rel=1e-9, abs=1e-12)
+        if counts[i]:
+            done = gaussian.condition(factors, mean, row[None], values[i : i + 1], noise[i : i + 1])
+            after = product(done.factors)
+            assert np.outer(found.losses[i], found.losses[i]) == pytest.approx(whole - after, rel=1e-8, abs=1e-11)
+            factors, mean, whole = done.factors, done.mean, after
+    assert product(found.factors) == pytest.approx(whole, rel=1e-9, abs=1e-12)
+    assert np.array_equal(found.factors.upper, np.triu(found.factors.upper))
+    assert found.mean == pytest.approx(mean, rel=1e-9)
+
+
+@pytest.mark.parametrize(("size", "count"), [(5, 3), (40, 90), (90, 40), (4, 0)])
+def test_a_triangle_over_rows_is_a_root_of_both(size: int, count: int) -> None:
+    rng = np.random.default_rng(size)
+    own, below = rng.uniform(0.0, 2.0, size), rng.standard_normal((count, size))
+    own[-1] = 0.0
+    found = triangle_over(own, below)
+    assert np.array_equal(found, np.triu(found))
+    assert found.T @ found == pytest.approx(np.diag(own**2) + below.T @ below, rel=1e-12, abs=1e-12)
 
 
 def test_an_update_leaves_its_input_alone() -> None:

@@ -37,10 +37,17 @@ class _TakenOut(NamedTuple):
 
 
 class _SharedUnknowns(NamedTuple):
-    """Numbers, and the unknowns that they alone depend on."""
+    """Numbers, and their features by the unknowns that they alone depend on, (numbers, unknowns)."""
 
     numbers: NDArray[np.intp]
-    unknowns: NDArray[np.intp]
+    features: Array
+
+
+class _Half(NamedTuple):
+    """X = L⁻¹ Φᵀ of some numbers, (unknowns, numbers), and these."""
+
+    numbers: NDArray[np.intp]
+    root: Array
 
 
 class Fitted:
@@ -52,7 +59,7 @@ class Fitted:
 
     def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
         self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
-        self._half: Array = self._features.T
+        self._halves = [_Half(np.arange(len(values)), self._features.T)]
         self._apart: list[_SharedUnknowns] | None = None
         self._taken: _TakenOut | None = None
         self._columns = dict[int, Array]()
@@ -86,15 +93,15 @@ class Fitted:
         self._trust = weights[self.reading] / self.noise
         if self._apart is None:
             self._apart = list(_blocks(self._features))
-        self._half = half = np.zeros_like(self._features.T)
-        for numbers, unknowns in self._apart:
-            part = self._features[np.ix_(numbers, unknowns)]
-            scaled = part * np.sqrt(self._trust[numbers])[:, None]
-            lower = lower_root(np.eye(len(unknowns)) + scaled.T @ scaled)
-            half[np.ix_(unknowns, numbers)] = solution(lower, part.T)
-        self._taken, self._columns = None, {}
-        self.left = self.values - (half @ (self._trust * self.values)) @ half
-        self.spread = np.einsum("rm,rm->m", half, half)
+        self._taken, self._columns, self._halves = None, {}, []
+        self.left, self.spread = self.values.copy(), np.zeros(len(self.values))
+        for numbers, part in self._apart:
+            trust, values = self._trust[numbers], self.values[numbers]
+            scaled = part * np.sqrt(trust)[:, None]
+            half = solution(lower_root(np.eye(part.shape[1]) + scaled.T @ scaled), part.T)
+            self.left[numbers] = values - (half @ (trust * values)) @ half
+            self.spread[numbers] = np.einsum("rm,rm->m", half, half)
+            self._halves.append(_Half(numbers, half))
 
     def without(self, reading: int) -> Fitted:
         """Return the estimate without one reading, by a correction of rank one for each of its numbers."""
@@ -120,12 +127,21 @@ class Fitted:
             way.append(at._taken)
             at = at._taken.before
         if number not in at._columns:
-            at._columns[number] = at._half.T @ at._half[:, number]
+            at._columns[number] = at._first_column(number)
         found = at._columns[number]
         for _, factor, column in reversed(way):
             found = found + factor * column[number] * column
         self._columns[number] = found
         return found
+
+    def _first_column(self, number: int) -> Array:
+        """Return the same where none was taken out: nought for numbers that have nothing in common with it."""
+        column = np.zeros(len(self.values))
+        for numbers, half in self._halves:
+            at = np.searchsorted(numbers, number)
+            if at < len(numbers) and numbers[at] == number:
+                column[numbers] = half.T @ half[:, at]
+        return column
 
     @property
     def surprise(self) -> Array:
@@ -146,7 +162,8 @@ def _blocks(features: Array) -> Iterator[_SharedUnknowns]:
             unknowns = further
             numbers = felt[:, unknowns].any(axis=1)
             further = felt[numbers].any(axis=0)
-        yield _SharedUnknowns(np.flatnonzero(numbers), np.flatnonzero(unknowns))
+        whole = numbers.all() and unknowns.all()
+        yield _SharedUnknowns(np.flatnonzero(numbers), features if whole else features[np.ix_(numbers, unknowns)])
         left &= ~unknowns
 
 

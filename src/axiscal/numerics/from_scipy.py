@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from axiscal.numerics import Array
 from axiscal.numerics.threads import hold_loaded_libraries
 
+_COLUMNS = 32
+"""Of a QR at a time; twice or half as many take as long."""
+
 
 def chi_square_tail(degrees: float, value: float) -> float:
     """Return the probability that a chi-square of these degrees of freedom is at least `value`."""
@@ -48,6 +51,19 @@ def transposed_solution(upper: Array, right: Array) -> Array:
     """Return U⁻ᵀ B, (n, m).  upper : (n, n), upper triangular; right : (n, m)"""
     solved: Array = _function("scipy.linalg", "solve_triangular")(upper, right, trans="T", check_finite=False)
     return solved
+
+
+def triangle_over(own: Array, below: Array) -> Array:
+    """Return R, upper triangular, with RᵀR = diag(own)² + belowᵀ below, (n, n), by QR of the one over the other.
+
+    own : (n,); below : (m, n). What is nought over the diagonal is not worked through: 2 m n² operations.
+    """
+    upper, other = np.asfortranarray(np.diag(own)), np.asfortranarray(below)
+    if not below.size:
+        return upper
+    found = _function("scipy.linalg.lapack", "dtpqrt")(0, min(_COLUMNS, len(own)), upper, other, overwrite_a=1)
+    triangle: Array = found[0]
+    return triangle
 
 
 def solution(lower: Array, right: Array) -> Array:

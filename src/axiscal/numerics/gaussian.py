@@ -6,6 +6,7 @@ semidefinite whatever the order and number of readings, and directions that no r
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import transposed_solution
+from axiscal.numerics.from_scipy import transposed_solution, triangle_over
 
 _SYMMETRY = 1e-9
 """Rounding of a correlation that was computed elsewhere; what is no rounding is larger."""
@@ -187,19 +188,71 @@ def condition_at_once(
     """Return what `condition` makes of readings one after the other, by matrix products and QR. O(n³ + m n² + m³):
     for hundreds of them the cost of a few, for a few that of hundreds.
 
-
     rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
     before : (m,) how many of the readings that count come before each
+    Readings and variables that have nothing in common with the others are taken in by themselves.
+    """
+    parts = list(_apart(factors.upper, rows))
+    if len(parts) == 1 and len(parts[0].variables) == len(mean) and len(parts[0].rows) == len(rows):
+        return _together(factors, mean, rows, values, noise, before)
+    upper, diagonal, mean = factors.upper.copy(), factors.diagonal.copy(), mean.copy()
+    expected, variance, losses = np.zeros(len(rows)), np.zeros(len(rows)), np.zeros_like(rows)
+    counts = np.isfinite(noise)
+    place = np.cumsum(counts) - 1
+    for mine, own in parts:
+        both, square = np.ix_(mine, own), np.ix_(own, own)
+        earlier = np.searchsorted(place[mine[counts[mine]]], before[mine])
+        part = Factors(factors.upper[square], factors.diagonal[own])
+        done = _together(part, mean[own], rows[both], values[mine], noise[mine], earlier)
+        upper[square], diagonal[own], mean[own] = *done.factors, done.mean
+        expected[mine], variance[mine], losses[both] = done.expected, done.variance, done.losses
+    return AtOnce(Factors(upper, diagonal), mean, expected, variance, losses)
+
+
+class _Apart(NamedTuple):
+    """Rows, and the variables that they see or that depend on these: indices, ascending."""
+
+    rows: NDArray[np.intp]
+    variables: NDArray[np.intp]
+
+
+def _apart(upper: Array, rows: Array) -> Iterator[_Apart]:
+    """Yield what is seen with what, in parts that have nothing in common.  upper : (n, n) of the factors; rows : (m, n)
+
+    What no row sees, and nothing that one sees depends on, is in no part.
+    """
+    linked, seen = upper != 0, rows != 0
+    left = seen.any(axis=0)
+    while left.any():
+        mine, own = np.zeros(len(rows), dtype=bool), np.zeros(len(left), dtype=bool)
+        new = np.array([np.argmax(left)])
+        while len(new):
+            own[new] = True
+            reached = seen[:, new].any(axis=1) & ~mine
+            mine |= reached
+            further = seen[reached].any(axis=0) | linked[new].any(axis=0) | linked[:, new].any(axis=1)
+            new = np.flatnonzero(further & ~own)
+        yield _Apart(np.flatnonzero(mine), np.flatnonzero(own))
+        left &= ~own
+
+
+def _together(
+    factors: Factors, mean: Array, rows: Array, values: Array, noise: Array, before: NDArray[np.intp]
+) -> AtOnce:
+    """Return the same of readings that have something in common; arguments as there.
+
     With C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes
-    away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ. In the end S R⁻¹ stands for S, RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come
-    from QR of what they are the roots of, so that wide priors keep their digits (Bierman 1977, ch. IV).
+    away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ, and X Wᵀ is Lᵀ above its diagonal. In the end S R⁻¹ stands for S,
+    RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come from QR of what they are the roots of, so that wide priors keep their
+    digits (Bierman 1977, ch. IV).
     """
     counts, start = np.isfinite(noise), root(factors)
     seen = rows @ start
     own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
-    upper = _triangle(np.vstack([np.diag(std), own.T]))
+    upper = triangle_over(std, own.T)
     solved = transposed_solution(upper, np.column_stack([own, left]))
-    learnt = solved[:, :-1] @ seen.T
+    learnt = np.empty((len(own), len(rows)))
+    learnt[:, counts], learnt[:, ~counts] = upper, solved[:, :-1] @ seen[~counts].T
     learnt[np.arange(len(learnt))[:, None] >= before] = 0.0
     variance = np.maximum(np.einsum("ij,ij->i", seen, seen) - np.einsum("ij,ij->j", learnt, learnt), 0.0)
     expected = rows @ mean + solved[:, -1] @ learnt
@@ -212,10 +265,7 @@ def condition_at_once(
 def _after(start: Array, scaled: Array, left: Array) -> tuple[Array, Array]:
     """Return S R⁻¹ with RᵀR = 1 + scaledᵀ scaled, upper triangular, and the change of the mean."""
     size = start.shape[1]
-    stacked = np.zeros((size + len(scaled), size + 1))
-    stacked[:size, :size] = np.eye(size)
-    stacked[size:, :size], stacked[size:, size] = scaled, left
-    triangle = _triangle(stacked)[:size]
+    triangle = triangle_over(np.append(np.ones(size), 0.0), np.column_stack([scaled, left]))[:size]
     after = transposed_solution(triangle[:, :size], start.T).T
     return after, after @ triangle[:, size]
 
@@ -227,12 +277,6 @@ def _from_triangle(after: Array, before: Factors) -> Factors:
     upper[:, pivots == 0] = 0.0
     np.fill_diagonal(upper, 1.0)
     return Factors(upper, pivots**2)
-
-
-def _triangle(stacked: Array) -> Array:
-    """Return R, upper triangular, with RᵀR = stackedᵀ stacked."""
-    result: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
-    return result
 
 
 def eigen_root(covariance: Array) -> Array:
