@@ -13,7 +13,7 @@ from scipy import stats
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, EffectMap, defence, vouched
+from axiscal.estimation.defence import Defence, EffectMap, defence, largest, vouched
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended
@@ -215,3 +215,30 @@ def test_departures_together_do_what_each_does_alone() -> None:
         assert together.most == alone.most
         assert together.wrong == pytest.approx(alone.wrong, rel=1e-9)
         assert together.damage == pytest.approx(alone.damage, rel=1e-9)
+
+
+@pytest.mark.parametrize("left", [readings(), [each for each in readings(30) if not 0.3 < each.pose[0] < 0.6]])
+def test_departures_come_with_the_most_damaging_first(left: list[Reading]) -> None:
+    case = axis()
+    found = of(case, left, 1e-6).departures
+    least = [max(each.damage, each.bearable) for each in found]
+    assert len(set(least)) > 3
+    assert least == sorted(least, reverse=True)
+    plain = vouched(case.observation, left, EffectMap.of(case, left), 1e-6).departures
+    assert [each.damage for each in plain] == sorted((each.damage for each in plain), reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("std", "sizes"),
+    [
+        (10e-6, {"drift": 20e-6, "step": 10e-6, "bump": 10e-6, "pitch": 5e-6, "reversal": 6e-6}),
+        (3e-6, {"drift": 20e-6, "step": 3e-6, "bump": 3e-6, "pitch": 3e-6, "reversal": 6e-6}),
+    ],
+)
+def test_no_departure_is_taken_for_larger_than_it_may_be(std: float, sizes: dict[str, float]) -> None:
+    """A pitch not than a ground screw has, a reversal not than two of its std (3 um), others not than their curve."""
+    text = MACHINE.replace('EXX = { std = "10 um"', f'EXX = {{ std = "{std * 1e6:g} um"')
+    case = Case(campaign_from_texts(CAMPAIGN, "c.toml", text, "m"))
+    every = departures(case.observation, readings(), IN_PLANS)
+    found = {each.family: largest(case.errors, each) for each in every if each.family in sizes}
+    assert found == pytest.approx(sizes)

@@ -55,3 +55,13 @@ def test_no_size_leaves_out_a_mean_a_band_or_a_rest() -> None:
     bare = np.max(np.abs(rows @ mean[term.columns]) + 2 * drawn.std(axis=0))
     assert linearity._size(term, mean, factor, box, 0.0) == pytest.approx(bare, rel=0.02)
     assert expected > 3 * bare
+
+
+def test_of_a_machine_that_is_known_exactly_the_rests_are_what_is_open() -> None:
+    errors = ErrorModel(load_machine("one-axis"))
+    nothing, box = np.zeros(errors.size), whole_travel(errors)
+    rests = np.array([term.rest for term in errors.terms])
+    assert rests.max() > 0
+    known = np.zeros((errors.size, 1))
+    assert linearity._sizes(errors, nothing, known, box) == pytest.approx(2 * rests)
+    assert not linearity._sizes(errors, nothing, known, box, rests=False).any()
