@@ -151,9 +151,10 @@ def _rests_for_good(target: Target, known: Estimation, before: Accuracy) -> bool
 
     before : how well the machine was known some readings ago. Each reading mends no more than the one before it did.
     """
-    if _reached(target, known) is None:
+    if target.unchecked or _reached(target, known) is None:
         return False
-    found, larger = defended(known), unshown(target, known)
+    found = defended(known)
+    larger = found.u_def / known.accuracy.rms
     missed = min((each.counted / each.allowed for each in _asked(target, known, larger)), default=0.0)
     if missed <= 1.0 or not found.only_stated:
         return False

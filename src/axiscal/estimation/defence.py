@@ -21,7 +21,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.scatter import Scatter, scattered
+from axiscal.estimation.scatter import Scatter, open_rests, scattered
 from axiscal.estimation.statements import LeftOpen, Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
@@ -184,15 +184,8 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
     made = EffectMap.of_numbers(case, numbers, root)
     found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
-    scatter = scattered(case.observation, chosen, numbers, case.yardstick, _open_rests(case, stated))
+    scatter = scattered(case.observation, chosen, numbers, case.yardstick, open_rests(case, stated))
     return replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter).promising(promise)
-
-
-def _open_rests(case: Case, stated: Machine) -> set[str]:
-    """Return the errors whose rest is to be learnt."""
-    every = case.description.scales_estimated
-    curves = {each.name for each in stated.errors if every or each.rest_estimated}
-    return curves | {each.name for each in stated.planes if every or each.rest_estimated}
 
 
 def _rests_on(

@@ -23,7 +23,9 @@ from numpy.typing import NDArray
 
 from axiscal.accuracy.damage import KAPPA
 from axiscal.accuracy.yardstick import Yardstick
+from axiscal.estimation.case import Case
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
+from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -65,6 +67,13 @@ def scattered(
     parts = [part for part in numbers.parts() if part.term.name in open_rests]
     found = list(_each(observation, readings, numbers, (parts, yardstick))) if parts else []
     return max(found, key=lambda each: each.effect, default=None)
+
+
+def open_rests(case: Case, stated: Machine) -> set[str]:
+    """Return the errors whose rest is to be learnt.  stated : the machine before scales were learnt"""
+    every = case.description.scales_estimated
+    curves = {each.name for each in stated.errors if every or each.rest_estimated}
+    return curves | {each.name for each in stated.planes if every or each.rest_estimated}
 
 
 def _each(

@@ -29,6 +29,7 @@ from axiscal.numerics import Array
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
+from axiscal.planning.read_again import to_read_again
 from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
@@ -54,6 +55,10 @@ def planned_places(
     beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
+    if beyond and not left and readings:
+        again = tuple(place for place in to_read_again(case, knowledge, readings) if not in_gap(case, place, gaps))
+        if again:
+            return again
     if beyond and not left and guarding(case) and len(readings) >= _FEWEST:
         coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
         return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
