@@ -61,8 +61,8 @@ scales that the readings leave possible. On maps what two axes do together is no
 beyond the stated noise counts in the band there, a rule that was settled with these maps in view. *Missed* is the RMS
 of truth minus estimate, *band* the RMS of the printed standard deviation, both as the verdict leaves them; *said* the
 warnings in the report. Random points: the mean of three draws, with all verdicts that they had. Of the plug plate no
-hole is read twice: by how much holes scatter is taken for noise where that much noise is stated, and the promise, which
-is without noise, then rests on that statement: it is `unchecked` where it is small beside that noise.
+hole is read twice there: by how much holes scatter is taken for noise where that much noise is stated, and the promise,
+which is without noise, then rests on that statement: it is `unchecked` where it is small beside that noise.
 
 | curve | readings | points | in the band | missed | band | verdict | said |
 |---|---|---|---|---|---|---|---|
