@@ -42,6 +42,7 @@ ATTACKS = {
     "none": Attack("nothing", frozenset()),
     "drift": Attack("drift, 10 µm over the readings", frozenset({"drift", "levelling"})),
     "levelling": Attack("drift that levels off, 10 µm", frozenset({"drift", "levelling"})),
+    "jump": Attack("zero set anew on the way, 8 µm off", frozenset({"jump"})),
     "step": Attack("step, 15 µm", frozenset({"step"})),
     "pitch 10": Attack("pitch of 10 mm, 5 µm", frozenset({"pitch"})),
     "pitch 33": Attack("pitch of 33 mm, in no list, 5 µm", frozenset({"pitch"})),
@@ -79,6 +80,7 @@ def _added(attack: str, index: int, count: int, x: float, place: float) -> float
     return {
         "drift": 10e-6 * index / count,
         "levelling": 10e-6 * float(1 - np.exp(-3 * index / count)),
+        "jump": 8e-6 * (index > place * count),
         "step": 15e-6 * (x > place),
         "pitch": 5e-6 * float(np.sin(2 * np.pi * x / period)),
         "bump": 12e-6 * float(np.exp(-(((x - place) / 0.03) ** 2))),

@@ -54,7 +54,8 @@ def test_what_is_watched_while_measuring_is_what_the_verdict_takes_into_account(
 
 
 @pytest.mark.parametrize(
-    ("attack", "names"), [("drift", {"drift", "levelling"}), ("pitch 50", {"pitch"}), ("bad", {"bad"})]
+    ("attack", "names"),
+    [("drift", {"drift", "levelling"}), ("jump", {"jump"}), ("pitch 50", {"pitch"}), ("bad", {"bad"})],
 )
 def test_what_was_put_in_is_what_is_found(attack: str, names: set[str]) -> None:
     observation = axis()

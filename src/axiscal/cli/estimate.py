@@ -24,6 +24,7 @@ from axiscal.exceptions import RecordError
 from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
+from axiscal.report.copies import copies
 from axiscal.report.findings import untimed
 from axiscal.report.result_set import RECORD, mend
 from axiscal.report.standard import iso230_block
@@ -75,7 +76,7 @@ def estimate(
     mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
-    extras = replace(extras, warnings=untimed(placed, description.setups))
+    extras = replace(extras, warnings=[*copies(placed, description.setups), *untimed(placed, description.setups)])
     with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")

@@ -40,8 +40,11 @@ FEWEST, _CANDIDATES = 6, 160
 """Fewer readings leave everything open; one of so many candidates is near the best of a curve of some tens of knots."""
 _TELLS = 2.0
 """Standard deviations by which the two predictions differ where a reading decides: less would be asked for in vain."""
-_ONE_CAUSE: tuple[frozenset[Family], ...] = (frozenset({"drift", "levelling"}), frozenset({"bump", "detail"}))
-"""Families that differ in how, not in what to do."""
+_ONE_CAUSE: tuple[frozenset[Family], ...] = (
+    frozenset({"drift", "levelling", "jump"}),
+    frozenset({"bump", "detail"}),
+)
+"""Families that differ in how, not in what to do; how a zero has moved no later reading tells."""
 
 
 @dataclass(frozen=True, slots=True)

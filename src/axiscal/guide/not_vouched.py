@@ -42,6 +42,7 @@ def cause_words(found: Explanation) -> str:
     words = {
         "drift": said('the zero of "{owner}" drifts', owner=found.owner),
         "levelling": said('the zero of "{owner}" drifts and levels off', owner=found.owner),
+        "jump": said('the zero of "{owner}" jumped', owner=found.owner),
         "step": said("{owner} steps", owner=found.owner),
         "pitch": said("{owner} repeats along its axis", owner=found.owner),
         "bump": said("{owner} has a detail that its knots do not follow", owner=found.owner),

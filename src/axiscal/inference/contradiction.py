@@ -35,6 +35,7 @@ PRIOR: Mapping[Family, float] = MappingProxyType(
     {
         "drift": 0.12,
         "levelling": 0.06,
+        "jump": 0.05,
         "step": 0.06,
         "pitch": 0.08,
         "bump": 0.05,

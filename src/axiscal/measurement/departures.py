@@ -4,6 +4,7 @@ Under a departure of size s the readings are y = model + s b. Each family is the
 with places has one column for each place that it may be at.
 
     drift             τ, hours since the set-up began; levelling off 1 − exp(−3τ)
+    jump              1 from one reading of a set-up on: its zero was set anew, its stand was knocked, its beam broken
     step              1 where the axis is beyond a place, times the lever of the error
     pitch             cos, sin 2πt/p times the lever (screw pitch, encoder line)
     bump, detail      exp(−(t − c)²/w²) times the lever, w the spacing of the knots, or half of it
@@ -29,7 +30,9 @@ from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
-Family = Literal["drift", "levelling", "step", "pitch", "bump", "detail", "reversal", "scale", "together", "bad"]
+Family = Literal[
+    "drift", "levelling", "jump", "step", "pitch", "bump", "detail", "reversal", "scale", "together", "bad"
+]
 
 _HOUR, _LEVELLING = 3600.0, 1200.0
 """s: a drift is counted by the hour, and a machine that stood levels out in twenty minutes, or about."""
@@ -52,6 +55,8 @@ _SIDE = 41
 """Points along each side of a plane: a mean square of two waves is exact to a thousandth."""
 _A_LINE = 3
 """So many readings tell a rate from a zero."""
+_A_STAND = 2
+"""So many readings on either side tell another zero from a bad reading."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +66,18 @@ class Search:
     steps : places of a step along an axis
     scanned : whether periods that nobody stated are looked for at any frequency, in all errors; if not, the usual
         pitches of a screw in the positioning of its axis
+    jumps : whether a zero is looked for that jumped. No plan is guarded against that: where the side changes with the
+        way, a zero set anew at the turn is the same to its readings as a reversal
     """
 
     steps: int = _PLACES
     scanned: bool = True
+    jumps: bool = True
 
 
 EVERYWHERE = Search()
 """For what readings say."""
-IN_PLANS = Search(steps=9, scanned=False)
+IN_PLANS = Search(steps=9, scanned=False, jumps=False)
 """For what readings could say: enough for a root mean square over the places that a step may have."""
 
 
@@ -78,7 +86,8 @@ class Departure:
     """One departure that may be.
 
     columns : (m, r) b; its size has the unit of what `columns` are per: m, rad, or per hour of drift
-    owner : the set-up, or the error whose curve departs; place : where, m or rad; the pitch, or the index of a reading
+    owner : the set-up, or the error whose curve departs
+    place : where, m or rad; the pitch; the index of a reading; of a jump that of the first number after it
     function : index of that error; None where only the readings suffer
     pair : the two axes that act together, of which the error is one component; None for what one axis does
     """
@@ -123,6 +132,7 @@ def departures(
     for index, setup in enumerate(observation.setups):
         for number in range(len(directions_of(setup))):
             yield from _drifts(seen, index, number, setup.name)
+            yield from _jumps(seen, index, number, setup.name) if search.jumps else ()
     for index in range(len(observation.errors.functions)):
         if np.any(np.abs(seen.effects[index]) > _FELT):
             yield from _of_error(observation, seen, index, search)
@@ -156,6 +166,17 @@ def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Depa
     if np.ptp(since) > 0:
         yield Departure("drift", name, (since / _HOUR)[:, None], float(number))
         yield Departure("levelling", name, np.where(mine, 1 - np.exp(-since / _LEVELLING), 0.0)[:, None], float(number))
+
+
+def _jumps(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Departure]:
+    mine = np.flatnonzero((seen.setup == setup) & (seen.number == number))
+    mine = mine[np.argsort(seen.time[mine], kind="stable")]
+    for before in range(_A_STAND, len(mine) - _A_STAND + 1):
+        last, first = mine[before - 1], mine[before]
+        if seen.time[first] > seen.time[last]:
+            after = np.zeros(len(seen.time))
+            after[mine[before:]] = 1.0
+            yield Departure("jump", name, after[:, None], float(first))
 
 
 def _of_error(observation: Observation, seen: _Numbers, index: int, search: Search) -> Iterator[Departure]:

@@ -20,6 +20,7 @@ from axiscal.units import said_quantity, to_unit
 _CODES = {
     "drift": "drift",
     "levelling": "drift",
+    "jump": "drift",
     "bad": "outlier",
     "scale": "prior-misfit",
 }
@@ -72,7 +73,7 @@ def _how_surely(found: Comparison) -> str:
 
 def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     """Return in words what may be, and what to do about it."""
-    if each.family in ("drift", "levelling", "bad"):
+    if each.family in ("drift", "levelling", "jump", "bad"):
         return _of_setup(each, estimation)
     if each.family == "together":
         twist = "two axes seem to act together beyond the sum of their curves, a twist of {size} ({owner})"
@@ -90,11 +91,26 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
         index = estimation.readings.index(ruling_of(estimation).readings[int(each.place)])
         wrong = said("{reading} seems to be wrong by {size}", reading=estimation.name_of(index), size=size)
         return wrong, said("take it again")
+    if each.family == "jump":
+        jumped = said(
+            'the zero of "{owner}" seems to have jumped by {size}: {reading} is the first one after it',
+            owner=each.owner,
+            size=size,
+            reading=estimation.name_of(_with_number(int(each.place), estimation)),
+        )
+        return jumped, said("if it was set anew or knocked there, let what was read from there on be another set-up")
     rate = f"{abs(to_unit(each.size, unit)):.2g} {unit}/h"
     remedy = said('state drift = "{rate}" in the set-up, or measure when it is warm', rate=rate)
     steady = 'the zero of "{owner}" seems to drift by {size} in an hour'
     levelling = 'the zero of "{owner}" seems to drift and level off after {size}'
     return said(steady if each.family == "drift" else levelling, owner=each.owner, size=size), remedy
+
+
+def _with_number(number: int, estimation: Estimation) -> int:
+    """Return the index of the reading that holds this one of all numbers that were compared."""
+    readings = ruling_of(estimation).readings
+    owners = [reading for reading in readings for _ in reading.values]
+    return estimation.readings.index(owners[number])
 
 
 def _sized(each: Explanation, unit: str) -> str:

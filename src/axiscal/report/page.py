@@ -40,6 +40,7 @@ _CODES = {
     "lack-of-fit": later("more detail than the model follows"),
     "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
+    "copies": later("readings that come twice"),
     "drift": later("drift"),
     "outlier": later("reading that does not fit"),
     "unobservable": later("cannot be seen"),

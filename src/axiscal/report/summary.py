@@ -121,7 +121,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of lack-of-fit aliasing prior-misfit drift outlier unobservable."""
+    """A warning: `code` is one of lack-of-fit aliasing prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
