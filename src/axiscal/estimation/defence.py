@@ -48,8 +48,10 @@ COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
-_ANYWHERE: frozenset[Family] = frozenset({"step", "bump"})
-"""Families that may be anywhere, in a gap between readings too. What is narrower hides between any two of them."""
+_ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
+"""Families that may be anywhere, in a gap between readings or off the lines that they lie on. What is narrower hides
+between any two of them.
+"""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
 """Of few places a step between two readings is none."""
 _LARGEST_DRIFT = 20e-6
@@ -211,14 +213,17 @@ def with_gaps(
     """Return what the same readings can vouch for with what may stay hidden between them.
 
     stated : the machine before scales were learnt. A curve found to be smaller says nothing of a step where it was not
-    read, so that steps stay as large as stated.
+    read, nor of what two axes do together where one alone was moved, so that both stay as large as stated.
     """
     possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, _BETWEEN))
     told = [each for each in possible if each.family in _ANYWHERE]
     entries, open_ones = (observation.errors.machine.errors, stated.errors), {}
     for key, members in groupby(told, key=lambda each: (each.family, each.owner)):
-        harms = effects.each(list(members))
-        std = max(entry.std for machine in entries for entry in machine if entry.name == key[1])
+        group = list(members)
+        harms = effects.each(group)
+        own = observation.errors.functions[group[0].function or 0].name
+        std = max(entry.std for machine in entries for entry in machine if entry.name == own)
+        std *= _TOGETHER if key[0] == "together" else 1.0
         open_ones[key] = hidden(harms, std, found.promise), bearable(harms, std, 1 - LEVEL)
     seen = []
     for each in found.departures:
