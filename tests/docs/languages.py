@@ -68,7 +68,7 @@ def _held(nodes: Iterable[ast.Assign]) -> dict[str, list[str]]:
         for target in node.targets:
             pairs = [(target, node.value)]
             if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
-                pairs = list(zip(target.elts, node.value.elts, strict=True))
+                pairs = list(zip(target.elts, node.value.elts, strict=False))  # a starred value holds several, no text
             for name, value in pairs:
                 if isinstance(name, ast.Name) and isinstance(value, ast.Constant) and isinstance(value.value, str):
                     found.setdefault(name.id, []).append(value.value)

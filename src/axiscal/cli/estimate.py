@@ -24,7 +24,7 @@ from axiscal.exceptions import RecordError
 from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
-from axiscal.report.copies import copies
+from axiscal.report.doubled import copies
 from axiscal.report.findings import untimed
 from axiscal.report.result_set import RECORD, mend
 from axiscal.report.standard import iso230_block

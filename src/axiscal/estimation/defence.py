@@ -49,9 +49,7 @@ COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
-"""Families that may be anywhere, in a gap between readings or off the lines that they lie on. What is narrower hides
-between any two of them.
-"""
+"""Families that may be anywhere, in a gap or off a line of readings too. What is narrower hides between any two."""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
 """Of few places a step between two readings is none."""
 _LARGEST_DRIFT = 20e-6

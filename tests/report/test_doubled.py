@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from axiscal.cli.app import app
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from axiscal.report.copies import copies, repeated
+from axiscal.report.doubled import copies, repeated
 
 NOISE = 0.5e-6
 MACHINE = """
