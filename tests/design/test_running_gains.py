@@ -128,3 +128,17 @@ def test_slots_looked_at_together_are_looked_at_as_if_alone(readings: int) -> No
         alone = scores.replacement(slot, masks[slot])
         assert found.candidate == alone.candidate
         np.testing.assert_allclose(found[1:], alone[1:], rtol=1e-10)
+
+
+@pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
+def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Task) -> None:
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores.enter_all(asked.lattice.within(slice(0, None, 11)))
+    for slot in range(0, len(scores.members), 4):
+        if scores.held_alone(slot):
+            continue
+        state, change = scores.known_without(slot)
+        found, anew = scores.scorer_without(change).gains(asked.lattice), scores.pool.scorer(state).gains(asked.lattice)
+        np.testing.assert_allclose(found, anew, rtol=1e-8)
+        scores.leave(slot)
+        scores.enter(slot, slot)  # another state: what was found once does not hold any more

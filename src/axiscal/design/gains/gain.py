@@ -36,6 +36,12 @@ class Scorer:
         weighted = need_root(root).of(factor)
         return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
 
+    def widened(self, columns: Array, reach: Array) -> Scorer:
+        """Return the gains where the covariance is larger by D Dᵀ.  columns : D (n, k); reach : V D (w, k)"""
+        factor, weighted = np.hstack([self.factor, columns]), np.hstack([self.weighted, reach])
+        target = self.both[:, self.rank :] + columns @ reach.T
+        return Scorer(self.observation, factor, weighted, np.hstack([factor, target]))
+
     @property
     def rank(self) -> int:
         """Number of columns of F: the rest of `both` belongs to the numerator."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, LowRank
+from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.reading_columns import ReadingColumns
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.place import Places
@@ -96,6 +97,7 @@ class Scores:
         self._starts: list[int] | None = None
         self._noise: Array | None = None
         self._leavings: dict[int, _Leaving] = {}
+        self._bare: tuple[Covariance, Scorer] | None = None
 
     def follow(self) -> ReadingColumns:
         """Keep the columns of the readings of the plan from now on, so that they can be looked at one by one."""
@@ -198,6 +200,16 @@ class Scores:
         member = self.members[slot]
         rows = self._padded(member)
         return self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
+
+    def scorer_without(self, change: LowRank) -> Scorer:
+        """Return the gains without a reading, as if no cell had been visited.  change : what its leaving would change
+
+        The factor without cells is found once for all readings until one of them moves.
+        """
+        if self._bare is None or self._bare[0] is not self.state:
+            self._bare = self.state, self.pool.scorer(self.state)
+        columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
+        return self._bare[1].widened(columns, self.state.root.of(columns))
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""

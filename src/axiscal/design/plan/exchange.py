@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance
 from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.plan.move_all import moved
@@ -17,6 +16,7 @@ from axiscal.design.plan.patience import Patience, work_of_climb
 from axiscal.design.step.best_step import best_of, climbed_on_chart
 from axiscal.design.step.climb import Climb
 from axiscal.design.step.starts_stacked import adds_up
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
@@ -117,21 +117,21 @@ def _polished(scores: Scores, slot: int, allowed: Allowed) -> None:
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
     state, change = scores.known_without(slot)
-    found = _climbed(scores.pool, state, gains, scores.places.at(slot))
+    found = _climbed(scores.pool, scores.scorer_without(change), gains, scores.places.at(slot))
     if state.entered(found)[1].gain > -change.gain * (1 + _BETTER):  # tables are changed for what is better only
         scores.leave(slot)
         scores.enter(found, slot)
 
 
-def _climbed(pool: Pool, state: Covariance, gains: Array, old: Places) -> Places:
+def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     """Return the best reading found from a reading and the best candidates.
 
-    state : without the reading
+    scorer : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    scorer, lattice = pool.scorer(state), pool.lattice
+    lattice = pool.lattice
     order = ranked(gains, ALIKE, _CANDIDATES)
-    if np.all(np.isfinite(gains)) and _small(scorer, lattice):
+    if np.all(np.isfinite(gains)) and _small(pool, scorer.observation):
         return best_of(scorer, lattice).place
     begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
     climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
@@ -140,10 +140,10 @@ def _climbed(pool: Pool, state: Covariance, gains: Array, old: Places) -> Places
     return Places.one(best.setup, best.poses[top], best.approaches[top])
 
 
-def _small(scorer: Scorer, lattice: Places) -> bool:
+def _small(pool: Pool, observation: Observation) -> bool:
     """Whether a search over everything costs no more than climbing from a few places."""
-    used, observation = [int(setup) for setup in np.unique(lattice.setups)], scorer.observation
-    free = scorer.rank <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
+    used = [int(setup) for setup in np.unique(pool.lattice.setups)]
+    free = pool.size <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
     return free and all(adds_up(observation, setup) for setup in used)
 
 
