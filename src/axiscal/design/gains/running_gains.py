@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance, LowRank
 from axiscal.design.gains.gain import Scorer
+from axiscal.design.gains.leaving import Leaving, LeftOver
 from axiscal.design.gains.reading_columns import ReadingColumns
 from axiscal.design.gains.three_values import SharedReadings
 from axiscal.measurement.place import Places
@@ -39,30 +40,6 @@ class Member:
 
     rows: Array
     variance: float
-
-
-class LeftOver(NamedTuple):
-    """What a reading leaves that is not taken.
-
-    above, below, joint : as of `Scores`; eta, omega : (k, k) of the change of the covariance
-    cross, reach : (numbers, k) G_c C Hᵀ and G_c C W C Hᵀ with its rows H
-    """
-
-    above: Array
-    below: Array
-    joint: SharedReadings
-    eta: Array
-    omega: Array
-    cross: Array
-    reach: Array
-
-
-class _Leaving(NamedTuple):
-    """What a reading does that leaves.  grown, omega : E and Ω (k, k); least : eigenvalue of E⁻¹, m²"""
-
-    grown: Array
-    omega: Array
-    least: float
 
 
 class Replacement(NamedTuple):
@@ -96,7 +73,7 @@ class Scores:
         self._rows: Array | None = None
         self._starts: list[int] | None = None
         self._noise: Array | None = None
-        self._leavings: dict[int, _Leaving] = {}
+        self._leavings: dict[int, Leaving] = {}
         self._bare: tuple[Covariance, Scorer] | None = None
 
     def follow(self) -> ReadingColumns:
@@ -298,25 +275,25 @@ class Scores:
         left = self._left_by(slot)
         return left.grown, left.omega
 
-    def _left_by(self, slot: int) -> _Leaving:
+    def _left_by(self, slot: int) -> Leaving:
         """Return the same and its least eigenvalue, kept until something enters or leaves."""
         if slot not in self._leavings:
             self._leavings[slot] = self._found_leaving(slot)
         return self._leavings[slot]
 
-    def _found_leaving(self, slot: int) -> _Leaving:
+    def _found_leaving(self, slot: int) -> Leaving:
         """Return E = (R − G C Gᵀ)⁻¹ and Ω = G C W C Gᵀ of a reading with its rows G."""
         numbers, noise = self._numbers(slot), self.members[slot].variance
         here = numbers.start
         if numbers.stop - here == 1:
             spread, omega = float(self.below[here]) - noise, float(self.above[here])
             left = max(noise - spread, _SMALLEST * noise)
-            return _Leaving(np.array([[1.0 / left]]), np.array([[omega]]), left)
+            return Leaving(np.array([[1.0 / left]]), np.array([[omega]]), left)
         own = slice(here - self.pool.count, numbers.stop - self.pool.count)
         crossed, reached = self.follow().of(own, numbers)
         values, vectors = np.linalg.eigh(noise * np.eye(own.stop - own.start) - crossed)
         grown: Array = vectors / np.maximum(values, _SMALLEST * noise) @ vectors.T
-        return _Leaving(grown, reached, float(values[0]))
+        return Leaving(grown, reached, float(values[0]))
 
     def _columns(self, slot: int) -> tuple[Array, Array]:
         """Return rows times C Gᵀ and times C W C Gᵀ of a reading of the plan, each (numbers, k).
