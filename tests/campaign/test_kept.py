@@ -110,6 +110,33 @@ def test_only_the_new_readings_are_looked_at(record: Path, monkeypatch: pytest.M
     assert taken[-1] < kept.FEWEST or learnt >= kept.FEWEST
 
 
+def test_a_reading_that_has_all_weighed_again_is_looked_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of more than 200; one that fits waits until there are enough new ones."""
+    description, path = _described(tmp_path), tmp_path / "c.axiscal"
+    *readings, last = _readings(description, 242)
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(tuple(readings[:240]))
+        campaign.known()
+    begun = list[int]()
+
+    def counted(before: object, readings: tuple[Reading, ...], implausible: object) -> object:
+        begun.append(len(before.innovations))  # type: ignore[attr-defined]
+        return reviewed(before, readings, implausible)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(estimate, "reviewed", counted)
+    for reading in (readings[240], replace(last, value=last.value + 2e-6)):
+        with Campaign.open(path) as campaign:
+            campaign.adopt((reading,))
+            campaign.known()
+    found = _known(path)
+    assert begun == [240, 240]
+    kept.kept_beside(path).unlink()
+    again = _known(path)
+    assert [doubt.reading for doubt in found.outliers] == [doubt.reading for doubt in again.outliers]
+
+
 @pytest.mark.parametrize("damage", ["cut", "flipped", "emptied", "other title", "a folder", "of another campaign"])
 def test_damage_is_not_trusted(record: Path, damage: str) -> None:
     beside = kept.kept_beside(record)

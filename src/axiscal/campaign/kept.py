@@ -36,6 +36,7 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.ending import Attained
 from axiscal.campaign.versions import versions
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.reviewed import costly
 from axiscal.estimation.soundness import is_sound
 from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.contradiction import PRIOR, Explanation, Watched
@@ -50,7 +51,7 @@ FEWEST = 64
 FEWEST_ANSWERED = 8
 """Of fewer readings even the verdict is found anew in less than a second."""
 _EVERY = 32
-"""So many readings later it is kept anew: taking them in again is quick."""
+"""So many readings later it is kept anew: taking them in again is quick, unless one of them has all weighed again."""
 _TITLE = b"axiscal known 1\n"
 Answer = TypeVar("Answer")
 _ROOMS = {
@@ -114,9 +115,13 @@ class Kept:
         return found
 
     def keep(self, known: Estimation) -> None:
-        """Write what is known where it has grown by enough; where the folder takes no file it is not kept."""
+        """Write what is known where it has grown by enough, or a new reading was costly to look at.
+
+        Where the folder takes no file it is not kept.
+        """
         count = len(known.readings)
-        if count < FEWEST or 0 <= count - self._count < _EVERY or not self._record.exists():
+        little = 0 <= count - self._count < _EVERY and not costly(known.stages.absorbed, self._count)
+        if count < FEWEST or little or not self._record.exists():
             return  # a record on a server has no place beside it
         self._count = count
         with contextlib.suppress(OSError, pickle.PicklingError, TypeError, RecursionError, MemoryError):
