@@ -10,7 +10,8 @@ import pytest
 from axiscal.belief import Belief
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import Export, tried_out
-from axiscal.compensation.registry import _maker, export
+from axiscal.compensation.old_files import OldFile
+from axiscal.compensation.registry import _maker, export, loaded
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import whole_travel
 from axiscal.estimation.machine_estimate import Estimate
@@ -241,3 +242,13 @@ def test_points_that_are_no_turn_are_refused_with_those_that_are() -> None:
 def test_rotary_axes_without_parameters_are_left_out_and_named() -> None:
     made = turning(N3620="A1P50", N3621="A1P51", N3622="A1P60", N3623="A1P1", N3624="A1P20.0")
     assert "Left out: C, B (no parameters 3620 to 3624" in made.readme
+
+
+@pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623", "3626"])
+@pytest.mark.parametrize("digits", [5, 20, 5000])
+def test_a_number_that_no_point_has_is_a_sentence_and_not_a_memory_full_of_points(parameter: str, digits: int) -> None:
+    values = {"3620": "50", "3621": "46", "3622": "65", "3623": "1", "3626": "100"}
+    text = template(**{**BOTH, f"N{parameter}": f"A1P{digits * '9'}A2P{values[parameter]}"})
+    machine = machine_from_text(MACHINE)
+    with pytest.raises(TableError, match=r"has the number 9{5,20} in its parameters"):
+        loaded("fanuc", machine, ExportOptions(old_files=(OldFile("pitch.txt", text),)))

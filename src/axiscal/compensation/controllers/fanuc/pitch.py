@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,8 @@ _BACKWARDS = 5
 
 _WIDEST = 1000.0
 """m or rad, of an interval: longer than any travel, so that any near would do."""
+_DIGITS = 4
+"""Of a number of a point: those beyond have no entry, since 10000 and it name one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +127,7 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
         shown = ", ".join(map(str, missing))
         raise TableError(f"there are no parameters {shown} for {name} (axis {number})", EXPECTED, file)
     reference, first, last, magnification, interval = (value or "0" for value in values)
+    _refuse_long(name, (reference, first, last, magnification), file)
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
@@ -142,12 +145,22 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
 
 def _second_set(records: Records, file: str, name: str, number: int) -> int | None:
     """Return parameter 3626 where it counts: it is not 0, and 3605#0 does not say that one set serves both ways."""
-    first = int(records.get(NEGATIVE, {}).get(number, "0"))
+    said = records.get(NEGATIVE, {}).get(number, "0")
+    _refuse_long(name, (said,), file)
+    first = int(said)
     if first == 0 or not _bit(records.get(BOTH, {}).get(number, "1"), 0):
         return None
     if number not in records.get(APART, {}):
         raise TableError(f"{name} (axis {number}) has parameter 3626 without 3627", EXPECTED, file)
     return first
+
+
+def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
+    """Raise TableError for a number that no point has: as many points would not fit into a memory."""
+    long = next((value for value in values if len(value.lstrip("+-0")) > _DIGITS), None)
+    if long is not None:
+        what = f"{name} has the number {long[:20]} in its parameters 3620 to 3623 or 3626"
+        raise TableError(what, f"points and magnification have {_DIGITS} digits at most", file)
 
 
 def _bit(value: str, place: int) -> bool:
