@@ -7,8 +7,10 @@ import pytest
 
 from axiscal.accuracy.damage import KAPPA
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation import defence as defence_module
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, defence
+from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -103,6 +105,15 @@ def test_places_that_were_read_once_more_tell() -> None:
     assert lacking is not None
     assert lacking.lacking == 1
     assert vouched(axis(), read(*first)).scatter is None
+
+
+def test_of_very_many_readings_those_count_too_that_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the ten that are drawn here no two are of one place."""
+    taken = read(*[reading.pose[0] for reading in read()[:3]])
+    monkeypatch.setattr(defence_module, "_MOST", 10)
+    assert len({reading.place for reading in drawn(taken, 10)}) == 10
+    assert vouched(axis(), taken).scatter is None
+    assert vouched(axis(), taken[:-1]).scatter is not None
 
 
 def test_where_the_rest_is_stated_nothing_is_learnt_beside_the_noise() -> None:

@@ -184,7 +184,7 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
     made = EffectMap.of_numbers(case, numbers, root)
     found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
-    scatter = scattered(case.observation, chosen, numbers, case.yardstick, open_rests(case, stated))
+    scatter = scattered(case.observation, readings, numbers, case.yardstick, open_rests(case, stated))
     return replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter).promising(promise)
 
 

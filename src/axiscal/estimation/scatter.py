@@ -62,7 +62,8 @@ def scattered(
 ) -> Scatter | None:
     """Return the noise that would do most if it were the machine's; None where readings tell, or no rest is learnt.
 
-    numbers : of the readings; open_rests : names of errors whose rest is to be learnt
+    readings : all that there are; numbers : of these, or of some drawn from them
+    open_rests : names of errors whose rest is to be learnt
     """
     parts = [part for part in numbers.parts() if part.term.name in open_rests]
     found = list(_each(observation, readings, numbers, (parts, yardstick))) if parts else []
@@ -83,13 +84,14 @@ def _each(
     within: tuple[list[ErrorPart], Yardstick],
 ) -> Iterator[Scatter]:
     parts, yardstick = within
-    names, shown = np.array([reading.setup for reading in readings]), _places(numbers.reading, parts)
+    shown = _places(numbers.reading, parts)
     for index, setup in enumerate(observation.setups):
-        mine = np.flatnonzero(names == setup.name)
-        if not len(mine):
+        own = numbers.setups == index
+        if not own.any():
             continue
-        again = len(mine) - len(np.unique(shown[mine], axis=0))
-        own = np.isin(numbers.reading, mine)
+        mine = np.unique(numbers.reading[own])
+        places = [reading.place for reading in readings if reading.setup == setup.name]
+        again = max(len(mine) - len(np.unique(shown[mine], axis=0)), len(places) - len(set(places)))
         variance = float(np.mean(numbers.noise[own]))
         most = [variance * each for part in parts if (each := _reach(part, own, yardstick)) > 0]
         if most and again < ENOUGH:

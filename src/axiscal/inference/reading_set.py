@@ -71,7 +71,8 @@ class _Visits(NamedTuple):
 class ReadingSet:
     """All numbers of all readings.
 
-    reading : (m,) index of the reading of each number; values : (m,), what is not linear taken off
+    reading, setups : (m,) indices of the reading and the set-up of each number
+    values : (m,), what is not linear taken off
     rows : (m, size) over errors and unknowns of set-ups; noise : (m,) variances
     std_stated : (m,) whether a reading says how noisy it is itself
     extra_variance : (m,) of what else widens a number
@@ -81,6 +82,7 @@ class ReadingSet:
         self._observation, self._readings = observation, readings
         self._places = places_of(observation.setups, readings)
         self.rows, variances, self.reading = rows_at(observation, self._places)
+        self.setups = self._places.setups[self.reading]
         self.values = linear_values(observation, self._places, readings)
         usual = np.array([setup.noise**2 for setup in observation.setups])[self._places.setups]
         each = [noise if r.std is None else r.std**2 for r, noise in zip(readings, usual, strict=True)]
