@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -135,21 +136,23 @@ def test_what_is_no_result_is_refused_in_a_sentence(tmp_path: Path, change: str)
     ],
 )
 def test_a_changed_result_is_not_believed_and_can_be_worked_on_again(tmp_path: Path, change: str) -> None:
-    with _opened(tmp_path) as results:
+    folder = tmp_path / "two words"
+    with _opened(folder) as results:
         results.keep(Done("a", {"U_um": 0.1}))
         results.keep(Done("b", {"U_um": 0.3}))
-    with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+    with closing(sqlite3.connect(folder / FILE, isolation_level=None)) as database:
         database.execute(f"UPDATE cases SET {change} WHERE key = 'a'")
     with (
         pytest.raises(StudyError, match="is not the one that was kept") as caught,
-        _opened(tmp_path, resume=True) as it,
+        _opened(folder, resume=True) as it,
     ):
         it.all()
-    found = re.search(r'sqlite3 (\S+) "(DELETE .*?)"', str(caught.value))
+    found = re.search("by `(sqlite3 .*?)`", str(caught.value))
     assert found is not None
-    with closing(sqlite3.connect(found[1], isolation_level=None)) as database:
-        database.execute(found[2])
-    with _opened(tmp_path, resume=True) as results:
+    _, file, change_back = shlex.split(found[1])
+    with closing(sqlite3.connect(file, isolation_level=None)) as database:
+        database.execute(change_back)
+    with _opened(folder, resume=True) as results:
         assert results.keys() <= {"b"}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shlex
 import sqlite3
 import sys
 from collections.abc import Iterator, Mapping
@@ -131,7 +132,7 @@ class Results(Closing):
         """Return how a row is taken out by its digest, so that its case is worked on again."""
         if not isinstance(digest, str) or not digest.isalnum():
             return _DAMAGED
-        command = f"""sqlite3 {self.path} "DELETE FROM cases WHERE digest = '{digest}'\""""
+        command = f"""sqlite3 {shlex.quote(str(self.path))} "DELETE FROM cases WHERE digest = '{digest}'\""""
         return f"Take it out by `{command}`; --resume works on that case again"
 
     @contextmanager
