@@ -73,7 +73,7 @@ def test_rank_one_updates_are_the_plain_matrices_with_a_zero_open_by_a_millimetr
         part = slice(first, first := first + each.columns.shape[1])
         columns = scores.watched.columns(scores.places)[:, part]
         span = np.ptp(columns) if each.function is None else 1.0
-        direct = effects.effect(replace(each, columns=columns))
+        (direct,) = effects.each([replace(each, columns=columns)])
         assert scores.standing.own[part] / span**2 == pytest.approx(np.diag(direct.information), rel=1e-9)
         assert np.mean(scores.standing.wrong[part]) / span**2 == pytest.approx(direct.wrong, rel=1e-9)
 

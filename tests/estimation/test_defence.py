@@ -73,7 +73,7 @@ def test_the_power_is_that_of_twenty_thousand_campaigns(family: str, place: int)
     departure = of_family(family, taken, place)
     column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
     covariance = Fitted.of(case.observation, taken).covariance()
-    effect, promise = EffectMap.of(case, taken).effect(departure), 0.8e-6
+    effect, promise = EffectMap.of(case, taken).each([departure])[0], 0.8e-6
     size = math.sqrt((KAPPA**2 - 1) / effect.wrong) * promise
     drawn = np.random.default_rng(1).standard_normal((20_000, len(column))) @ np.linalg.cholesky(covariance).T
     contrast = np.linalg.solve(covariance, column)
@@ -88,7 +88,7 @@ def test_information_and_error_are_what_the_estimate_makes_of_such_readings(fami
     departure = of_family(family, taken, place)
     column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
     after = block(Knowledge(case.observation, case.prior), with_values(taken, column), np.ones(len(taken)))
-    effect = EffectMap.of(case, taken).effect(departure)
+    (effect,) = EffectMap.of(case, taken).each([departure])
     information = float(sum(each.chi_square for each in after.innovations))
     assert effect.information[0, 0] == pytest.approx(information, rel=1e-9)
     if departure.function is None:
@@ -107,7 +107,7 @@ def test_what_a_step_leaves_over_the_volume_is_its_own_integral() -> None:
         left = left - left.mean()
     reversal = after.belief.mean[case.errors.functions[1].columns][0] / 2
     wrong = float(np.mean(left**2)) + reversal**2
-    assert EffectMap.of(case, taken).effect(departure).wrong == pytest.approx(wrong, rel=0.01)
+    assert EffectMap.of(case, taken).each([departure])[0].wrong == pytest.approx(wrong, rel=0.01)
 
 
 def test_the_damage_does_not_depend_on_the_promise() -> None:
@@ -158,7 +158,7 @@ def _gapped(low: float, high: float) -> list[Reading]:
 def test_what_stays_hidden_is_the_share_of_twenty_thousand_campaigns() -> None:
     case, taken = axis(), _gapped(0.4, 0.62)
     steps = [each for each in departures(case.observation, taken, IN_PLANS) if each.family == "step"]
-    effects, promise, std = [EffectMap.of(case, taken).effect(each) for each in steps], 1.2e-6, 10e-6
+    effects, promise, std = EffectMap.of(case, taken).each(steps), 1.2e-6, 10e-6
     covariance = Fitted.of(case.observation, taken).covariance()
     rng, lower = np.random.default_rng(2), np.linalg.cholesky(covariance)
     which, size = rng.integers(len(steps), size=20_000), std * rng.standard_normal(20_000)
@@ -210,7 +210,7 @@ def test_departures_together_do_what_each_does_alone() -> None:
     assert {each.columns.shape[1] for each in several} >= {1, 2}
     effects = EffectMap.of(case, taken)
     for departure, together in zip(several, effects.each(several), strict=True):
-        alone = effects.effect(departure)
+        (alone,) = effects.each([departure])
         np.testing.assert_allclose(together.information, alone.information, rtol=1e-10, atol=1e-12)
         assert together.most == alone.most
         assert together.wrong == pytest.approx(alone.wrong, rel=1e-9)

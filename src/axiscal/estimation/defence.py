@@ -219,7 +219,9 @@ def with_gaps(
     for key, members in groupby(told, key=lambda each: (each.family, each.owner)):
         group = list(members)
         harms = effects.each(group)
-        own = observation.errors.functions[group[0].function or 0].name
+        index = group[0].function
+        assert index is not None
+        own = observation.errors.functions[index].name
         std = max(entry.std for machine in entries for entry in machine if entry.name == own)
         std *= _TOGETHER if key[0] == "together" else 1.0
         open_ones[key] = hidden(harms, std, found.promise), bearable(harms, std, 1 - LEVEL)
@@ -300,12 +302,8 @@ class EffectMap:
         weighted[:, : root.shape[1]] = case.yardstick.root.of(root)
         return cls(case.yardstick, features, np.sqrt(numbers.noise + numbers.extra_variance), weighted)
 
-    def effect(self, departure: Departure) -> Harm:
-        """Return what a departure of size 1 does; of a drift over the whole set-up."""
-        return self.each([departure])[0]
-
     def each(self, several: Sequence[Departure]) -> list[Harm]:
-        """Return the same of several, from one solution with the columns of all of them."""
+        """Return what departures of size 1 do, of drifts over the whole set-up, from one solution with all columns."""
         drifts = [each.columns / np.ptp(each.columns) if each.function is None else each.columns for each in several]
         white = transposed_solution(self._upper, np.hstack(drifts))
         cuts = np.cumsum([each.columns.shape[1] for each in several])[:-1]

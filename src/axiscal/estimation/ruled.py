@@ -6,9 +6,10 @@
 Rules in this order: `contradicted` where the test fires and the likeliest explanation itself fits with p < 0.001, or
 the readings scatter five times as much as the model says; `widened` where the test fires, or the odds against the model
 were twenty to one at any time, those with the stated scales against any too; `unchecked` where the readings could vouch
-for no less than 1.25 times the promise, or where a step or a detail, as large as curves are and anywhere, would with
-more than 5 % spoil the promise unseen, or where so much of it rests on what is stated alone that more than 2 % of
-machines that are as stated are far worse, or where it is small beside a noise that nothing tells from the machine.
+for no less than 1.25 times the promise, or where a step, a detail or what two axes do together, as large as curves are
+and anywhere, would with more than 5 % spoil the promise unseen, or where so much of it rests on what is stated alone
+that more than 2 % of machines that are as stated are far worse, or where it is small beside a noise that nothing tells
+from the machine.
 """
 
 from __future__ import annotations

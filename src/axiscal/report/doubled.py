@@ -15,6 +15,7 @@ import numpy as np
 from axiscal.language.spoken import said
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.report.summary import Finding
 
 _BY_CHANCE = 1e-4
@@ -87,8 +88,8 @@ def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
     return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
-def _step(numbers: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
-    """Return the step of the last decimal that numbers use, m or rad."""
+def _step(numbers: Array) -> float:
+    """Return the step of the last decimal that numbers use, m or rad.  numbers : (m,)"""
     micro = numbers * 1e6
     for decimals in range(_FINEST):
         shown = np.round(micro, decimals)
