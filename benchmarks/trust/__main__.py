@@ -133,14 +133,8 @@ hide, and a verdict is `unchecked` for it on right machines too: a plan leaves n
 
 _AGAIN = """
 ## Attacks, some of them once more
-The same cells for some attacks, {machines} machines each, with the seeds of the table above and later sources. Since
-that table a promise is `unchecked` of which so much rests on what is stated alone that more than one in fifty machines
-just as stated are 1.5 times as far off for it ([planning](planning.md), "What the readings could vouch for"). With a
-tool that nobody measured that is what is stated of one axis line, with one that was measured to 5 µm tool and axis
-lines together. Where scales are learnt the promise is wider, and holds where it covers such a machine: up to one in
-fifty of these may be silent, by that rule. Machines are the same at all places, and so are those that are silent there:
-a row is no six samples.
-(`make trust PART=again MACHINES={machines} ONLY="{only}"`)
+The same cells for some attacks, {machines} machines each, with the seeds of the table above and other sources: what a
+change does is seen so, before the whole table is made anew. (`make trust PART=again MACHINES={machines} ONLY="{only}"`)
 
 | put in | planned, stated | planned, learnt | even, stated | even, learnt | random, stated | random, learnt |
 |---|---|---|---|---|---|---|
@@ -293,6 +287,13 @@ def renewed(page: str, section: str) -> str:
     return f"{before}{section}" + (f"\n## {rest}" if following else "")
 
 
+def without(page: str, heading: str) -> str:
+    """Return a page without the section of a heading."""
+    before, _, after = page.partition(heading + "\n")
+    _, following, rest = after.partition("\n## ")
+    return f"{before}## {rest}" if following else before.rstrip() + "\n"
+
+
 @one_thread()
 def main() -> None:
     """Measure and write."""
@@ -308,9 +309,10 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=PAGE)
     args = parser.parse_args()
     page = args.out.read_text(encoding="utf-8") if args.part else _HEAD
-    for name in [args.part] if args.part else PARTS:
+    for name in [args.part] if args.part else [each for each in PARTS if each != "again"]:
         section = _told(PARTS[name](args))
         page = renewed(page, section + stamp(version(), datetime.now(UTC).date())) if section.strip() else page
+        page = without(page, _AGAIN.splitlines()[1]) if name == "attacks" else page
         args.out.write_text(page, encoding="utf-8")
 
 
