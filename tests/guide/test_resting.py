@@ -116,11 +116,13 @@ def test_once_it_has_ended_its_status_says_the_verdict_of_the_report(
 ) -> None:
     path = tmp_path / "c.axiscal"
     with _read(path) as campaign:
-        assert campaign.status().verdict == ""
+        assert (campaign.status().verdict, campaign.status().verdict_words) == ("", "")
         campaign.finish("ended by the operator")
-        said = campaign.status().verdict
+        said = campaign.status().verdict_words
+        assert campaign.status().verdict == ruling_of(campaign.ruled()).verdict
         assert said == f"unchecked. {vouched_of(campaign.case(), ruling_of(campaign.ruled()).defence).words}"
         assert said.startswith(f"unchecked. {NAMED}")
     monkeypatch.setattr(knowing, "concluded", None)  # nothing is found anew
     with Campaign.open(path, write=False) as campaign:
-        assert campaign.status().verdict == said
+        assert campaign.status().verdict_words == said
+        assert campaign.status().verdict == "unchecked"

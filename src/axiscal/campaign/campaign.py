@@ -280,7 +280,7 @@ class Campaign(Closing):
         ended = self.state.finished is not None
         accuracy = self._knowing.accuracy(self.state.readings, ended)
         if ended:
-            return Status(self.state, accuracy, self._seconds(), None, self._knowing.verdict(self.state.readings))
+            return Status(self.state, accuracy, self._seconds(), None, *self._knowing.verdict(self.state.readings))
         return Status(self.state, accuracy, self._seconds(), self.reached())
 
     def seconds(self, places: Sequence[Place] = ()) -> float:

@@ -123,8 +123,15 @@ class Knowing:
 
         return self._kept.sentence("unvouched", readings, words)
 
-    def verdict(self, readings: Readings) -> str:
-        """Return the verdict of a report on all readings in a word, and what they could not show where it is that."""
+    def verdict(self, readings: Readings) -> tuple[str, str]:
+        """Return the verdict of a report on all readings as its word in `result.json`, and as a sentence.
+
+        The sentence, in the language that is spoken, has what readings could not show where it is that.
+        """
+
+        def word() -> str:
+            ruling = self._in_the_end(readings).ruling
+            return "" if ruling is None else ruling.verdict
 
         def words() -> str:
             known = self._in_the_end(readings)
@@ -135,7 +142,8 @@ class Knowing:
                 return verdict
             return put("{verdict}. {why}", verdict=verdict, why=vouched_words(known.case, known.ruling.defence))
 
-        return self._kept.sentence("verdict", readings, words)
+        kept = self._kept.sentence
+        return kept("verdict as a word", readings, word), kept("verdict in words", readings, words)
 
     def watched(self, readings: Readings, ended: bool = False) -> Watched:
         """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""

@@ -13,7 +13,7 @@ from axiscal.record.events import State
 class Status:
     """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
 
-    verdict : of one that has ended, in words; "" of others, and where the report has none
+    verdict, verdict_words : of one that has ended, its word and a sentence; "" of others, and where the report has none
     """
 
     state: State
@@ -21,6 +21,7 @@ class Status:
     seconds: float
     reached: str | None
     verdict: str = ""
+    verdict_words: str = ""
 
 
 @dataclass(frozen=True, slots=True)

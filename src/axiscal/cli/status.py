@@ -45,7 +45,8 @@ def _lines(campaign: Campaign) -> list[str]:
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
-        verdict = [f"Verdict: {status.verdict}{'' if status.verdict.endswith('.') else '.'}"] if status.verdict else []
+        words = status.verdict_words
+        verdict = [f"Verdict: {words}{'' if words.endswith('.') else '.'}"] if words else []
         return [*lines, *verdict, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
@@ -77,6 +78,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "reached": status.reached,
         "finished": state.finished,
         "verdict": status.verdict or None,
+        "verdict_words": status.verdict_words or None,
         "mind": standing_words(campaign),
         "evalue": campaign.watched().evalue,
         "sisters": _sisters(campaign) or None,
