@@ -147,6 +147,12 @@ def test_rows_are_the_mean_over_the_other_axes_of_a_machine_that_turns(moved: li
                     assert np.all(np.abs(found[n, number] - mean)[f.columns] <= 5 * error[f.columns] + 1e-12), f.name
 
 
+def test_of_no_axis_that_is_corrected_there_are_no_rows() -> None:
+    model = ErrorModel(load_machine("three-axis-mill"))
+    rows = mean_along(model, whole_travel(model), [], 0, np.array([0.0, 0.1, 0.2]), 1)
+    assert rows.shape == (0, 3, model.size)
+
+
 @given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))
 @settings(max_examples=60, deadline=None)
 def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots: int, count: int) -> None:

@@ -141,6 +141,16 @@ def test_parts_that_have_nothing_in_common_are_those_one_after_another(seed: int
     assert found.mean == pytest.approx(mean, rel=1e-9)
 
 
+def test_a_part_of_which_no_reading_counts_stays_as_it_was() -> None:
+    rows = np.array([[1.0, 0.5, 0.0], [0.0, 0.0, 2.0]])
+    factors, noise = gaussian.factorise(np.diag([1.0, 2.0, 3.0])), np.array([1.0, np.inf])
+    found = gaussian.condition_at_once(factors, np.zeros(3), rows, np.ones(2), noise, np.array([0, 1]))
+    assert product(found.factors)[2, 2] == pytest.approx(3.0)
+    assert found.mean[2] == 0.0
+    assert found.variance == pytest.approx([1.5, 12.0])
+    assert not found.losses[1].any()
+
+
 @pytest.mark.parametrize(("size", "count"), [(5, 3), (40, 90), (90, 40), (4, 0)])
 def test_a_triangle_over_rows_is_a_root_of_both(size: int, count: int) -> None:
     rng = np.random.default_rng(size)
