@@ -25,6 +25,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.defence import EffectMap
 from axiscal.machine import load_machine
 from axiscal.measurement.departures import IN_PLANS, departures
+from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.next_readings import posed
@@ -262,10 +263,17 @@ def with_noise(noise: float) -> Task:
 
 
 def test_plain_readings_that_promise_too_little_are_not_looked_at_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
-    task = mixed(150)
+    """One of two is here; what is not would have vouched for less."""
+    guarding, looked = guarded_module._Guarding, dict[bool, list[bool]]()
+    could_be = guarding._could_be
+
+    def asked(self: guarded_module._Guarding, places: Places, best: guarded_module._Tried) -> bool:
+        found = could_be(self, places, best)
+        looked.setdefault(found, []).append(self._tried(places).vouched > best.vouched)
+        return found
+
     monkeypatch.setattr(guarded_module, "_MANY", 0)
-    made = make_plan(task, Limits(readings=6), bounded=False, guard=True, patience=0.0)
-    monkeypatch.setattr(guarded_module._Guarding, "_could_be", lambda *_: True)
-    every = make_plan(task, Limits(readings=6), bounded=False, guard=True, patience=0.0)
-    assert made.places.same_as(every.places)
-    assert made.value == every.value
+    monkeypatch.setattr(guarding, "_could_be", asked)
+    make_plan(mixed(150), Limits(readings=8), bounded=False, guard=True, patience=0.0)
+    assert looked.keys() == {True, False}
+    assert all(looked[False])
