@@ -80,7 +80,7 @@ def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
 
 def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
     """Return how many values in a row do not come again by chance; more than there are where no number does."""
-    step = _step(np.array([number for value in values for number in value]))
+    step = last_decimal(np.array([number for value in values for number in value]))
     same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
     if same >= 1 or not values:
         return len(values) + 1
@@ -88,8 +88,8 @@ def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
     return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
-def _step(numbers: Array) -> float:
-    """Return the step of the last decimal that numbers use, m or rad.  numbers : (m,)"""
+def last_decimal(numbers: Array) -> float:
+    """Return the step of the last decimal of um or urad that numbers use, m or rad.  numbers : (m,) m or rad"""
     micro = numbers * 1e6
     for decimals in range(_FINEST):
         shown = np.round(micro, decimals)

@@ -26,6 +26,7 @@ from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.report.coarse_display import coarse_displays
 from axiscal.report.contradictions import contradictions
 from axiscal.report.curves import value_unit
 from axiscal.report.strangers import strangers
@@ -67,6 +68,7 @@ def findings(estimation: Estimation) -> list[Finding]:
     compared = ruling_of(estimation).comparison
     symptoms = [] if compared.caused else [*_scales(estimation), *_misfit(estimation)]
     return [
+        *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
         *_outliers(estimation),
         *contradictions(estimation, compared),

@@ -41,6 +41,7 @@ _CODES = {
     "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
     "copies": later("readings that come twice"),
+    "resolution": later("steps of the display"),
     "drift": later("drift"),
     "outlier": later("reading that does not fit"),
     "unobservable": later("cannot be seen"),
