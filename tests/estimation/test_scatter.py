@@ -68,7 +68,7 @@ def test_noise_that_might_be_the_machine_is_not_taken_for_noise() -> None:
     assert found.unchecked
     assert found.u_def >= found.scatter.bearable > found.promise
     said = vouched_words(case, found)
-    assert 'readings do not tell the noise of "gauge" (3 um) from what the machine does from place to place' in said
+    assert 'do not tell the noise of "gauge" (3 um) from what the machine does from place to place' in said
     assert said.endswith("Read 3 places once more.")
     assert departure_rows(case, found)[0]["name"] == "noise gauge"
 

@@ -13,6 +13,7 @@ from axiscal.cli.app import app
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed
+from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting, Statement
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.planning.vouched import departure_rows, vouched_by_plan, vouched_words
@@ -42,6 +43,10 @@ def test_a_drift_that_levels_off_is_a_drift() -> None:
     levelling = Departed("levelling", "laser", 0.2, 3.04e-6, 4e-6, 0.0, counted=True)
     said = vouched_words(case(), Defence(5e-6, 0.6e-6, 1, (DRIFT, levelling)))
     assert said.startswith('This 1 reading could not show a drift of "laser" above 3 um; what')
+    later = replace(levelling, seen_from=4e-6)
+    for both in ((DRIFT, later), (later, DRIFT)):
+        said = vouched_words(case(), Defence(5e-6, 0.6e-6, 9, both))
+        assert said.startswith('These 9 readings could not show a drift of "laser" above 4 um; what')
 
 
 def test_readings_that_show_enough_vouch_for_a_figure() -> None:
@@ -68,10 +73,24 @@ def test_what_rests_on_statements_is_said_with_what_would_show_it() -> None:
     assert vouched_words(case(), replace(found, rests_on=two)).endswith(closer)
     both = vouched_words(case(), replace(found, departures=(replace(DRIFT, damage=7e-6),)))
     assert both.startswith('These 24 readings could not show a drift of "laser" above 3 um; what')
-    assert both.endswith(shown)
+    leaves = (
+        "They leave as stated EXX_reversal (3 um), too: 68 % of the promised variance rests on what is stated alone. "
+    )
+    assert both.endswith(f"a standard uncertainty of 6 um. {leaves}{shown}")
     little = replace(found, rests_on=replace(rests_on, bearable=4e-6)).promising(5e-6)
     assert vouched_words(case(), little) == "24 readings could vouch for 5 um (standard uncertainty)."
     assert departure_rows(case(), little) == []
+
+
+def test_what_can_be_vouched_for_is_said_once_where_a_noise_is_open_beside_a_drift() -> None:
+    scatter = Scatter(0, 3e-6, 3, 3e-6)
+    found = Defence(14e-6, 1e-6, 40, (replace(DRIFT, damage=14e-6),), None, scatter)
+    said = vouched_words(case(), found)
+    assert said == (
+        'These 40 readings could not show a drift of "laser" above 3 um; what they can vouch for is a standard '
+        'uncertainty of 14 um. They do not tell the noise of "laser" (3 um) from what the machine does from place to '
+        "place either. Read 3 places once more."
+    )
 
 
 def test_a_row_says_what_a_promise_rests_on() -> None:

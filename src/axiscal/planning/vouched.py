@@ -83,9 +83,9 @@ def vouched_words(case: Case, found: Defence) -> str:
     if _open(found) or (rests_on is None and scatter is None):
         parts.append(_shown_words(case, found))
     if rests_on is not None:
-        parts.append(_statements_words(case, found, rests_on, size))
+        parts.append(_statements_words(case, found, rests_on, "" if parts else size))
     if scatter is not None:
-        parts.append(_scatter_words(case, found, scatter, size))
+        parts.append(_scatter_words(case, found, scatter, "" if parts else size))
     return listed(" ", parts)
 
 
@@ -100,9 +100,16 @@ def scatters_too_much(found: Defence) -> Scatter | None:
 
 
 def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> str:
-    """Return which noise readings do not tell from the machine, and what would tell."""
+    """Return which noise readings do not tell from the machine, and what would tell.
+
+    size : what can be vouched for in all, "" where that is said already
+    """
     setup = case.description.setups[scatter.setup]
     noise = said_quantity(scatter.std, _unit_read(setup))
+    remedy = counted("Read {count} place once more.", "Read {count} places once more.", scatter.lacking)
+    if not size:
+        too = 'They do not tell the noise of "{setup}" ({noise}) from what the machine does from place to place either.'
+        return put("{what} {remedy}", what=said(too, setup=setup.name, noise=noise), remedy=remedy)
     what = counted(
         'This {count} reading does not tell the noise of "{setup}" ({noise}) from what the machine does from place to '
         "place; what can be vouched for is a standard uncertainty of {size}.",
@@ -113,13 +120,18 @@ def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> s
         noise=noise,
         size=size,
     )
-    remedy = counted("Read {count} place once more.", "Read {count} places once more.", scatter.lacking)
     return put("{what} {remedy}", what=what, remedy=remedy)
 
 
 def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) -> str:
-    """Return which statements a promise rests on, how much of it, and what would show them."""
-    named = listed(", ", [_stated(case, each) for each in rests_on.named[:_NAMED]])
+    """Return which statements a promise rests on, how much of it, and what would show them.
+
+    size : what can be vouched for in all, "" where that is said already
+    """
+    named, share = listed(", ", [_stated(case, each) for each in rests_on.named[:_NAMED]]), float(rests_on.share)
+    if not size:
+        too = "They leave as stated {named}, too: {share:.0%} of the promised variance rests on what is stated alone."
+        return put("{what} {remedy}", what=said(too, named=named, share=share), remedy=_remedy(case, rests_on))
     what = counted(
         "This {count} reading leaves as stated {named}: {share:.0%} of the promised variance rests on what is stated "
         "alone, and what can be vouched for is a standard uncertainty of {size}.",
@@ -127,7 +139,7 @@ def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) 
         "alone, and what can be vouched for is a standard uncertainty of {size}.",
         found.readings,
         named=named,
-        share=float(rests_on.share),
+        share=share,
         size=size,
     )
     return put("{what} {remedy}", what=what, remedy=_remedy(case, rests_on))
@@ -175,12 +187,16 @@ def _shown_words(case: Case, found: Defence) -> str:
         one = "{count} reading could vouch for {size} (standard uncertainty)."
         many = "{count} readings could vouch for {size} (standard uncertainty)."
         return counted(one, many, found.readings, size=size)
-    shown = dict.fromkeys(_limit(case, each) for each in open_ones)
+    alike: dict[str, Departed] = {}
+    for each in open_ones:  # a drift that levels off is a drift, too: of the same words the one that is seen last
+        named = said(_WORDS[each.family], owner=each.owner)
+        alike[named] = max(alike.get(named, each), each, key=lambda one: one.seen_from)
+    shown = [_limit(case, each) for each in alike.values()]
     return counted(
         "This {count} reading could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         "These {count} readings could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         found.readings,
-        named=listed(", ", list(shown)[:_NAMED]),
+        named=listed(", ", shown[:_NAMED]),
         size=size,
     )
 
