@@ -56,8 +56,8 @@ def planned_places(
     if not len(task.lattice):
         return ()
     if beyond and not left and readings:
-        again = tuple(place for place in to_read_again(case, knowledge, readings) if not in_gap(case, place, gaps))
-        if again:
+        once_more = [p for p in to_read_again(case, knowledge, readings) if not in_gap(case, p, gaps)]
+        if again := _within(case, readings[-1], once_more[: _few(limits)], limits.budget):
             return again
     if beyond and not left and guarding(case) and len(readings) >= _FEWEST:
         coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
@@ -190,6 +190,12 @@ def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
 def _few(limits: Limits) -> int:
     """Return how many readings are planned for what is promised and not vouched for."""
     return _MORE if limits.readings is None else min(_MORE, limits.readings)
+
+
+def _within(case: Case, last: Reading, places: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
+    """Return the first of places that can be read, one after the other, after the last reading in so many seconds."""
+    ends = np.cumsum(case.seconds_along(last, places))
+    return tuple(places if budget is None else places[: int(np.searchsorted(ends, budget, side="right"))])
 
 
 def _from_the_start(case: Case, task: Task, readings: Sequence[Reading]) -> tuple[Task, Places, Array]:

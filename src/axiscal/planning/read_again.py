@@ -20,6 +20,8 @@ def to_read_again(case: Case, knowledge: Knowledge, readings: Sequence[Reading])
     readings : so far, at least one
     """
     rests = open_rests(case, case.description.machine)
+    if not rests:
+        return ()
     found = scattered(case.observation, readings, ReadingSet(case.observation, readings), case.yardstick, rests)
     if found is None or found.bearable <= case.yardstick.measure(knowledge.belief).rms:
         return ()
