@@ -178,15 +178,21 @@ class Scores:
         rows = self._padded(member)
         return self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
 
-    def scorer_without(self, change: LowRank) -> Scorer:
-        """Return the gains without a reading, as if no cell had been visited.  change : what its leaving would change
+    def columns_without(self, slots: Sequence[int]) -> Array:
+        """Return d (n, k) of each of several readings of one number: without it alone C is C + d dᵀ."""
+        here = np.array(slots, dtype=np.intp)
+        return self.state.columns_without(self._stacked()[here], self._noises[here])
 
-        The factor without cells is found once for all readings until one of them moves.
-        """
+    def scorer(self) -> Scorer:
+        """Return the gains as if no cell had been visited, which are found once until a reading moves."""
         if self._bare is None or self._bare[0] is not self.state:
             self._bare = self.state, self.pool.scorer(self.state)
+        return self._bare[1]
+
+    def scorer_without(self, change: LowRank) -> Scorer:
+        """Return the same without a reading.  change : what its leaving would change"""
         columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
-        return self._bare[1].widened(columns, self.state.root.of(columns))
+        return self.scorer().widened(columns, self.state.root.of(columns))
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
