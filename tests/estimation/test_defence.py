@@ -13,7 +13,7 @@ from scipy import stats
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, EffectMap, defence, largest, vouched
+from axiscal.estimation.defence import Defence, EffectMap, defence, field, largest, vouched
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended
@@ -108,6 +108,44 @@ def test_what_a_step_leaves_over_the_volume_is_its_own_integral() -> None:
     reversal = after.belief.mean[case.errors.functions[1].columns][0] / 2
     wrong = float(np.mean(left**2)) + reversal**2
     assert EffectMap.of(case, taken).each([departure])[0].wrong == pytest.approx(wrong, rel=0.01)
+
+
+PLATE = """
+chain = "w-b-X-Y-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Y]
+travel = ["0 mm", "300 mm"]
+[errors]
+EZX = { std = "10 um", knots = 5 }
+EZY = { std = "10 um", knots = 5 }
+"""
+ALIGNED = """machine = "m"
+[target]
+readings = 20
+aligned = true
+[[setups]]
+name = "probe"
+instrument = "probe"
+direction = "z"
+reach = { X = ["0 mm", "400 mm"], Y = ["0 mm", "300 mm"] }
+"""
+
+
+@pytest.mark.parametrize("family", ["step", "together"])
+def test_aligning_a_part_takes_no_more_of_a_departure_than_its_rigid_motion(family: str) -> None:
+    """Judged by the departure itself on a fine grid, its own plane taken off by least squares."""
+    case = Case(campaign_from_texts(ALIGNED, "c.toml", PLATE, "m"))
+    lines = [low + (high - low) * (np.arange(100) + 0.5) / 100 for low, high in case.description.target.volume]
+    grid = np.stack([part.ravel() for part in np.meshgrid(*lines)], axis=1)
+    taken = [Reading("probe", (float(x), float(y)), (1, 1), 0.0) for x, y in grid]
+    first = next(each for each in departures(case.observation, taken[::97], IN_PLANS) if each.family == family)
+    same = [each for each in departures(case.observation, taken, IN_PLANS) if each.family == family]
+    (shown,) = [each.columns[:, 0] for each in same if (each.owner, each.place) == (first.owner, first.place)]
+    plane = np.column_stack([np.ones(len(grid)), grid])
+    left = shown - plane @ np.linalg.lstsq(plane, shown, rcond=None)[0]
+    followed, beside = field(case.yardstick, first)
+    assert float(np.sum(followed**2)) + beside == pytest.approx(float(np.mean(left**2)), rel=0.03)
 
 
 def test_the_damage_does_not_depend_on_the_promise() -> None:

@@ -342,13 +342,12 @@ def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
 @remembered
 def _joint_field(yardstick: Yardstick, place: float, index: int, pair: tuple[int, int]) -> tuple[Array, float]:
     """Return no part that splines follow, and the mean square of what two axes do together."""
-    columns, axes = yardstick.errors.functions[index].columns, yardstick.errors.machine.axes
-    lever = yardstick.moments.gram[columns, columns].sum()
+    axes, lever = yardstick.errors.machine.axes, yardstick.moments.levers[yardstick.errors.functions[index].name]
     poses = np.zeros((_POINTS, len(axes)))
     low, high = np.array([yardstick.box[k] for k in pair]).T
     poses[:, list(pair)] = low + (high - low) * even_points(_POINTS, 2)
     square = float(np.mean(joint_shape(place, pair, axes, poses) ** 2))
-    return np.zeros((len(yardstick.root.matrix), 1)), float(lever) * square
+    return np.zeros((len(yardstick.root.matrix), 1)), lever * square
 
 
 @remembered
@@ -357,7 +356,7 @@ def _field(yardstick: Yardstick, family: Family, place: float, index: int) -> tu
     at, rows, nearest = _spline(yardstick, index)
     values = shape(family, place, function, yardstick.errors.machine.axes[function.axis], at)
     followed = nearest @ values
-    lever = yardstick.moments.gram[function.columns, function.columns].sum()
+    lever = yardstick.moments.levers[function.name]
     beside = float(lever * np.sum(np.mean((values - rows @ followed) ** 2, axis=0)))
     return yardstick.root.matrix[:, function.columns] @ followed, beside
 
