@@ -5,6 +5,7 @@ from __future__ import annotations
 from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.remembered import remembered
 
 
 def defended(estimation: Estimation) -> Defence:
@@ -14,6 +15,7 @@ def defended(estimation: Estimation) -> Defence:
     return defended_by(estimation, len(estimation.readings), estimation.accuracy.rms)
 
 
+@remembered
 def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
     """Return what the first readings vouch for, those of them that are believed today.
 
