@@ -121,9 +121,12 @@ def first_failed(tests: Sequence[str], sources: Path, seconds: float) -> str | N
     return None if status in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED} else "the loading of tests"
 
 
-def learnt(room: str, tried: Sequence[Mutant], own: bool) -> Covered:
-    """Return what the tests of a room run, and those elsewhere that name a module which is changed.  own : not those"""
-    paths = {mutant.path for mutant in tried}
+def learnt(room: str, own: bool) -> Covered:
+    """Return what the tests of a room run, and those elsewhere that name one of its modules.  own : not those
+
+    It is the same for all places that are drawn, so that other places of the same sources are tried without it.
+    """
+    paths = (PACKAGE / room).rglob("*.py")
     files = sorted({file for path in paths for file in files_of_tests(path) if not own or _room_of(file) == room})
     said = hashlib.sha256(f"{state_of_sources(('src', 'tests'))} {files}".encode()).hexdigest()
     file = FOLDER / f"covered-{room}-{said[:12]}.json"
@@ -256,7 +259,7 @@ def main(words: Sequence[str]) -> int:
     low = False
     for room in ROOMS if args.room is None else (args.room,):
         tried = drawn(room, args.places, args.seed)
-        covered = learnt(room, tried, args.own)
+        covered = learnt(room, args.own)
         found = [_tried(mutant, covered, args.seconds, args.again, args.own) for mutant in tried]
         killers = sorted({said.removeprefix("killed by ") for said in found if said.startswith("killed by tests/")})
         wrong = first_failed(killers, HOUSE / "src", 3600) if killers else None
