@@ -39,7 +39,7 @@ _APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reli
 _LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
 """What tests and package need of others, loaded once for all forks; nothing of the package itself."""
 _FIRST = 8
-"""So many of the fastest tests are run first: they find most changes, and to load all files takes longer than they do."""
+"""So many tests are run first, the fastest: they find most changes, and to load all files takes longer than they do."""
 _ARITHMETIC = ("Add", "Sub", "Mul", "Div", "Pow", "FloorDiv", "Mod")
 _ORDER = ("Eq", "NotEq", "Lt", "LtE", "Gt", "GtE")
 
