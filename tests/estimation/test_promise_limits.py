@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from axiscal.accuracy.damage import KAPPA
-from axiscal.estimation.defence import Defence, Departed, EffectMap, Family, defence, vouched
+from axiscal.estimation.defence import Defence, Departed, EffectMap, defence, vouched
 from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting
-from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures
 from axiscal.measurement.reading import Reading
 from tests.estimation.test_defence import axis, readings
 
@@ -157,11 +157,11 @@ def test_what_is_left_over_the_volume_is_the_departure_less_what_the_estimate_ma
     shown = _of(family, both, place).columns
     rows = np.array(case.observation.errors.rows(np.tile(at, 2)[:, None], np.repeat([1.0, -1.0], 2000)[:, None]))[:, 0]
     wrong = []
-    for column in _of(family, taken, place).columns.T:
+    for number, column in enumerate(_of(family, taken, place).columns.T):
         told = [replace(each, value=float(value)) for each, value in zip(taken, column, strict=True)]
         mean = case.knowledge.read(told).belief.mean[: case.errors.size]
-        wrong.append((shown[:, len(wrong)], rows @ mean))
-    left = np.array([one - other for one, other in wrong])
+        wrong.append(shown[:, number] - rows @ mean)
+    left = np.array(wrong)
     left -= left.mean(axis=1, keepdims=True) if case.yardstick.zeroed[0] else 0.0
     assert effect.wrong == pytest.approx(float(np.mean(left**2)), rel=0.02)
 
