@@ -59,7 +59,7 @@ def tips(check: Check, places: Places) -> list[float]:
 
 
 def test_every_place_is_at_a_ball_and_none_comes_twice(check: Check) -> None:
-    for count in (None, 3, 16):
+    for count in (None, 4, 16):
         places = check.planned(count)
         assert max(tips(check, places)) < 1e-3
         assert len({(*pose, *sides) for pose, sides in zip(places.poses, places.approaches, strict=True)}) == len(
@@ -166,7 +166,7 @@ def test_what_would_end_a_check_later_is_said_before_anything_moves(
 ) -> None:
     machine = Machine(check, monkeypatch)
     words = ["verify", str(record), "--to", CONTROL, "--source", "linuxcnc-live:mill.local", "--tolerance", tolerance]
-    words += ["--found", str(tmp_path / file), "--left", str(tmp_path / "left.csv"), "--points", "2"]
+    words += ["--found", str(tmp_path / file), "--left", str(tmp_path / "left.csv"), "--points", "4"]
     assert run(words) == status
     assert why in " ".join(capsys.readouterr().err.split())
     assert machine.asked == []

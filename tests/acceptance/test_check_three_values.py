@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from axiscal.acceptance.check import Check
 from axiscal.acceptance.datums import datums_of
 from axiscal.acceptance.straightened import straightened
+from axiscal.acceptance.verification import values_at
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
@@ -128,3 +131,26 @@ def test_a_check_with_a_tracker_set_down_by_eye_passes(tmp_path: Path, capsys: p
     assert said["verdict"] == "pass"
     assert said["tables_loaded"]
     assert said["estimate_believed"]
+
+
+@pytest.fixture(scope="module")
+def two_setups(tmp_path_factory: pytest.TempPathFactory) -> Check:
+    record = _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
+    with Campaign.open(record, write=False) as campaign:
+        return Check.of(campaign, "csv")
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 7, 8, 13, None])
+def test_a_check_tells_the_machine_from_every_set_up_that_it_reads(count: int | None, two_setups: Check) -> None:
+    """What is planned can be judged: with three zeros and three turns a tracker is read at three places, or at none."""
+    places = two_setups.planned(count)
+    assert count is None or len(places) == count
+    judged = two_setups.judged(two_setups.asked(f"sim:{SEED}", places), "1 nm")
+    assert len(judged.left) == len(values_at(two_setups.description.setups, places).of)
+    assert int(np.sum(places.setups == 0)) not in (1, 2)
+
+
+def test_fewer_places_than_any_set_up_needs_are_refused(two_setups: Check) -> None:
+    with pytest.raises(ReadingError, match=r"2 places cannot tell the machine from a set-up\. Ask for 3 or more"):
+        two_setups.planned(2, "tracker")
+    assert len(two_setups.planned(2, "tracker", tolerance=1.0)) == 2

@@ -10,10 +10,11 @@ import numpy as np
 from axiscal.acceptance.as_found_and_left import as_found_and_left
 from axiscal.acceptance.at_the_machine import Sheet
 from axiscal.acceptance.judgement import Judgement
-from axiscal.acceptance.table_checks import Part, needed, parts_of, taken_away, without
+from axiscal.acceptance.table_checks import Part, needed, parts_of, taken_away
 from axiscal.acceptance.verification import (
     expected,
     judge,
+    places_lacking,
     plan_check,
     values_at,
     with_displacements,
@@ -67,23 +68,42 @@ class Check:
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
     @stage("places to check")
-    def planned(self, count: int | None = None, by: str = "") -> Places:
+    def planned(self, count: int | None = None, by: str = "", tolerance: float = 0.0) -> Places:
         """Return where to read, places that were not read before; raises ReadingError when there are not as many.
 
         by : instrument of the only set-ups that are read; empty for any
+        tolerance : it will be judged by, m; 0 where that is not known, and it is enough for any
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
+        No set-up is read at fewer places than tell the machine from it.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
         candidates = with_displacements(setups, lattice, by)
         first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
-        first = first.within(np.arange(len(first))[: len(first) if count is None else count])
+        most = len(first) + len(candidates) if count is None else count
+        first = self._whole(first, candidates, most, tolerance)
         left = max(_USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1:
             return _in_order(first)
-        rest = without(candidates, first)
-        others = plan_check(self.estimate, setups, rest, self.used, self.tables.control, left)
-        return _in_order(Places.joined([first, others]))
+        return _in_order(Places.joined([first, self._others(candidates, left, first, tolerance)]))
+
+    def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
+        """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine."""
+        first, setups = first.within(slice(count)), self.description.setups
+        while len(first):
+            lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
+            lacking = {setup: more for setup, more in lacking.items() if more and setup in first.setups}
+            if len(first) + sum(lacking.values()) <= count:
+                for setup, more in lacking.items():
+                    own = candidates.within(candidates.setups == setup)
+                    first = Places.joined([first, self._others(own, more, first, tolerance)])
+                return first
+            first = first.without(len(first) - 1)
+        return first
+
+    def _others(self, candidates: Places, count: int, known: Places, tolerance: float) -> Places:
+        setups, control = self.description.setups, self.tables.control
+        return plan_check(self.estimate, setups, candidates, self.used, control, count, known, tolerance)
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -138,6 +158,12 @@ class Check:
     def allowed(self, tolerance: str | None) -> float:
         """Return the largest deviation allowed, m; raises TargetError, UnitError."""
         return tolerance_of(self.description.target, tolerance)
+
+    def tightest(self, tolerance: str | None) -> float:
+        """Return the largest deviation that may be asked for, m: that allowed, or 0 where nothing says one yet."""
+        target = self.description.target
+        unsaid = tolerance is None and target.worst is None and target.rms is None
+        return 0.0 if unsaid else self.allowed(tolerance)
 
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""

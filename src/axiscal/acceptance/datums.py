@@ -18,6 +18,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Nominal
+from axiscal.measurement.observation import directions_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -109,6 +110,18 @@ def datums_of(
             unknown, reach = setup.unknowns[column], max(float(np.max(np.abs(own[:, column]))), 1e-12)
             taken.append(Datum(setup.name, unknown.name, unknown.std, row, reach))
     return Datums(free, spread, tuple(taken))
+
+
+def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> int:
+    """Return how many places of a set-up tell the machine from it.
+
+    poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
+    """
+    towards = [setup.direction if d is None else d for d in directions_of(setup)]
+    directions = np.tile(np.array(towards, dtype=float), (len(poses), 1))
+    own = _own_rows(machine, setup, np.repeat(poses, len(towards), axis=0), directions)
+    datums = int(_are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance).sum())
+    return datums // len(towards) + 1
 
 
 def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:

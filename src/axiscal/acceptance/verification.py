@@ -8,16 +8,16 @@ when the readings changed by what the tables take away, and when no set-up is fu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.acceptance.datums import GUARD, Datums, datums_of, is_zero
+from axiscal.acceptance.datums import GUARD, Datums, datums_of, fewest, is_zero
 from axiscal.acceptance.judgement import HARDLY, Judgement, Verdict
 from axiscal.acceptance.straightened import straightened
-from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away
+from axiscal.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away, without
 from axiscal.compensation.effect import Control, left_by
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
@@ -99,12 +99,20 @@ def plan_check(
     used: Sequence[Reading],
     control: Control,
     count: int,
+    known: Places | None = None,
+    tolerance: float = 0.0,
 ) -> Places:
     """Return `count` of the candidates that were not read before: half of them the worst, half the best.
 
-    They share the few set-ups that promise most, four places or more each. Raises ReadingError when there are not as
-    many.
+    They share the few set-ups that promise most, four places or more each, and none too few to tell the machine from
+    it. Raises ReadingError when there are not as many.
+
+    known : places that the check has already; tolerance : it is judged by, m; 0 where it is not known yet
     """
+    if known is None:
+        known = Places.none(len(estimate.machine.axes))
+    lacking = places_lacking(estimate, setups, candidates, known, tolerance)
+    candidates = without(candidates, known)
     mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
     squares = mean**2 + np.sum(factor**2, axis=1)
     score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
@@ -112,9 +120,8 @@ def plan_check(
     fresh = _fresh(setups, candidates, used, lengths)
     indices = np.unique(candidates.setups[fresh])
     promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
-    shares = [part.size for part in np.array_split(np.arange(count), max(1, min(len(indices), count // _PER_SETUP)))]
     chosen: list[int] = []
-    for setup, share in zip(promising, shares, strict=False):
+    for setup, share in _shared(promising, count, lacking):
         mine = np.flatnonzero(fresh & (candidates.setups == setup))
         worst = _spread(mine[np.argsort(-score[mine], kind="stable")], candidates, lengths, (share + 1) // 2, [])
         best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
@@ -123,6 +130,30 @@ def plan_check(
         raise ReadingError(f"only {len(chosen)} places of {count} are new", _fewer(len(chosen)))
     order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
     return candidates.within(np.array(order, dtype=np.intp))
+
+
+def places_lacking(
+    estimate: Estimate, setups: Sequence[Setup], candidates: Places, known: Places, tolerance: float
+) -> dict[int, int]:
+    """Return, by set-up of the candidates, how many places more than the known ones tell the machine from it."""
+    machine, had = estimate.machine, known.setups.tolist()
+    return {
+        setup: max(fewest(machine, setups[setup], candidates.poses[mine], tolerance) - had.count(setup), 0)
+        for setup, mine in candidates.by_setup()
+    }
+
+
+def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int]) -> list[tuple[int, int]]:
+    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack."""
+    able = [setup for setup in promising if lacking[setup] <= count]
+    if promising and not able:
+        least = min(lacking[setup] for setup in promising)
+        raise ReadingError(f"{count} places cannot tell the machine from a set-up", f"Ask for {least} or more")
+    for several in range(min(len(able), count // _PER_SETUP), 1, -1):
+        shares = [part.size for part in np.array_split(np.arange(count), several)]
+        if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):
+            return list(zip(able, shares, strict=False))
+    return [(setup, count) for setup in able[:1]]
 
 
 def _fewer(new: int) -> str:

@@ -11,6 +11,7 @@ from axiscal.acceptance.check import Check
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document, tell
+from axiscal.measurement.place import Places
 from axiscal.record.durable import write_whole
 from axiscal.report.check_report import judgement_document, judgement_text, plan_lines, plan_rows
 
@@ -81,16 +82,17 @@ def verify(
     if found is not None or source is not None:
         check.allowed(tolerance)  # before anything is touched
     if live and found is not None and left is not None:
-        to_do = _read_live(check, host, points, (found, left), loaded)
+        places = check.planned(points, "sphere", check.allowed(tolerance))
+        to_do = _read_live(check, host, places, (found, left), loaded)
         if to_do:
             _say_next(to_do, json)
             return
     if found is not None and left is not None:
         readings = check.read(found, left)
     elif source is not None:
-        readings = check.asked(source, check.planned(points))
+        readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
     else:
-        _plan(check, points, plan, json)
+        _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, json)
         return
     judgement = check.judged(readings, tolerance)
     if json:
@@ -99,13 +101,13 @@ def verify(
         say(judgement_text(judgement))
 
 
-def _read_live(check: Check, host: str, points: int | None, files: tuple[Path, Path], loaded: Path | None) -> str:
+def _read_live(check: Check, host: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
     """Let LinuxCNC read what is missing, without the tables or with them; returns what is to be done next."""
     from axiscal.campaign.sources.linuxcnc_live import InForce, attached_to
 
     machine = check.description.machine
     with_tables = InForce(True) if loaded is None else InForce.of(loaded)
-    before, after = check.sheets(check.planned(points, by="sphere"), *files)
+    before, after = check.sheets(places, *files)
     if not before.complete():
         found = InForce(bool(check.description.compensation_active))
         before.fill(lambda: attached_to(host, machine, found), _tell_read)
@@ -130,9 +132,8 @@ def _say_next(text: str, json: bool) -> None:
         say(text)
 
 
-def _plan(check: Check, points: int | None, plan: Path | None, json: bool) -> None:
+def _plan(check: Check, chosen: Places, plan: Path | None, json: bool) -> None:
 
-    chosen = check.planned(points)
     rows = plan_rows(check, chosen)
     sheet = check.sheet(chosen)
     if plan is not None:
