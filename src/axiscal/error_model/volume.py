@@ -9,7 +9,7 @@ grid with vector-valued weights.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -152,6 +152,17 @@ def levers_and_rest(model: ErrorModel, squares: Array) -> tuple[Mapping[str, flo
 
     squares : (terms,) mean squares of the levers
     """
-    sides = np.array([0.25 if term.kind == "reversal" else 1.0 for term in model.terms])
-    levers = dict(zip((term.name for term in model.terms), (sides * squares).tolist(), strict=True))
+    levers = dict(zip((term.name for term in model.terms), (_sides(model) * squares).tolist(), strict=True))
     return MappingProxyType(levers), float(model.rests**2 @ squares)
+
+
+def of_rests(model: ErrorModel, moments: VolumeMoments) -> VolumeMoments:
+    """Return the means of a model that differs from theirs in the rests of its errors: nothing else follows these."""
+    squares = np.array([moments.levers[term.name] for term in model.terms]) / _sides(model)
+    rest = float(model.rests**2 @ squares)
+    return moments if rest == moments.rest else replace(moments, rest=rest)
+
+
+def _sides(model: ErrorModel) -> Array:
+    """Return what half a unit, either way, makes of the square of a lever, (terms,)."""
+    return np.array([0.25 if term.kind == "reversal" else 1.0 for term in model.terms])

@@ -31,6 +31,9 @@ from axiscal.numerics.gaussian import lower_root
 _STEP = 1e-3
 """Of a logarithm: differences of the exact slope lose below 1e-6 to bending or rounding, ten times off too."""
 
+_LENGTHS = 3
+"""Common factors on the lengths that are averaged over (`inference.contradiction`): one product is kept for each."""
+
 
 class _Slopes(NamedTuple):
     """What the scales do to K at some factors.
@@ -83,6 +86,9 @@ class Evidence:
         entries: list[Entry] = [*machine.errors, *machine.planes]
         self._entries = {entry.name: entry for entry in entries}
         self.functions, self.axes = observation.errors.functions, machine.axes
+        stds = {owner: i for (kind, owner), i in self._index.items() if kind == "std"}
+        self._sizes = [stds[part.term.name] for part in self._parts if part.term.name in stds]
+        self._of_lengths: dict[bytes, Array] = {}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -132,6 +138,7 @@ class Evidence:
         other = copy(self)
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
+            other._of_lengths = {}
         return other
 
     def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
@@ -177,11 +184,25 @@ class Evidence:
     def covariance(self, logs: Array) -> Array:
         result: Array = self._fixed + np.diag(self._variances(logs))
         if self._inherited is None:
-            result += self._shown @ self._priors(logs) @ self._shown.T
+            result += self._of_errors(logs)
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
             entries[sharing.entries] += self._rest_square(part, logs) * sharing.values
         return result
+
+    def _of_errors(self, logs: Array) -> Array:
+        """Σ_f s_f² G_f R_f G_fᵀ: where all sizes go by one factor the product at these lengths is found once."""
+        sizes = logs[self._sizes]
+        if not len(sizes) or len(sizes) < len(self._parts) or np.any(sizes != sizes[0]):
+            return np.asarray(self._shown @ self._priors(logs) @ self._shown.T)
+        others = logs.copy()
+        others[self._sizes] = 0.0
+        lengths = others[[i for i, scale in enumerate(self.scales) if scale.kind == "length"]].tobytes()
+        if lengths not in self._of_lengths:
+            if len(self._of_lengths) == _LENGTHS:
+                self._of_lengths.clear()
+            self._of_lengths[lengths] = self._shown @ self._priors(others) @ self._shown.T
+        return np.asarray(np.exp(2 * sizes[0]) * self._of_lengths[lengths])
 
     def _priors(self, logs: Array) -> Array:
         """s² R of every error that shows in the readings, along the diagonal."""

@@ -29,6 +29,7 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered_lately
 
 Family = Literal[
     "drift", "levelling", "jump", "step", "pitch", "bump", "detail", "reversal", "scale", "together", "bad"
@@ -139,6 +140,12 @@ def departures(
     yield from _together(observation, seen)
     for index in range(len(readings)):
         yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
+
+
+@remembered_lately
+def every_departure(observation: Observation, readings: tuple[Reading, ...]) -> tuple[Departure, ...]:
+    """Return all of them wherever they may be: readings are compared with them, and averaged over them."""
+    return tuple(departures(observation, readings))
 
 
 def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
