@@ -87,21 +87,40 @@ def test_a_machine_without_such_an_error_has_nothing_of_it_left() -> None:
     assert planes_left(estimate, lambda at, sides: np.zeros_like(at), poses, poses) == ""
 
 
+HEAD = """
+chain = "w-b-X-Z-B-t"
+[tool]
+length = "80 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Z]
+travel = ["0 mm", "200 mm"]
+[axes.B]
+travel = ["-90 deg", "270 deg"]
+[errors]
+EBX = { std = "60 urad", knots = 7, length = "100 mm" }
+EZX = { std = "60 um", knots = 5, length = "100 mm" }
+EBZ = { std = "60 urad", knots = 4, length = "100 mm" }
+EXB = { std = "20 um", knots = 9, length = "60 deg" }
+"""
+
+
 @pytest.mark.parametrize("over", ["X", "Z"])
-def test_rows_are_the_mean_over_a_whole_turn_that_does_not_begin_at_nought(over: str) -> None:
+@pytest.mark.parametrize("turns", ["B", "C"])
+def test_rows_are_the_mean_over_a_whole_turn_that_does_not_begin_at_nought(over: str, turns: str) -> None:
     """By even places around the turn and along the other linear axis, 36,000 of them."""
-    text = TABLE.replace('["0 deg", "360 deg"]', '["-90 deg", "270 deg"]').replace("EXZC", "#").replace("EBXC", "##")
-    model = ErrorModel(machine_from_text(text))
+    table = TABLE.replace('["0 deg", "360 deg"]', '["-90 deg", "270 deg"]').replace("EXZC", "#").replace("EBXC", "##")
+    model = ErrorModel(machine_from_text({"B": HEAD, "C": table}[turns]))
     box, names = whole_travel(model), [axis.name for axis in model.machine.axes]
     mine, other = names.index(over), names.index("Z" if over == "X" else "X")
     at = np.array([box[mine][0], 0.11, box[mine][1]])
     rows = mean_along(model, box, [names.index("X"), names.index("Z")], mine, at, 1)
     turn = -np.pi / 2 + 2 * np.pi * np.arange(360) / 360
     along = box[other][0] + (box[other][1] - box[other][0]) * (np.arange(100) + 0.5) / 100
-    taken = [f.columns for f in model.functions if f.name.startswith("ECC")]
+    taken = [f.columns for f in model.functions if f.name in ("EBB", "ECC")]
     for number, place in enumerate(at):
         poses = np.zeros((len(along) * len(turn), len(names)))
-        poses[:, mine], poses[:, names.index("C")] = place, np.tile(turn, len(along))
+        poses[:, mine], poses[:, names.index(turns)] = place, np.tile(turn, len(along))
         poses[:, other] = np.repeat(along, len(turn))
         sides = np.zeros_like(poses)
         sides[:, mine] = 1
