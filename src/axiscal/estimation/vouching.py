@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from axiscal.estimation.believed import sides_told
 from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.estimation import Estimation
+from axiscal.inference.contradiction import FEWEST
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import remembered
 
@@ -22,7 +24,9 @@ def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
     count : of the first readings; promise : RMS over the volume that they left, m
     """
     stated = estimation.stated.description.machine
-    return defence(estimation.case, _believed(estimation, count), promise, stated)
+    believed = _believed(estimation, count)
+    told = sides_told(believed, estimation.stated)
+    return defence(estimation.case, told if len(told) >= FEWEST else believed, promise, stated)
 
 
 def _believed(estimation: Estimation, count: int) -> list[Reading]:
