@@ -35,7 +35,8 @@ def test_what_readings_could_not_show_is_said_with_its_size() -> None:
     said = vouched_words(case(), Defence(5e-6, 0.6e-6, 9, (REVERSAL, DRIFT, BUMP, STEP)))
     assert said == (
         'These 9 readings could not show a drift of "laser" above 3 um, a detail of EXX of any size, a step in EXX '
-        "above 12 um; what they can vouch for is a standard uncertainty of 5 um."
+        "above 12 um; what they can vouch for is a standard uncertainty of 5 um. Readings in the widest gaps would "
+        "show a detail of EXX."
     )
 
 

@@ -38,6 +38,19 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
         "together": later("what two axes do together, {owner},"),
     }
 )
+_SHOWN_BY: Mapping[Family, str] = MappingProxyType(
+    {
+        "drift": later('The first places of "{owner}" read once more at its end would show a drift.'),
+        "levelling": later('The first places of "{owner}" read once more at its end would show a drift.'),
+        "step": later("Readings in the widest gaps would show a step in {owner}."),
+        "pitch": later("Places out of step with the screw would show that in {owner}."),
+        "bump": later("Readings in the widest gaps would show a detail of {owner}."),
+        "detail": later("Readings in the widest gaps would show a detail of {owner}."),
+        "reversal": later("Places read from both sides, in more parts of the travel, would show that in {owner}."),
+        "together": later("Places spread over both axes would show {owner}."),
+    }
+)
+"""What shows a departure of which these readings would show no size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,13 +205,16 @@ def _shown_words(case: Case, found: Defence) -> str:
         named = said(_WORDS[each.family], owner=each.owner)
         alike[named] = max(alike.get(named, each), each, key=lambda one: one.seen_from)
     shown = [_limit(case, each) for each in alike.values()]
-    return counted(
+    never = next((each for each in list(alike.values())[:_NAMED] if not math.isfinite(each.seen_from)), None)
+    remedy = [] if never is None else [said(_SHOWN_BY[never.family], owner=never.owner)]
+    could = counted(
         "This {count} reading could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         "These {count} readings could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         found.readings,
         named=listed(", ", shown[:_NAMED]),
         size=size,
     )
+    return listed(" ", [could, *remedy])
 
 
 def enough_words(enough: Enough | None) -> str:
