@@ -9,6 +9,7 @@ import numpy as np
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 
 _OF_NOTE = 0.1
 """Standard deviations of the noise: less, in a hundred readings at once, is one of their mean."""
@@ -40,10 +41,10 @@ def sides_told(readings: Sequence[Reading], case: Case) -> list[Reading]:
     """
     told = np.ones(len(readings), dtype=bool)
     for index, setup in enumerate(case.description.setups):
-        mine = np.flatnonzero([reading.setup == setup.name for reading in readings])
-        if len(mine):
-            poses = np.array([readings[at].pose for at in mine])
-            sides = np.array([readings[at].approach for at in mine], dtype=float)
+        mine = [at for at, reading in enumerate(readings) if reading.setup == setup.name]
+        if mine:
+            poses: Array = np.array([readings[at].pose for at in mine], dtype=np.float64)
+            sides: Array = np.array([readings[at].approach for at in mine], dtype=np.float64)
             added = case.observation.unknown_sides(index, poses, sides).max(axis=0)
             told[mine] = added <= (_OF_NOTE * setup.noise) ** 2
     return [reading for reading, known in zip(readings, told.tolist(), strict=True) if known]
