@@ -50,6 +50,16 @@ def test_a_drift_that_levels_off_is_a_drift() -> None:
         assert said.startswith('These 9 readings could not show a drift of "laser" above 4 um; what')
 
 
+def test_what_comes_and_goes_is_said_of_a_zero_and_of_an_axis() -> None:
+    zero = Departed("excursion", "laser", 0.1, 5.38e-6, 2e-6, 0.0, counted=True)
+    growth = Departed("growth", "EXX", 0.1, 31.29e-6, 2.4e-6, 0.0, counted=True)
+    said = vouched_words(case(), Defence(2.4e-6, 0.6e-6, 24, (growth, zero)))
+    assert said == (
+        'These 24 readings could not show a growth of EXX that comes and goes above 31 um, a zero of "laser" that '
+        "comes and goes above 5.4 um; what they can vouch for is a standard uncertainty of 2.4 um."
+    )
+
+
 def test_readings_that_show_enough_vouch_for_a_figure() -> None:
     said = vouched_words(case(), Defence(0.66e-6, 0.6e-6, 24, (replace(DRIFT, damage=0.66e-6),)))
     assert said == "24 readings could vouch for 0.66 um (standard uncertainty)."

@@ -41,7 +41,7 @@ FEWEST, _CANDIDATES = 6, 160
 _TELLS = 2.0
 """Standard deviations by which the two predictions differ where a reading decides: less would be asked for in vain."""
 _ONE_CAUSE: tuple[frozenset[Family], ...] = (
-    frozenset({"drift", "levelling", "jump"}),
+    frozenset({"drift", "levelling", "excursion", "jump"}),
     frozenset({"bump", "detail"}),
 )
 """Families that differ in how, not in what to do; how a zero has moved no later reading tells."""

@@ -44,10 +44,14 @@ from axiscal.numerics.remembered import remembered
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 
-COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump", "detail", "together"})
+COUNTED: frozenset[Family] = frozenset(
+    {"drift", "levelling", "excursion", "growth", "step", "pitch", "bump", "detail", "together"}
+)
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
+_OF_SETUPS: frozenset[Family] = frozenset({"drift", "levelling", "excursion"})
+"""Families whose size is what a zero moves by in the course of a set-up."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
 """Families that may be anywhere, in a gap or off a line of readings too. What is narrower hides between any two."""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
@@ -304,7 +308,9 @@ class EffectMap:
 
     def each(self, several: Sequence[Departure]) -> list[Harm]:
         """Return what departures of size 1 do, of drifts over the whole set-up, from one solution with all columns."""
-        drifts = [each.columns / np.ptp(each.columns) if each.function is None else each.columns for each in several]
+        drifts = [
+            each.columns / np.ptp(each.columns) if each.family in _OF_SETUPS else each.columns for each in several
+        ]
         white = transposed_solution(self._upper, np.hstack(drifts))
         cuts = np.cumsum([each.columns.shape[1] for each in several])[:-1]
         seen, left = np.split(white, cuts, axis=1), np.split(-(self._kept @ white), cuts, axis=1)

@@ -18,13 +18,14 @@ import numpy as np
 
 from axiscal.inference.contradiction import MODEL, PRIOR, SIZE_WEIGHTS, SIZES, whitened
 from axiscal.inference.evidence import Evidence
-from axiscal.measurement.departures import Departure, Followed, followed
+from axiscal.measurement.departures import Departure, Family, Followed, followed
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root, positive_root
 
 _KEPT = 64
 """Departures that are averaged over, the likeliest: together they hold all but a thousandth of the weight."""
+_OF_TIME: frozenset[Family] = frozenset({"drift", "levelling", "excursion", "growth", "jump"})
 _LARGEST, _TIMES, _RARELY = 20e-6, 3.0, 1e-3
 """Sizes beyond three times the std of the error, or beyond three times 20 um of a jump or of an hour of drift, count a
 thousandth: they are believed where readings show them, and make no band wide where none could.
@@ -119,7 +120,7 @@ def average(evidence: Evidence, possible: Sequence[Departure], terms: Sequence[T
 def prior_sizes(evidence: Evidence, possible: Sequence[Departure], unit: float) -> Array:
     """Return how probable each size of each departure is before any reading, (sizes, h).  unit : σ, m or rad"""
     stds = [np.inf if e.function is None else evidence.functions[e.function].covariance[0, 0] ** 0.5 for e in possible]
-    drifting = [_LARGEST if each.family in ("drift", "levelling", "jump") else np.inf for each in possible]
+    drifting = [_LARGEST if each.family in _OF_TIME else np.inf for each in possible]
     most = _TIMES * np.minimum(stds, drifting)
     weights = np.array(SIZE_WEIGHTS)[:, None] * np.where(unit * SIZES[:, None] <= most, 1.0, _RARELY)
     shares: Array = weights / weights.sum(axis=0)

@@ -36,6 +36,8 @@ PRIOR: Mapping[Family, float] = MappingProxyType(
     {
         "drift": 0.12,
         "levelling": 0.06,
+        "excursion": 0.05,
+        "growth": 0.05,
         "jump": 0.05,
         "step": 0.06,
         "pitch": 0.08,

@@ -30,6 +30,8 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
     {
         "drift": later('a drift of "{owner}"'),
         "levelling": later('a drift of "{owner}"'),
+        "excursion": later('a zero of "{owner}" that comes and goes'),
+        "growth": later("a growth of {owner} that comes and goes"),
         "step": later("a step in {owner}"),
         "pitch": later("an error of {owner} within a turn of its screw"),
         "bump": later("a detail of {owner}"),
@@ -322,7 +324,7 @@ def _limit(case: Case, each: Departed) -> str:
 def _unit(case: Case, each: Departed) -> str:
     """Return the unit of the size of a departure."""
     setups = {setup.name: setup for setup in case.description.setups}
-    if each.owner in setups and each.family in ("drift", "levelling"):
+    if each.owner in setups and each.family in ("drift", "levelling", "excursion"):
         return _unit_read(setups[each.owner])
     if each.family == "together":
         return "um"

@@ -1,0 +1,111 @@
+"""A zero, or the growth of an axis, that comes and goes while a set-up is read: what shows it, and what hides it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.case import Case
+from axiscal.estimation.defence import Departed
+from axiscal.inference.contradiction import Comparison, compared
+from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.simulation import Simulator
+from benchmarks.trust.benches import case_of
+from tests.estimation.test_defence import axis, of
+from tests.measurement.test_together import BOTH, GRID, PLATE, described
+
+TURN, HALF_WAY = 11, 5
+
+
+def out_and_back(again: tuple[int, ...] = ()) -> list[Reading]:
+    """Return readings at twelve even places, out and back, a minute apart, and then some of them once more."""
+    out = [((float(x),), (1,)) for x in np.linspace(0.01, 0.99, 12)]
+    back = [((float(x),), (-1,)) for x in np.linspace(0.01, 0.99, 12)[::-1]]
+    places = [*out, *back, *([*out, *back][index] for index in again)]
+    return [Reading("laser", *place, 0.0, time=60.0 * index) for index, place in enumerate(places)]
+
+
+def passing(taken: list[Reading]) -> list[Departure]:
+    """Return what comes and goes of a zero, and of an axis held at one end, in the middle and at the other."""
+    every = departures(axis().observation, taken, IN_PLANS)
+    return [each for each in every if each.family in ("excursion", "growth")]
+
+
+def worst(case: Case, taken: list[Reading]) -> dict[str, Departed]:
+    return {each.family: each for each in of(case, taken, 0.6e-6).departures}
+
+
+def test_a_zero_that_comes_and_goes_is_a_wave_over_the_time_of_the_set_up() -> None:
+    taken = out_and_back()
+    zero, *growths = passing(taken)
+    times, at = np.array([(r.time, r.pose[0]) for r in taken]).T
+    wave = np.sin(np.pi * times / times.max()) ** 2
+    assert zero.columns[:, 0] == pytest.approx(wave, abs=1e-12)
+    assert [(each.owner, each.place) for each in growths] == [("EXX", 0.0), ("EXX", 0.5), ("EXX", 1.0)]
+    for each in growths:
+        assert each.columns[:, 0] == pytest.approx(wave * (at - each.place), abs=1e-12)
+        assert each.function is None  # the machine is as it was once the last reading is taken
+
+
+def test_a_probe_that_no_axis_carries_along_its_own_direction_sees_no_growth() -> None:
+    observation = described(PLATE, BOTH)
+    readings = [Reading("dial", (float(y), float(x)), (1, 1), 0.0, time=float(n)) for n, (y, x) in enumerate(GRID)]
+    families = [each.family for each in departures(observation, readings)]
+    assert families.count("excursion") == 1
+    assert "growth" not in families
+
+
+def test_readings_whose_time_stands_still_show_nothing_of_it() -> None:
+    taken = [replace(each, time=5.0) for each in out_and_back()]
+    assert passing(taken) == []
+
+
+def test_once_out_and_back_it_hides_and_two_places_once_more_show_it() -> None:
+    case = axis()
+    hidden, seen = worst(case, out_and_back()), worst(case, out_and_back((HALF_WAY, TURN)))
+    for family in ("excursion", "growth"):
+        assert hidden[family].damage > 2e-6
+        assert seen[family].damage < 0.8e-6
+        assert hidden[family].power < 0.2
+    assert of(case, out_and_back(), 0.6e-6).unchecked
+
+
+def put_in(values: Array, again: tuple[int, ...], seed: int) -> Comparison:
+    """Return what the readings of a machine say to which something was added, um."""
+    case, taken = case_of("axis", "stated"), out_and_back(again)
+    machine = Simulator(case.description.machine, case.description.setups).drawn(seed)
+    rng, setup = np.random.default_rng(seed), case.description.setups[0]
+    shown = [
+        replace(each, setup="it", value=machine.read(setup, each.pose, each.approach, rng) + 1e-6 * float(value))
+        for each, value in zip(taken, values, strict=True)
+    ]
+    return compared(case.observation, shown)
+
+
+def test_a_zero_that_came_and_went_is_told_from_a_drift_and_from_one_that_was_set_anew() -> None:
+    again = (HALF_WAY, TURN)
+    share = np.arange(26) / 25
+    wave, drift, jump = 10 * np.sin(np.pi * share) ** 2, 10 * share, 10.0 * (share > 0.3)
+    zero = {"excursion"}
+    for values, names in ((wave, zero), (drift, {"drift", "levelling"}), (jump, {"jump"})):
+        found = [put_in(values, again, seed) for seed in range(6)]
+        assert all(each.contradicted for each in found)
+        assert sum(each.explanations[0].family in names for each in found) >= 5
+
+
+def test_growth_that_came_and_went_in_a_straight_line_is_found_too() -> None:
+    """As a triangle over the time, which the wave is not, and held at the start."""
+    share = np.arange(26) / 25
+    at = np.array([each.pose[0] for each in out_and_back((HALF_WAY, TURN))])
+    found = [put_in(10 * at * (1 - np.abs(2 * share - 1)), (HALF_WAY, TURN), seed) for seed in range(6)]
+    assert all(each.contradicted for each in found)
+    assert sum(each.explanations[0].family in ("growth", "excursion") for each in found) >= 5
+
+
+def test_a_right_machine_is_not_said_to_come_and_go() -> None:
+    found = [put_in(np.zeros(26), (HALF_WAY, TURN), seed) for seed in range(6)]
+    assert sum(each.contradicted for each in found) <= 1
