@@ -136,7 +136,8 @@ def test_a_plan_is_timed_by_its_own_way() -> None:
     ends = np.cumsum(seconds_each(task, order))
     watched = retimed(watched_in(task), order, ends)
     shares = way_shares(task.observation, order, watched.times)
-    assert shares == pytest.approx((ends - ends[0]) / (ends[-1] - ends[0]))
+    once, _ = repeats(np.column_stack([order.poses, order.approaches]))
+    assert shares[once] == pytest.approx(((ends - ends[0]) / (ends[-1] - ends[0]))[once])
 
 
 def test_where_several_axes_move_a_place_is_read_when_the_nearest_of_the_plan_is() -> None:

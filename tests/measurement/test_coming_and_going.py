@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Departed
 from axiscal.inference.contradiction import Comparison, compared
 from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.simulation import Simulator
 from benchmarks.trust.benches import case_of
 from tests.estimation.test_defence import axis, of
@@ -74,7 +75,7 @@ def test_once_out_and_back_it_hides_and_two_places_once_more_show_it() -> None:
     assert of(case, out_and_back(), 0.6e-6).unchecked
 
 
-def put_in(values: Array, again: tuple[int, ...], seed: int) -> Comparison:
+def put_in(values: NDArray[np.floating[Any]], again: tuple[int, ...], seed: int) -> Comparison:
     """Return what the readings of a machine say to which something was added, um."""
     case, taken = case_of("axis", "stated"), out_and_back(again)
     machine = Simulator(case.description.machine, case.description.setups).drawn(seed)
@@ -90,8 +91,8 @@ def test_a_zero_that_came_and_went_is_told_from_a_drift_and_from_one_that_was_se
     again = (HALF_WAY, TURN)
     share = np.arange(26) / 25
     wave, drift, jump = 10 * np.sin(np.pi * share) ** 2, 10 * share, 10.0 * (share > 0.3)
-    zero = {"excursion"}
-    for values, names in ((wave, zero), (drift, {"drift", "levelling"}), (jump, {"jump"})):
+    right = [{"excursion"}, {"drift", "levelling"}, {"jump"}]
+    for values, names in zip((wave, drift, jump), right, strict=True):
         found = [put_in(values, again, seed) for seed in range(6)]
         assert all(each.contradicted for each in found)
         assert sum(each.explanations[0].family in names for each in found) >= 5

@@ -259,17 +259,17 @@ class _Guarding:
 
         For that of each set-up first, then with others exchanged beside them, and these once more with their own times.
         """
-        closed, tried = found, [found]
-        for setup, mine in found.order.by_setup():
-            for which in range(_CLOSING if len(mine) > _FEW else 0):
-                places = self._with_closing(closed, setup, which)
-                closed = closed if places is None else self._tried(places)
-                tried.append(closed)
-        if len(tried) == 1:
+        tried, ends = [found], list[_Tried]()
+        for which in range(_CLOSING):
+            for setup in [int(each) for each, mine in found.order.by_setup() if len(mine) > _FEW]:
+                places = self._with_closing(tried[-1], setup, which)
+                tried += [] if places is None else [self._tried(places)]
+            ends += [] if any(tried[-1] is each for each in (found, *ends)) else [tried[-1]]
+        if not ends:
             return found
         if self._task.observation.size > _MANY:
-            return self.best([*tried, self._beside_closings(closed, _ROUGHLY)], "vouched")
-        beside = [self._beside_closings(each, how) for each in tried[1:] for how in (_ROUGHLY, _FINELY)]
+            return self.best([*tried, self._beside_closings(ends[-1], _ROUGHLY)], "vouched")
+        beside = [self._beside_closings(each, how) for each in ends for how in (_ROUGHLY, _FINELY)]
         closest = sorted(beside, key=lambda each: each.vouched)[:2]
         once_more = [self._beside_closings(each, how) for each in closest for how in (_ROUGHLY, _FINELY)]
         return self.best([*tried, *beside, *once_more], "vouched")
