@@ -105,6 +105,22 @@ def test_at_common_factors_readings_vary_as_those_of_the_rescaled_model() -> Non
     assert np.abs(rough / several.covariance(factors[0]) - 1).max() > 1e-3
 
 
+def test_priors_that_are_kept_are_those_found_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At scales that come back, in any order, with room for all of them and with none."""
+    machine, rng = machine_from_text(MILL), np.random.default_rng(8)
+    observation, readings = _observation(machine), _places(14, rng)
+    scales = all_scales(machine, observation.setups)
+    draws = rng.normal(0, 0.3, (4, len(scales)))
+    kept = Evidence(observation, readings, scales)
+    found = [kept.log_density(draws[index])[1] for index in (0, 1, 0, 2, 3, 1)]
+    priors = [kept.prior(draws[index]) for index in (0, 1, 0, 2, 3, 1)]
+    monkeypatch.setattr("axiscal.inference.evidence._REMEMBERED", 0)
+    for index, slope, prior in zip((0, 1, 0, 2, 3, 1), found, priors, strict=True):
+        anew = Evidence(observation, readings, scales)
+        np.testing.assert_array_equal(anew.log_density(draws[index])[1], slope)
+        np.testing.assert_array_equal(anew.prior(draws[index]), prior)
+
+
 def test_the_gradient_is_that_of_the_likelihood() -> None:
     machine, rng = machine_from_text(MILL), np.random.default_rng(4)
     observation, readings = _observation(machine), _places(12, rng)

@@ -34,6 +34,9 @@ _STEP = 1e-3
 _LENGTHS = 3
 """Common factors on the lengths that are averaged over (`inference.contradiction`): one product is kept for each."""
 
+_REMEMBERED = 16_000_000
+"""Bytes of priors of errors at scales that were asked for: those of all draws of some hundreds of unknowns."""
+
 
 class _Slopes(NamedTuple):
     """What the scales do to K at some factors.
@@ -89,6 +92,7 @@ class Evidence:
         stds = {owner: i for (kind, owner), i in self._index.items() if kind == "std"}
         self._sizes = [stds[part.term.name] for part in self._parts if part.term.name in stds]
         self._of_lengths: dict[bytes, Array] = {}
+        self._known: dict[tuple[str, bytes], Array] = {}
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -138,7 +142,7 @@ class Evidence:
         other = copy(self)
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
-            other._of_lengths = {}
+            other._of_lengths, other._known = {}, {}
         return other
 
     def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
@@ -214,8 +218,15 @@ class Evidence:
         return result
 
     def _prior_of(self, term: Term, logs: Array) -> Array:
-        """s² R of one error."""
-        return prior_of(term, *self._scales_of(term.name, logs))
+        """s² R of one error: of a draw of scales it is asked for its weight, and again for what it adds to bands."""
+        key = term.name, logs.tobytes()
+        if (known := self._known.get(key)) is not None:
+            return known
+        found = prior_of(term, *self._scales_of(term.name, logs))
+        if len(self._known) * found.nbytes > _REMEMBERED:
+            self._known.clear()
+        self._known[key] = found
+        return found
 
     def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, tuple[float, float]]:
         """Return an error's entry, its std, and the factors on its lengths."""
@@ -257,7 +268,7 @@ class Evidence:
         """Yield what size and lengths of an error do to its prior, ∂(s² R)/∂log θ (k, k), by the number of a scale."""
         scales = self._scales_of(part.term.name, logs)
         if (i := self._index.get(("std", part.term.name))) is not None:
-            yield i, 2 * prior_of(part.term, *scales)
+            yield i, 2 * self._prior_of(part.term, logs)
         for number, owner in enumerate(dict.fromkeys(length_owners(scales[0]))):
             if (i := self._index.get(("length", owner))) is not None:
                 yield i, by_length(part.term, *scales, number)
