@@ -13,7 +13,6 @@ from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.task import Task, clock
 from axiscal.design.plan.watch import at_share, watch
-from axiscal.estimation.defence import COUNTED
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
@@ -30,7 +29,7 @@ def follow_up(task: Task, taken: Places, ends: Array, count: int, budget: float 
     """
     times = clock(task)
     last = float(ends[-1]) + count * float(times.reading.max())
-    later = at_share(watch(task.observation, task.yardstick, task.lattice, taken, ends, "detail", COUNTED), 1.0)
+    later = at_share(watch(task.observation, task.yardstick, task.lattice, taken, ends, "detail"), 1.0)
     scores = DefendedScores(
         Pool(task.observation, task.lattice, task.memory), task.state, later, task.yardstick, _SQUARINGS
     )
