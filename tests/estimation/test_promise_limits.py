@@ -107,7 +107,7 @@ def test_a_family_is_the_mean_over_its_places_and_named_by_the_worst() -> None:
     found = {(each.family, each.owner): each for each in vouched(case.observation, taken, effects, promise).departures}
     every = [each for each in departures(case.observation, taken, IN_PLANS) if each.family not in ("bad", "scale")]
     assert {(each.family, each.owner) for each in every} == set(found)
-    counted = {"drift", "levelling", "step", "pitch", "bump", "detail", "together"}
+    counted = {"drift", "levelling", "excursion", "growth", "step", "pitch", "bump", "detail", "together"}
     for key, told in found.items():
         group = [each for each in every if (each.family, each.owner) == key]
         harms = effects.each(group)
