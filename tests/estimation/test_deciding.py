@@ -62,7 +62,7 @@ def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int
     for rival in (found.first, found.second):
         (part,) = [
             each.columns
-            for each in departures(CASE.observation, together)
+            for each in departures(CASE.observation, together, taken=len(readings))
             if (each.family, each.owner, each.place) == (rival.family, rival.owner, rival.place)
         ]
         whole = plain + (unit * SIZES[-1]) ** 2 * part @ part.T

@@ -104,7 +104,8 @@ def _decided(
     lower = lower_root(covariance[:seen, :seen])
     half, white = solution(lower, covariance[:seen, seen:]), solution(lower, values)
     spare = np.diag(covariance)[seen:] - np.sum(half**2, axis=0)
-    possible = {(each.family, each.owner, each.place): each for each in departures(case.observation, together)}
+    all_of_them = departures(case.observation, together, taken=len(readings))
+    possible = {(each.family, each.owner, each.place): each for each in all_of_them}
     unit = float(np.sqrt(np.median(fitted.noise[:seen])))
     told = [_predicted(possible[each.family, each.owner, each.place], lower, half, white, unit) for each in rivals]
     (one, wide), (other, broad) = told

@@ -134,7 +134,10 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Numbers:
-    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (terms, m)."""
+    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (terms, m).
+
+    to_come : (m,) which of them are not taken yet
+    """
 
     setup: NDArray[np.intp]
     reading: NDArray[np.intp]
@@ -143,13 +146,17 @@ class _Numbers:
     poses: Array
     approaches: Array
     effects: Array
+    to_come: NDArray[np.bool_]
 
 
 def departures(
-    observation: Observation, readings: Sequence[Reading], search: Search = EVERYWHERE
+    observation: Observation, readings: Sequence[Reading], search: Search = EVERYWHERE, taken: int | None = None
 ) -> Iterator[Departure]:
-    """Yield what readings could show that the model does not hold; numbers in the order of the readings."""
-    seen = _numbers(observation, readings)
+    """Yield what readings could show that the model does not hold; numbers in the order of the readings.
+
+    taken : so many of the readings were taken, and the others are to come: what comes and goes is gone by then
+    """
+    seen = _numbers(observation, readings, len(readings) if taken is None else taken)
     for index, setup in enumerate(observation.setups):
         for number in range(len(directions_of(setup))):
             yield from _drifts(seen, index, number, setup.name)
@@ -169,7 +176,7 @@ def every_departure(observation: Observation, readings: tuple[Reading, ...]) -> 
     return tuple(departures(observation, readings))
 
 
-def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
+def _numbers(observation: Observation, readings: Sequence[Reading], taken: int) -> _Numbers:
     names = {setup.name: index for index, setup in enumerate(observation.setups)}
     owners = np.array([names[reading.setup] for reading in readings])
     reading = np.repeat(np.arange(len(readings)), [len(each.values) for each in readings])
@@ -183,7 +190,7 @@ def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
             if np.any(mine):
                 effects[:, mine] = observation.effects(index, poses[mine], approaches[mine], direction)
     times = np.array([each.time or 0.0 for each in readings])[reading]
-    return _Numbers(owners[reading], reading, number, times, poses, approaches, effects)
+    return _Numbers(owners[reading], reading, number, times, poses, approaches, effects, reading >= taken)
 
 
 def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Departure]:
@@ -194,8 +201,16 @@ def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Depa
     if np.ptp(since) > 0:
         yield Departure("drift", name, (since / _HOUR)[:, None], float(number))
         yield Departure("levelling", name, np.where(mine, 1 - np.exp(-since / _LEVELLING), 0.0)[:, None], float(number))
-        wave = np.where(mine, coming_and_going(since / since.max()), 0.0)
-        yield Departure("excursion", name, wave[:, None], float(number))
+        yield Departure("excursion", name, _wave(seen, mine)[:, None], float(number))
+
+
+def _wave(seen: _Numbers, mine: NDArray[np.bool_]) -> Array:
+    """Return what comes and goes once while these numbers are taken, (m,), and nothing of it after the last of them."""
+    taken = mine & ~seen.to_come
+    begun, ended = float(seen.time[taken].min(initial=np.inf)), float(seen.time[taken].max(initial=-np.inf))
+    if not ended > begun:
+        return np.zeros(len(seen.time))
+    return np.where(taken, coming_and_going((seen.time - begun) / (ended - begun)), 0.0)
 
 
 def coming_and_going(shares: Array) -> Array:
@@ -209,8 +224,7 @@ def _growths(observation: Observation, seen: _Numbers, setup: int) -> Iterator[D
     mine = seen.setup == setup
     if mine.sum() < _A_LINE or not np.ptp(seen.time[mine]) > 0:
         return
-    since = np.where(mine, seen.time - seen.time[mine].min(), 0.0)
-    wave = np.where(mine, coming_and_going(since / since.max()), 0.0)
+    wave = _wave(seen, mine)
     axes, errors = observation.machine.axes, observation.errors
     for k in observation.setups[setup].moves:
         index = next((n for n, f in enumerate(errors.functions) if f.name == axes[k].positioning_error), None)
