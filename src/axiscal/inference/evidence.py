@@ -93,6 +93,7 @@ class Evidence:
         self._sizes = [stds[part.term.name] for part in self._parts if part.term.name in stds]
         self._of_lengths: dict[bytes, Array] = {}
         self._known: dict[tuple[str, bytes], Array] = {}
+        self._known_bytes = 0
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -142,7 +143,7 @@ class Evidence:
         other = copy(self)
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
-            other._of_lengths, other._known = {}, {}
+            other._of_lengths, other._known, other._known_bytes = {}, {}, 0
         return other
 
     def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
@@ -223,8 +224,10 @@ class Evidence:
         if (known := self._known.get(key)) is not None:
             return known
         found = prior_of(term, *self._scales_of(term.name, logs))
-        if len(self._known) * found.nbytes > _REMEMBERED:
+        self._known_bytes += found.nbytes
+        if self._known_bytes > _REMEMBERED:
             self._known.clear()
+            self._known_bytes = found.nbytes
         self._known[key] = found
         return found
 
