@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.demo.five_axis import description
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.believed import with_sides
+from axiscal.estimation.believed import sides_told, with_sides
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.ruled import ruled, ruling_of
@@ -85,3 +85,13 @@ def test_a_circle_of_another_machine_is_contradicted() -> None:
         words.append(ruling_of(ruled(concluded(case, taken))).verdict)
     assert words[0] in ("holds", "unchecked")
     assert words[1] in ("widened", "contradicted")
+
+
+def test_what_is_of_note_is_a_share_of_the_noise_that_is_stated_of_the_reading_itself() -> None:
+    """A reversal of 3 um is within a tenth of 100 um, whatever the other readings of the bar scatter by."""
+    case = Case(campaign_from_texts(BAR, "c.toml", MILL, "m"))
+    middle = tuple(sum(axis.travel) / 2 for axis in case.errors.machine.axes)
+    pose = (middle[0] + 0.15, *middle[1:])
+    told, silent = (Reading("bar", pose, (side, 1, 0), 0.0) for side in (1, 0))
+    coarse = Reading("bar", pose, (0, 1, 0), 0.0, std=100e-6)
+    assert sides_told([told, silent, coarse], case) == [told, coarse]

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import field as left_over_the_volume
+from axiscal.estimation.departed_volume import field as left_over_the_volume
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.mirrors import _decisive
 from axiscal.estimation.statements import _least

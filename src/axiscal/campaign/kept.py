@@ -239,7 +239,7 @@ def _is_watched(kept: object) -> TypeGuard[Watched]:
 
 def _is_explanation(kept: object) -> bool:
     match kept:
-        case Explanation(str() as family, str(), float(), float(), float(), float()):
+        case Explanation(str() as family, str(), float(), float(), float(), float(), int() | None):
             return family in PRIOR
     return False
 

@@ -12,7 +12,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
 _OF_NOTE = 0.1
-"""Standard deviations of the noise: less, in a hundred readings at once, is one of their mean."""
+"""Standard deviations of the noise of a reading: less, in a hundred readings at once, is one of their mean."""
 
 
 def trusted(estimation: Estimation) -> list[Reading]:
@@ -46,5 +46,6 @@ def sides_told(readings: Sequence[Reading], case: Case) -> list[Reading]:
             poses: Array = np.array([readings[at].pose for at in mine], dtype=np.float64)
             sides: Array = np.array([readings[at].approach for at in mine], dtype=np.float64)
             added = case.observation.unknown_sides(index, poses, sides).max(axis=0)
-            told[mine] = added <= (_OF_NOTE * setup.noise) ** 2
+            noise = np.array([setup.noise if (std := readings[at].std) is None else std for at in mine])
+            told[mine] = added <= (_OF_NOTE * noise) ** 2
     return [reading for reading, known in zip(readings, told.tolist(), strict=True) if known]

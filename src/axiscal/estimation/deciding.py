@@ -105,9 +105,10 @@ def _decided(
     half, white = solution(lower, covariance[:seen, seen:]), solution(lower, values)
     spare = np.diag(covariance)[seen:] - np.sum(half**2, axis=0)
     all_of_them = departures(case.observation, together, taken=len(readings))
-    possible = {(each.family, each.owner, each.place): each for each in all_of_them}
+    possible = {(each.family, each.owner, each.place, each.setup): each for each in all_of_them}
     unit = float(np.sqrt(np.median(fitted.noise[:seen])))
-    told = [_predicted(possible[each.family, each.owner, each.place], lower, half, white, unit) for each in rivals]
+    asked = (possible[each.family, each.owner, each.place, each.setup] for each in rivals)
+    told = [_predicted(each, lower, half, white, unit) for each in asked]
     (one, wide), (other, broad) = told
     apart = (one - other) ** 2 / (2 * spare + wide + broad)
     of_reading = np.bincount(fitted.reading[seen:] - len(readings), apart)

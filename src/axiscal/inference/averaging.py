@@ -27,8 +27,9 @@ _KEPT = 64
 """Departures that are averaged over, the likeliest: together they hold all but a thousandth of the weight."""
 _OF_TIME: frozenset[Family] = frozenset({"drift", "levelling", "excursion", "growth", "jump"})
 _LARGEST, _TIMES, _RARELY = 20e-6, 3.0, 1e-3
-"""Sizes beyond three times the std of the error, or beyond three times 20 um of a jump or of an hour of drift, count a
-thousandth: they are believed where readings show them, and make no band wide where none could.
+"""Sizes beyond three times the std of the error, or beyond three times 20 um, count a thousandth: of an hour of drift,
+of what levels off or comes and goes in a set-up, of a growth over the travel, of a jump. They are believed where
+readings show them, and make no band wide where none could.
 """
 _NOTHING = 5e-4
 """Weight of a term that counts for nothing."""

@@ -74,6 +74,7 @@ class Explanation(NamedTuple):
     """One family, owner by owner.
 
     odds : against the model; size, std : posterior mean and standard deviation of the size at its likeliest place
+    setup : of growth the index of the set-up in the course of which it is likeliest
     """
 
     family: Family
@@ -82,6 +83,7 @@ class Explanation(NamedTuple):
     odds: float
     size: float
     std: float
+    setup: int | None = None
 
 
 class Watched(NamedTuple):
@@ -254,7 +256,8 @@ def _explained(
     for (family, owner), members in groups.items():
         best = max(members, key=lambda index: odds[index])
         size, std = _size(parts[:, best], y, unit)
-        found.append(Explanation(family, owner, possible[best].place, float(odds[members].sum()), size, std))
+        whole, likeliest = float(odds[members].sum()), possible[best]
+        found.append(Explanation(family, owner, likeliest.place, whole, size, std, likeliest.setup))
     return tuple(sorted(found, key=lambda each: -each.odds))
 
 

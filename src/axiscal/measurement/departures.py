@@ -6,7 +6,7 @@ with places has one column for each place that it may be at.
     drift             τ, hours since the set-up began; levelling off 1 − exp(−3τ)
     excursion         (1 − cos 2πu)/2, u the share of the time of the set-up: a zero that comes and goes; once along a
                       way out and back it is the same on both, like an error of the curve
-    growth            the same times (t − middle)/travel times the lever of a positioning error, less its own mean
+    growth            the same times (t − c)/travel times the lever of a positioning error, c either end or the middle
     jump              1 from one reading of a set-up on: its zero was set anew, its stand was knocked, its beam broken
     step              1 where the axis is beyond a place, times the lever of the error
     pitch             cos, sin 2πt/p times the lever (screw pitch, encoder line)
@@ -107,7 +107,7 @@ class Departure:
     owner : the set-up, or the error whose curve departs
     place : where, m or rad; the pitch; the index of a reading; of a jump that of the first number after it; of growth
         where the axis is held
-    function : index of that error; None where only the readings suffer
+    function : index of that error; None where only the readings suffer, of growth too, which its owner has lost again
     pair : the two axes that act together, of which the error is one component; None for what one axis does
     setup : of growth the index of the set-up in the course of which it comes and goes
     """
@@ -222,7 +222,7 @@ def coming_and_going(shares: Array) -> Array:
 def _growths(observation: Observation, seen: _Numbers, setup: int) -> Iterator[Departure]:
     """Yield the growth of each linear axis that a set-up moves, held at either end or in the middle."""
     mine = seen.setup == setup
-    if mine.sum() < _A_LINE or not np.ptp(seen.time[mine]) > 0:
+    if len(np.unique(seen.reading[mine])) < _A_LINE or not np.ptp(seen.time[mine]) > 0:
         return
     wave = _wave(seen, mine)
     axes, errors = observation.machine.axes, observation.errors

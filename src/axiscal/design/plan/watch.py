@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.plan.out_and_back import repeats, returns
-from axiscal.estimation.defence import COUNTED, field, largest
+from axiscal.estimation.defence import COUNTED, largest
+from axiscal.estimation.departed_volume import field
 from axiscal.measurement.departures import (
     COME_AND_GO,
     IN_PLANS,
