@@ -220,6 +220,15 @@ def test_an_accuracy_that_cannot_be_vouched_for_is_planned_as_its_model_has_it()
     assert same.places.same_as(plain.places)
 
 
+def test_an_accuracy_that_cannot_be_vouched_for_within_the_time_is_planned_as_its_model_has_it() -> None:
+    """The time is that of the readings that promise it: one more takes longer, however they are exchanged."""
+    task = one_axis()[1]
+    limits = Limits(rms=1e-6, budget=make_plan(task, Limits(rms=1e-6), bounded=False).seconds)
+    plain, made = (make_plan(task, limits, bounded=False, guard=guard) for guard in (False, True))
+    assert made.met
+    assert made.places.same_as(plain.places)
+
+
 @pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])
 def test_readings_of_three_numbers_are_guarded_by_the_same_algebra(three: tuple[int, ...]) -> None:
     task = mixed(150, three)

@@ -224,8 +224,8 @@ class _Guarding:
         return self._tried(self.exchanged(before.order, watched, _CLOSELY))
 
     def best(self, tried: Sequence[_Tried], by: By) -> _Tried:
-        """Return the readings that vouch for most; the first are within the limits, others may take too long."""
-        fitting = [each for each in tried if each.ends[-1] <= self._longest]
+        """Return the readings that vouch for most of those within the time; where none is, the first."""
+        fitting = [each for each in tried if each.ends[-1] <= self._longest] or tried[:1]
         return fitting[first_best(-np.array([getattr(each, by) for each in fitting]), ALIKE)]
 
     @property
