@@ -115,8 +115,8 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
     left, ahead = list(range(len(scores.members))), 1
     while left and not patience.spent:
-        part, left, ahead = left[:ahead], left[ahead:], min(2 * ahead, _AHEAD)
-        part = [slot for slot in part if not scores.held_alone(slot)]
+        whole, left, ahead = left[:ahead], left[ahead:], min(2 * ahead, _AHEAD)
+        part = [slot for slot in whole if not scores.held_alone(slot)]
         for number, found in enumerate(_better(scores, part, allowed)):
             if patience.spent:
                 return
@@ -124,7 +124,7 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
             if found is not None:
                 scores.leave(part[number])
                 scores.enter(found, part[number])
-                left, ahead = part[number + 1 :] + left, 1
+                left, ahead = whole[whole.index(part[number]) + 1 :] + left, 1
                 break
 
 
