@@ -34,6 +34,8 @@ Field = Callable[[Array, Array, float], Array]
 """Poses (m, q), sides of the first axis (m,), a place of the machine's own -> what it does besides, (m,) um."""
 Shown = Callable[[Array, Array, np.random.Generator], Array]
 """Values (m, k) um, shares of the time (m, 1), the machine's own chance -> what is read, (m, k) um."""
+Passing = Callable[[Array, Array], Array]
+"""Poses (m, q), shares of the time (m,) -> what comes and goes meanwhile, and is no error of the machine, (m,) um."""
 Moved = Callable[[Machine], Machine]
 """A machine as stated -> one whose chain is another."""
 Offsets = Mapping[str, Mapping[str, float]]
@@ -49,7 +51,8 @@ class Attack:
     """words : what is wrong; stated : what is stated otherwise; truth : what is not as stated
 
     field : besides, along the first direction that is read
-    shown : what becomes of the readings; count : of readings, that of the bench unless said
+    passing : besides, along the same, on readings alone; shown : what becomes of the readings
+    count : of readings, that of the bench unless said
     tool : another tool than stated, just so much, which is no error of the machine; chain : other axis lines, which are
     """
 
@@ -57,6 +60,7 @@ class Attack:
     truth: Changes = ()
     stated: Changes = ()
     field: Field = lambda x, side, place: 0.0 * side
+    passing: Passing = lambda x, along: 0.0 * along
     shown: Shown = lambda values, along, rng: values
     bench: Name = "axis"
     count: int | None = None
@@ -125,6 +129,8 @@ ATTACKS = (
     Attack("noise five times as stated", (("NOISE", "2.5 um"),)),
     Attack("drift, 10 µm", shown=_drifting(lambda t: t)),
     Attack("drift that levels off, 10 µm", shown=_drifting(lambda t: 1 - np.exp(-3 * t))),
+    Attack("zero that comes and goes, 10 µm", passing=lambda x, t: 10 * np.sin(np.pi * t) ** 2),
+    Attack("growth that comes and goes, 10 µm/m", passing=lambda x, t: 10 * x[:, 0] * (1 - np.abs(2 * t - 1))),
     Attack("one bad reading, 8 µm", shown=_bad(1)),
     Attack("three bad readings, 8 µm", shown=_bad(3)),
     Attack("4 K too warm", field=lambda x, side, c: 11.7 * 4 * (x[:, 0] - 0.5)),
@@ -191,7 +197,9 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     read = np.array([machine.read_all(actual.setups[0], *visit, rng) for visit in taken]) * 1e6
     read[:, 0] += attack.field(poses, sides[:, 0], own)
     read += 1e6 * _aside(stated.description.machine, (attack.tool, attack.chain), poses)[:, : read.shape[1]]
-    values = attack.shown(read, np.linspace(0, 1, len(read))[:, None], rng) * 1e-6
+    along = np.linspace(0, 1, len(read))
+    read[:, 0] += attack.passing(poses, along)
+    values = attack.shown(read, along[:, None], rng) * 1e-6
     readings = [
         Reading("it", *visit, float(value[0]), others=tuple(value[1:].tolist()), time=_MINUTE * index)
         for index, (visit, value) in enumerate(zip(taken, values, strict=True))

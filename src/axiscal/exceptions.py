@@ -61,12 +61,25 @@ class Faults:
         """Raise all faults as one, of the class of the first; nothing if there are none."""
         if not self.found:
             return
-        first, *others = self.found
+        alike: dict[tuple[str, str, str], list[InputError]] = {}
+        for fault in self.found:
+            alike.setdefault((fault.what, fault.remedy, str(fault.file)), []).append(fault)
+        (first, *again), *others = alike.values()
+        told = f"{first}{_how_often(again)}"
         if others:
-            shown = " ".join(_beside(first, other) for other in others[:_MOST])
-            more = f" And {len(others) - _MOST} more." if len(others) > _MOST else ""
-            first.args = (f"{first} Also: {shown}{more}",)
+            shown = " ".join(f"{_beside(first, one)}{_how_often(more)}" for one, *more in others[:_MOST])
+            left = sum(map(len, others[_MOST:]))
+            told += f" Also: {shown}{f' And {left} more.' if left else ''}"
+        first.args = (told,)
         raise first
+
+
+def _how_often(again: list[InputError]) -> str:
+    """Return that a fault comes again, in how many lines and up to which one, where it does."""
+    if not again:
+        return ""
+    last = "" if again[-1].line is None else f", up to line {again[-1].line}"
+    return f" ({len(again) + 1} times{last}.)"
 
 
 def _beside(first: InputError, other: InputError) -> str:

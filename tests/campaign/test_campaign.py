@@ -7,7 +7,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 import numpy as np
 import pytest
@@ -285,6 +285,23 @@ def test_the_first_target_reached_stops(start: Start, target: str, because: str,
     assert [(m.number, m.accuracy, m.seconds) for m in campaign.history()] == [
         (m.number, m.accuracy, m.seconds) for m in seen
     ]
+
+
+def test_a_campaign_ends_by_what_its_report_says_and_is_estimated_once(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    campaign = start('worst = "4.5 um"\nunchecked = "allow"')
+    while isinstance(campaign.next(), Asked):
+        campaign.record(1e-6)
+    assert (met := campaign.reached()) == "worst target reached"
+
+    def twice(*_: object) -> NoReturn:
+        raise AssertionError
+
+    monkeypatch.setattr("axiscal.campaign.knowing.estimated", twice)
+    with Campaign.open(campaign.path) as again:
+        assert again.finish() == met
+        assert again.ruled().accuracy.worst <= 4.5e-6
 
 
 def test_a_person_may_go_beyond_the_target(start: Start) -> None:

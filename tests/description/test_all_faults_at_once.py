@@ -109,7 +109,7 @@ def test_no_more_than_twenty_are_said_beside_the_first() -> None:
     faults = Faults()
     for line in range(1, 40):
         with faults.noted():
-            raise ReadingError("no number", "write one", "a.csv", line)
+            raise ReadingError(f"no number {line}", "write one", "a.csv", line)
     with pytest.raises(ReadingError) as refused:
         faults.refuse()
     assert len(lines_of(str(refused.value))) == 21
@@ -162,3 +162,18 @@ def test_a_rotary_axis_of_which_nobody_says_which_way_it_counts_is_asked_about(
     (tmp_path / "machine.toml").write_text(text.replace("[axes.C]", '[axes.C]\ndirection = "reversed"'))
     assert run(["machine", "check", str(tmp_path / "machine.toml"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["questions"] == []
+
+
+def test_what_is_wrong_alike_in_many_lines_is_said_once() -> None:
+    faults = Faults()
+    for line in (2, 3, 4, 9):
+        with faults.noted():
+            raise ReadingError("approach 'up' cannot be read", "Write 'X+'", "r.csv", line)
+    with faults.noted():
+        raise ReadingError("there is no value", "Write one", "r.csv", 5)
+    with pytest.raises(ReadingError) as refused:
+        faults.refuse()
+    said = str(refused.value)
+    assert said.count("cannot be read") == 1
+    assert said.startswith("r.csv, line 2: approach 'up' cannot be read. Write 'X+'. (4 times, up to line 9.)")
+    assert said.endswith("Also: line 5: there is no value. Write one.")

@@ -17,6 +17,7 @@ from axiscal.design.plan import guarded as guarded_module
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.guarded import enough_readings, vouched_for
 from axiscal.design.plan.order import in_order, seconds_each
+from axiscal.design.plan.out_and_back import repeats
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits, Task
@@ -73,7 +74,7 @@ def test_rank_one_updates_are_the_plain_matrices_with_a_zero_open_by_a_millimetr
     for each in scores.watched.departures:
         part = slice(first, first := first + each.columns.shape[1])
         columns = scores.watched.columns(scores.places)[:, part]
-        span = np.ptp(columns) if each.function is None else 1.0
+        span = np.ptp(columns) if each.family in ("drift", "levelling") else 1.0
         (direct,) = effects.each([replace(each, columns=columns)])
         assert scores.standing.own[part] / span**2 == pytest.approx(np.diag(direct.information), rel=1e-9)
         assert np.mean(scores.standing.wrong[part]) / span**2 == pytest.approx(direct.wrong, rel=1e-9)
@@ -135,7 +136,8 @@ def test_a_plan_is_timed_by_its_own_way() -> None:
     ends = np.cumsum(seconds_each(task, order))
     watched = retimed(watched_in(task), order, ends)
     shares = way_shares(task.observation, order, watched.times)
-    assert shares == pytest.approx((ends - ends[0]) / (ends[-1] - ends[0]))
+    once, _ = repeats(np.column_stack([order.poses, order.approaches]))
+    assert shares[once] == pytest.approx(((ends - ends[0]) / (ends[-1] - ends[0]))[once])
 
 
 def test_where_several_axes_move_a_place_is_read_when_the_nearest_of_the_plan_is() -> None:
@@ -160,6 +162,26 @@ def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: f
     assert found < 0.7 * vouched_for(task, plan(readings, False).places).u_def
     assert found < 0.7 * vouched_for(task, evenly_spaced(task, [(0, readings)])).u_def
     assert made.accuracy.rms < 1.15 * plan(readings, False).accuracy.rms
+
+
+def test_a_guarded_plan_reads_places_once_more_at_its_end_for_what_comes_and_goes() -> None:
+    task, made = one_axis()[1], plan(24, True).places
+    once, again = repeats(np.column_stack([made.poses, made.approaches]))
+    assert len(again) >= 1
+    assert again.min() > once.max()
+    damages = {each.family: each.damage for each in vouched_for(task, made).departures}
+    without = {each.family: each.damage for each in vouched_for(task, made.within(once)).departures}
+    for family in ("excursion", "growth"):
+        assert damages[family] < 0.8e-6
+        assert without[family] > 1.5 * damages[family]
+
+
+def test_a_budget_has_the_places_read_once_more_within_it() -> None:
+    task = one_axis()[1]
+    seconds = plan(20, False).seconds
+    made = make_plan(task, Limits(budget=seconds), bounded=False, guard=True)
+    assert made.seconds <= seconds
+    assert len(repeats(np.column_stack([made.places.poses, made.places.approaches]))[1]) >= 1
 
 
 def test_a_guarded_plan_takes_hardly_more_time() -> None:
@@ -196,6 +218,15 @@ def test_an_accuracy_that_cannot_be_vouched_for_is_planned_as_its_model_has_it()
     plain, same = (make_plan(task, limits, bounded=False, guard=guard) for guard in (False, True))
     assert plain.met
     assert same.places.same_as(plain.places)
+
+
+def test_an_accuracy_that_cannot_be_vouched_for_within_the_time_is_planned_as_its_model_has_it() -> None:
+    """The time is that of the readings that promise it: one more takes longer, however they are exchanged."""
+    task = one_axis()[1]
+    limits = Limits(rms=1e-6, budget=make_plan(task, Limits(rms=1e-6), bounded=False).seconds)
+    plain, made = (make_plan(task, limits, bounded=False, guard=guard) for guard in (False, True))
+    assert made.met
+    assert made.places.same_as(plain.places)
 
 
 @pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.design.bound.certificate import rank_bound
-from axiscal.design.bound.lower_bound import lower_bound
+from axiscal.design.bound.lower_bound import lower_bound, with_main_directions
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.measurement.candidates import spread
@@ -85,3 +85,47 @@ def test_weights_of_some_candidates_prove_the_same_of_all() -> None:
     whole.begin_from(some, kept)
     assert whole.dual().value == pytest.approx(value, rel=1e-6)
     np.testing.assert_allclose(whole.slopes(whole.dual())[kept], some.slopes(some.dual()), rtol=1e-6)
+
+
+def test_what_directions_of_the_target_leave_that_do_not_count_is_no_more_than_was_given_away() -> None:
+    asked = levered(200)
+    pool, state = Pool(asked.observation, asked.lattice), asked.state
+    fewer = with_main_directions(state, 1e-3 * state.value, most=3)
+    assert 3 < len(fewer.weighted) < len(state.weighted)
+    generator = np.random.default_rng(0)
+    for _ in range(20):
+        places = pool.lattice.within(generator.integers(len(pool), size=7))
+        left, whole = fewer.after_readings(places).value, state.after_readings(places).value
+        assert whole - 1e-3 * state.value <= left <= whole * (1 + 1e-12)
+    assert with_main_directions(state, state.value, most=len(state.weighted)) is state
+
+
+def test_a_bound_by_the_main_directions_alone_is_a_bound_and_little_lower() -> None:
+    asked = levered(200)
+    pool, state = Pool(asked.observation, asked.lattice), asked.state
+    places, costs = pool.lattice.within(np.arange(0, 90, 10)), np.ones(len(pool) + 9)
+    reached = state.after_readings(places).value
+    whole = lower_bound(pool, state, places, costs, 9.0).value
+    fewer = lower_bound(pool, with_main_directions(state, 1e-3 * reached, most=3), places, costs, 9.0).value
+    assert 0.97 * whole < fewer < reached
+
+
+def test_weights_of_a_whole_are_those_of_its_part_scaled_to_the_limit() -> None:
+    asked = levered(200)
+    pool, places = (
+        Pool(asked.observation, asked.lattice),
+        asked.lattice.within(np.arange(9) * (len(asked.lattice) // 9)),
+    )
+    whole = Relaxation(pool, asked.state, places, np.ones(len(pool) + 9), 9.0)
+    whole.solved()
+    assert set(whole.setups.tolist()) == {0, 1}
+    kept = whole.everything.setups == 1
+    alone = whole.within(kept)
+    part = alone.weighted_as(whole, kept)
+    assert np.sum(part.weights) == pytest.approx(9.0)
+    shares = whole.weights[kept[whole.support]] / np.sum(whole.weights[kept[whole.support]])
+    np.testing.assert_allclose(part.weights / 9.0, shares[shares > 0], rtol=1e-12)
+    stood = whole.everything.within(whole.support[kept[whole.support] & (whole.weights > 0)])
+    np.testing.assert_array_equal(part.everything.within(part.support).poses, stood.poses)
+    whole.weights = np.zeros_like(whole.weights)
+    np.testing.assert_array_equal(alone.weighted_as(whole, kept).weights, alone.weights)

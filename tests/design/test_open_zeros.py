@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from axiscal.design.bound.certificate import Dual
 from axiscal.design.bound.lower_bound import lower_bound
-from axiscal.design.bound.open_zeros import groups, zeros_of
+from axiscal.design.bound.open_zeros import groups, zeros_each, zeros_of
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.task import Task
@@ -60,7 +60,7 @@ def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wid
     noise = np.abs(target).mean() * generator.normal(size=target.shape) * generator.uniform(0, 0.3)
     dual = Dual(state, generator.uniform(0, 1) * target + noise)
     spent = readings * float((pool.squares(state.observation, dual.reach) / pool.noise).max())
-    floor = dual.floor(spent, readings, zeros_of(state, pool.lattice, (0, 1)))
+    floor = dual.floor(spent, readings, zeros_of(zeros_each(state, pool.lattice), (0, 1)))
     ways = [np.flatnonzero(pool.lattice.setups == setup) for setup in (0, 1)]
     for _ in range(10):
         each = [generator.choice(ways[0]), generator.choice(ways[1])]
@@ -71,10 +71,10 @@ def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wid
 def test_which_zeros_count() -> None:
     asked = with_zeros(1e-4, 30, "rtest")
     state, lattice = asked.state, asked.lattice
-    both = zeros_of(state, lattice, (0, 1))
+    both = zeros_of(zeros_each(state, lattice), (0, 1))
     assert both is not None
     assert len(both.columns) == 4
-    one = zeros_of(state, lattice, (1,))
+    one = zeros_of(zeros_each(state, lattice), (1,))
     assert one is not None
     assert one.stiffness > both.stiffness
     size = asked.observation.errors.size
@@ -85,7 +85,7 @@ def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
     asked = with_zeros(1e-4, 30)
     state = asked.state
     place = Pool(asked.observation, asked.lattice).lattice.at(3)
-    assert zeros_of(state.after_readings(place), asked.lattice, (int(place.setups[0]),)) is None
+    assert zeros_of(zeros_each(state.after_readings(place), asked.lattice), (int(place.setups[0]),)) is None
 
 
 def test_sets_of_set_ups() -> None:

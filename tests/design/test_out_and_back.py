@@ -158,3 +158,20 @@ def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
     order = in_order(task, Places.joined([places, places.at(2)]))
     assert np.array_equal(order.poses[-1], places.poses[2])
     assert order.same_as(Places.joined([places, places.at(2)]))
+
+
+def test_a_place_that_is_read_once_more_or_was_read_before_comes_after_the_way_back() -> None:
+    _, task = one_axis()
+    along = planned(task).poses[:, 0]
+    places = planned(task)
+    turn, half = int(np.argmax(along)), int(np.argmin(np.abs(along - 0.5)))
+    again = Places.joined([places.at(turn), places, places.at(half)])
+    order = in_order(task, again)
+    assert order.same_as(again)
+    once, last = order.within(slice(0, 20)), order.within(slice(20, 22))
+    assert once.same_as(places)
+    assert last.same_as(Places.joined([places.at(half), places.at(turn)]))
+    assert abs(last.poses[0, 0] - once.poses[-1, 0]) < abs(last.poses[1, 0] - once.poses[-1, 0])  # the shorter way
+    left = Places.joined([places.at(turn), places.within(slice(12, 20))])
+    begun = replace(task, here=places.at(11), read=places.within(slice(0, 12)))
+    assert in_order(begun, left).at(8).same_as(places.at(turn))

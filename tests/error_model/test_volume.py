@@ -16,6 +16,9 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.numerics import Array
 from tests.generators.machines import every_error, random_machine, random_poses
 
+_NO_LEVER = 1e-20
+"""A mean square lever below that of a tenth of a nanometre per unit is rounding."""
+
 
 def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVERY_WAY) -> VolumeMoments:
     """Tensor Gauss-Legendre between all knots of every axis; both directions of approach of every axis."""
@@ -37,7 +40,9 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
     squares = np.sum(model.levers(poses)[:, :, list(counted)] ** 2, axis=2)
     shares = [(f.rest / 2 if f.kind == "reversal" else f.rest) ** 2 for f in model.functions]
     rest = float(np.array(shares) @ squares @ weights)
-    return VolumeMoments(mean, weight, rest)
+    halves = [0.25 if f.kind == "reversal" else 1.0 for f in model.terms]
+    levers = {f.name: half * float(s @ weights) for f, half, s in zip(model.terms, halves, squares, strict=True)}
+    return VolumeMoments(mean, weight, levers, rest)
 
 
 def _apart(found: VolumeMoments, expected: VolumeMoments) -> float:
@@ -48,6 +53,7 @@ def _apart(found: VolumeMoments, expected: VolumeMoments) -> float:
             np.max(np.abs(found.gram - expected.gram) / scale[:, None] / scale),
             np.max(np.abs(found.mean - expected.mean) / scale),
             abs(found.rest - expected.rest) / max(expected.rest, 1e-30),
+            max(abs(found.levers[name] - each) / max(each, _NO_LEVER) for name, each in expected.levers.items()),
         )
     )
 

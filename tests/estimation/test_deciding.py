@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Inherited
-from axiscal.estimation.deciding import Contest, contest
+from axiscal.estimation.deciding import Contest, _rivals, contest
 from axiscal.estimation.estimate import estimated
-from axiscal.inference.contradiction import SIZES, watched
+from axiscal.inference.contradiction import SIZES, Explanation, Watched, watched
 from axiscal.inference.weighted_fit import Fitted
-from axiscal.measurement.departures import departures
+from axiscal.measurement.departures import Family, departures
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked, Gap
@@ -62,7 +62,7 @@ def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int
     for rival in (found.first, found.second):
         (part,) = [
             each.columns
-            for each in departures(CASE.observation, together)
+            for each in departures(CASE.observation, together, taken=len(readings))
             if (each.family, each.owner, each.place) == (rival.family, rival.owner, rival.place)
         ]
         whole = plain + (unit * SIZES[-1]) ** 2 * part @ part.T
@@ -119,3 +119,52 @@ def test_no_reading_is_asked_for_where_none_could_be_taken() -> None:
     assert other.apart <= found.apart
     everywhere = [Gap(Asked(1, found.place), "the laser is gone", whole=True)]
     assert contest(estimated(CASE, readings), everywhere) is None
+
+
+def explained(family: Family, owner: str, odds: float) -> Explanation:
+    """Return an explanation with its odds."""
+    return Explanation(family, owner, 0.0, odds, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("highest", "others", "second"),
+    [
+        (20.0, [explained("step", "EXX", 50.0)], 0),
+        (19.9, [explained("step", "EXX", 50.0)], None),
+        (40.0, [explained("step", "EXX", 10.0)], 0),
+        (40.0, [explained("step", "EXX", 9.9)], None),
+        (40.0, [], None),
+        (40.0, [explained("jump", "laser", 90.0), explained("levelling", "laser", 80.0)], None),
+        (40.0, [explained("jump", "laser", 90.0), explained("bump", "EXX", 30.0)], 1),
+        (40.0, [explained("jump", "dial", 90.0), explained("bump", "EXX", 30.0)], 0),
+    ],
+    ids=["twenty to one", "less", "a tenth as likely", "less than that", "alone", "one cause", "after it", "another's"],
+)
+def test_a_rival_is_another_cause_that_is_a_tenth_as_likely_where_the_model_is_contradicted(
+    highest: float, others: list[Explanation], second: int | None
+) -> None:
+    first = explained("drift", "laser", 100.0)
+    found = _rivals(Watched((first, *others), highest / 2, highest))
+    assert found == (None if second is None else (first, others[second]))
+
+
+def test_a_bump_and_a_detail_of_one_curve_are_one_cause_and_of_two_curves_are_two() -> None:
+    first = explained("bump", "EXX", 100.0)
+    assert _rivals(Watched((first, explained("detail", "EXX", 90.0)), 40.0, 40.0)) is None
+    assert _rivals(Watched((first, explained("step", "EXX", 90.0)), 40.0, 40.0)) is not None
+    assert _rivals(Watched((first, explained("detail", "EYX", 90.0)), 40.0, 40.0)) is not None
+
+
+@pytest.mark.parametrize(("count", "asked"), [(5, False), (6, True)])
+def test_of_five_readings_everything_is_left_open(count: int, asked: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn, rng = machine(0), np.random.default_rng(0)
+    readings = [one(drawn, FIELDS["step"], at, number, rng) for number, at in enumerate(WAY[:count])]
+    looked = list[int]()
+
+    def looks(observation: object, taken: list[Reading], prior: object) -> Watched:
+        looked.append(len(taken))
+        return Watched()
+
+    monkeypatch.setattr("axiscal.estimation.deciding.watched", looks)
+    assert contest(estimated(CASE, readings)) is None
+    assert looked == ([count] if asked else [])

@@ -14,6 +14,7 @@ from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, EffectMap, defence, largest, vouched
+from axiscal.estimation.departed_volume import field
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended
@@ -37,6 +38,10 @@ drift = "0 um/h"
 """
 
 
+OF_A_ZERO = ("drift", "levelling", "excursion")
+"""Families whose size is what a zero moves by over a set-up."""
+
+
 def axis() -> Case:
     """Return an axis of a metre with a laser whose zero is open by a millimetre."""
     return Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
@@ -55,6 +60,16 @@ def readings(count: int = 20, seconds: float = 60.0) -> list[Reading]:
     return [Reading("laser", (x,), (side,), 0.0, time=seconds * i) for i, (x, side) in enumerate(places)]
 
 
+def closed(taken: list[Reading]) -> list[Reading]:
+    """Return readings out and back, and then one half way and one at the turn once more: nothing comes and goes."""
+    out, (before, last) = [each for each in taken if each.approach == (1,)], taken[-2:]
+    apart = (last.time or 0.0) - (before.time or 0.0)
+    again = [
+        replace(each, time=(last.time or 0.0) + apart * i) for i, each in enumerate([out[len(out) // 2], out[-1]], 1)
+    ]
+    return [*taken, *again]
+
+
 def of_family(family: str, taken: list[Reading], place: int = 0) -> Departure:
     """Return one departure of a family, the one at this place in its list."""
     return [each for each in departures(axis().observation, taken, IN_PLANS) if each.family == family][place]
@@ -66,12 +81,22 @@ def with_values(taken: list[Reading], values: Array) -> list[Reading]:
 
 
 @pytest.mark.parametrize(
-    ("family", "place"), [("drift", 0), ("levelling", 0), ("step", 1), ("step", 4), ("bump", 10), ("reversal", 2)]
+    ("family", "place"),
+    [
+        ("drift", 0),
+        ("levelling", 0),
+        ("excursion", 0),
+        ("growth", 0),
+        ("step", 1),
+        ("step", 4),
+        ("bump", 10),
+        ("reversal", 2),
+    ],
 )
 def test_the_power_is_that_of_twenty_thousand_campaigns(family: str, place: int) -> None:
     case, taken = axis(), readings()
     departure = of_family(family, taken, place)
-    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
+    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.family in OF_A_ZERO else 1.0)
     covariance = Fitted.of(case.observation, taken).covariance()
     effect, promise = EffectMap.of(case, taken).each([departure])[0], 0.8e-6
     size = math.sqrt((KAPPA**2 - 1) / effect.wrong) * promise
@@ -82,11 +107,13 @@ def test_the_power_is_that_of_twenty_thousand_campaigns(family: str, place: int)
     assert effect.power(promise) == pytest.approx(seen, abs=0.01)
 
 
-@pytest.mark.parametrize(("family", "place"), [("drift", 0), ("step", 4), ("bump", 10), ("reversal", 2)])
+@pytest.mark.parametrize(
+    ("family", "place"), [("drift", 0), ("excursion", 0), ("growth", 1), ("step", 4), ("bump", 10), ("reversal", 2)]
+)
 def test_information_and_error_are_what_the_estimate_makes_of_such_readings(family: str, place: int) -> None:
     case, taken = axis(), readings()
     departure = of_family(family, taken, place)
-    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.function is None else 1.0)
+    column = departure.columns[:, 0] / (np.ptp(departure.columns) if departure.family in OF_A_ZERO else 1.0)
     after = block(Knowledge(case.observation, case.prior), with_values(taken, column), np.ones(len(taken)))
     (effect,) = EffectMap.of(case, taken).each([departure])
     information = float(sum(each.chi_square for each in after.innovations))
@@ -110,8 +137,46 @@ def test_what_a_step_leaves_over_the_volume_is_its_own_integral() -> None:
     assert EffectMap.of(case, taken).each([departure])[0].wrong == pytest.approx(wrong, rel=0.01)
 
 
+PLATE = """
+chain = "w-b-X-Y-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Y]
+travel = ["0 mm", "300 mm"]
+[errors]
+EZX = { std = "10 um", knots = 5 }
+EZY = { std = "10 um", knots = 5 }
+"""
+ALIGNED = """machine = "m"
+[target]
+readings = 20
+aligned = true
+[[setups]]
+name = "probe"
+instrument = "probe"
+direction = "z"
+reach = { X = ["0 mm", "400 mm"], Y = ["0 mm", "300 mm"] }
+"""
+
+
+@pytest.mark.parametrize("family", ["step", "together"])
+def test_aligning_a_part_takes_no_more_of_a_departure_than_its_rigid_motion(family: str) -> None:
+    """Judged by the departure itself on a fine grid, its own plane taken off by least squares."""
+    case = Case(campaign_from_texts(ALIGNED, "c.toml", PLATE, "m"))
+    lines = [low + (high - low) * (np.arange(100) + 0.5) / 100 for low, high in case.description.target.volume]
+    grid = np.stack([part.ravel() for part in np.meshgrid(*lines)], axis=1)
+    taken = [Reading("probe", (float(x), float(y)), (1, 1), 0.0) for x, y in grid]
+    first = next(each for each in departures(case.observation, taken[::97], IN_PLANS) if each.family == family)
+    same = [each for each in departures(case.observation, taken, IN_PLANS) if each.family == family]
+    (shown,) = [each.columns[:, 0] for each in same if (each.owner, each.place) == (first.owner, first.place)]
+    plane = np.column_stack([np.ones(len(grid)), grid])
+    left = shown - plane @ np.linalg.lstsq(plane, shown, rcond=None)[0]
+    followed, beside = field(case.yardstick, first)
+    assert float(np.sum(followed**2)) + beside == pytest.approx(float(np.mean(left**2)), rel=0.03)
+
+
 def test_the_damage_does_not_depend_on_the_promise() -> None:
-    case, taken = axis(), readings()
+    case, taken = axis(), closed(readings())
     some, others = (of(case, taken, promise) for promise in (0.5e-6, 5e-6))
     named = [{(each.family, each.owner): each.damage for each in found.departures} for found in (some, others)]
     assert named[0] == named[1]
@@ -173,9 +238,9 @@ def test_what_stays_hidden_is_the_share_of_twenty_thousand_campaigns() -> None:
 
 
 def test_a_gap_leaves_a_promise_unchecked_that_every_place_on_average_would_defend() -> None:
-    case, taken = axis(), _gapped(0.4, 0.62)
+    case, taken = axis(), closed(_gapped(0.4, 0.62))
     average = vouched(case.observation, taken, EffectMap.of(case, taken), 1.3e-6)
-    whole, gapped = (of(case, each, 1.3e-6) for each in (readings(28), taken))
+    whole, gapped = (of(case, each, 1.3e-6) for each in (closed(readings(28)), taken))
     assert average.u_def <= 1.25 * average.promise
     assert not average.unchecked
     assert gapped.unchecked
@@ -184,7 +249,7 @@ def test_a_gap_leaves_a_promise_unchecked_that_every_place_on_average_would_defe
 
 
 def test_what_readings_with_a_gap_vouch_for_is_what_the_gap_spoils_unseen_in_one_of_twenty() -> None:
-    case, taken = axis(), _gapped(0.4, 0.62)
+    case, taken = axis(), closed(_gapped(0.4, 0.62))
     found = of(case, taken, 1.3e-6)
     assert found.u_def > 1.3e-6
     assert of(case, taken, 1.001 * found.u_def).u_def == pytest.approx(1.001 * found.u_def)

@@ -24,6 +24,7 @@ from axiscal.exceptions import ShapeError
 from axiscal.inference.fit import Fit
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
+from benchmarks.nonlinear.stations import read, tracers
 from tests.generators.campaigns import drawn, mixed
 
 
@@ -95,6 +96,31 @@ def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
     np.testing.assert_allclose(moments[24].accuracy, known.accuracy, rtol=1e-8)
     assert moments[24].seconds == known.seconds
+
+
+def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading_of_a_history_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One pass through the readings is one after the other, about the machine that all of them show."""
+    monkeypatch.setattr("axiscal.estimation.estimate.refuse_mirrors", lambda *_: None)  # a question of its own
+    case = tracers("0.3 mm", "0.1 mm")
+    readings = read(case, 5)[1][::9]
+    readings[7] = replace(readings[7], value=readings[7].value + 0.1)
+    known = concluded(case, readings)
+    shown = known.stages.absorbed
+    assert shown.case.about is not None
+    assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
+    assert 7 in known.stages.judged.implausible
+    moments = path(known)
+    twin = Absorbed.nothing(case.linear_as(shown.case), shown.verdict)
+    for count, moment in enumerate(moments[1:], start=1):
+        twin = absorbed(twin, readings[:count], known.stages.judged.implausible)
+        np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-7)
+        assert moment.innovations is not None
+        np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-7)
+        apart = moment.innovations.value - twin.innovations[-1].value
+        assert np.all(np.abs(apart) < 1e-5 * moment.innovations.std)
+    np.testing.assert_allclose(moments[-1].accuracy, known.accuracy, rtol=1e-7)
 
 
 @given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))

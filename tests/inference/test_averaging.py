@@ -39,7 +39,8 @@ def test_mean_and_covariance_are_those_of_all_terms_written_out() -> None:
     readings = attacked(observation, 2, 10, "drift")
     evidence = Evidence(observation, readings, (Scale("noise", "it", 0.5e-6), Scale("std", "EXX", 10e-6)))
     possible = _few(list(departures(observation, readings)))
-    terms = [Term(np.zeros(2), 0.0, 0.0), Term(np.log([2.0, 3.0]), -0.5, -1.0)]
+    nothing = Term(np.log([50.0, 1e-2]), 0.0, 0.0)
+    terms = [Term(np.zeros(2), 0.0, 0.0), nothing, Term(np.log([2.0, 3.0]), -0.5, -1.0)]
     terms = [
         t._replace(
             model=t.model + evidence.log_likelihood(t.logs), departed=t.departed + evidence.log_likelihood(t.logs)

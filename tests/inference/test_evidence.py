@@ -9,10 +9,12 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from axiscal.error_model.model import ErrorModel
+from axiscal.inference.contradiction import common_factors
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
-from axiscal.inference.scales import all_scales, wanted
+from axiscal.inference.scales import Scales, all_scales, wanted
 from axiscal.machine import Machine, machine_from_text
+from axiscal.machine.entry import ROUGH
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import visited_by
@@ -77,13 +79,46 @@ def test_the_likelihood_is_that_of_the_rescaled_model() -> None:
     observation, readings = _observation(machine), _places(14, rng)
     scales = all_scales(machine, observation.setups)
     logs = rng.normal(0, 0.4, len(scales))
-    from axiscal.inference.scales import Scales
-
     found = Scales(scales, tuple(np.exp(logs)))
     twin = Observation(ErrorModel(found.machine(machine)), found.setups(observation.setups))
     values = [reading.value for reading in readings]
     expected = multivariate_normal.logpdf(values, np.zeros(len(values)), _covered(twin, readings))
     assert Evidence(observation, readings, scales).log_density(logs)[0] == pytest.approx(expected, rel=1e-7)
+
+
+def test_at_common_factors_readings_vary_as_those_of_the_rescaled_model() -> None:
+    """Whatever was asked before: what is kept of the lengths belongs to these, and to one smoothness."""
+    machine, rng = machine_from_text(MILL), np.random.default_rng(6)
+    observation, readings = _observation(machine), _places(14, rng)
+    scales = all_scales(machine, observation.setups)
+    evidence = Evidence(observation, readings, scales)
+    factors = common_factors(evidence)
+    for logs in [*factors[::4], *factors[::-5]]:
+        found = Scales(scales, tuple(np.exp(logs)))
+        twin = Observation(ErrorModel(found.machine(machine)), found.setups(observation.setups))
+        wanted = _covered(twin, readings)
+        assert evidence.covariance(logs) == pytest.approx(wanted, rel=1e-9, abs=1e-9 * float(np.abs(wanted).max()))
+    averaged = tuple(replace(entry, smoothness_averaged=True) for entry in machine.errors)
+    several = Evidence(_observation(replace(machine, errors=averaged)), readings, scales)
+    several.covariance(factors[0])
+    rough = several.with_smoothness(ROUGH).covariance(factors[0])
+    assert np.abs(rough / several.covariance(factors[0]) - 1).max() > 1e-3
+
+
+def test_priors_that_are_kept_are_those_found_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At scales that come back, in any order, with room for all of them and with none."""
+    machine, rng = machine_from_text(MILL), np.random.default_rng(8)
+    observation, readings = _observation(machine), _places(14, rng)
+    scales = all_scales(machine, observation.setups)
+    draws = rng.normal(0, 0.3, (4, len(scales)))
+    kept = Evidence(observation, readings, scales)
+    found = [kept.log_density(draws[index])[1] for index in (0, 1, 0, 2, 3, 1)]
+    priors = [kept.prior(draws[index]) for index in (0, 1, 0, 2, 3, 1)]
+    monkeypatch.setattr("axiscal.inference.evidence._REMEMBERED", 0)
+    for index, slope, prior in zip((0, 1, 0, 2, 3, 1), found, priors, strict=True):
+        anew = Evidence(observation, readings, scales)
+        np.testing.assert_array_equal(anew.log_density(draws[index])[1], slope)
+        np.testing.assert_array_equal(anew.prior(draws[index]), prior)
 
 
 def test_the_gradient_is_that_of_the_likelihood() -> None:

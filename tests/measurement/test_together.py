@@ -46,9 +46,14 @@ GRID = tuple(itertools.product(np.linspace(0.0, 0.2, 5), np.linspace(-0.1, 0.3, 
 """Poses of Y and X, in the order of the chain."""
 
 
+def described(machine: str, setups: str) -> Observation:
+    """Return what set-ups see of a machine."""
+    found = campaign_from_texts(f'machine = "m"\n[target]\nreadings = 9\n{setups}', "c.toml", machine, "m")
+    return Observation(ErrorModel(found.machine), found.setups)
+
+
 def together(machine: str, setups: str, names: tuple[str, ...]) -> list[Departure]:
-    described = campaign_from_texts(f'machine = "m"\n[target]\nreadings = 9\n{setups}', "c.toml", machine, "m")
-    observation = Observation(ErrorModel(described.machine), described.setups)
+    observation = described(machine, setups)
     readings = [Reading(name, (float(y), float(x)), (1, 1), 0.0) for name, (y, x) in zip(itertools.cycle(names), GRID)]
     return [each for each in departures(observation, readings) if each.family == "together"]
 

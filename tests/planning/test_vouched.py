@@ -12,11 +12,12 @@ from typer.testing import CliRunner
 from axiscal.cli.app import app
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, Departed
+from axiscal.estimation.defence import COUNTED, Defence, Departed
 from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting, Statement
+from axiscal.measurement.departures import Family
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.planning.vouched import departure_rows, vouched_by_plan, vouched_words
+from axiscal.planning.vouched import _SHOWN_BY, _WORDS, departure_rows, vouched_by_plan, vouched_words
 from tests.design.test_out_and_back import one_axis
 
 DRIFT = Departed("drift", "laser", 0.2, 3.04e-6, 5e-6, 0.0, counted=True)
@@ -35,7 +36,8 @@ def test_what_readings_could_not_show_is_said_with_its_size() -> None:
     said = vouched_words(case(), Defence(5e-6, 0.6e-6, 9, (REVERSAL, DRIFT, BUMP, STEP)))
     assert said == (
         'These 9 readings could not show a drift of "laser" above 3 um, a detail of EXX of any size, a step in EXX '
-        "above 12 um; what they can vouch for is a standard uncertainty of 5 um."
+        "above 12 um; what they can vouch for is a standard uncertainty of 5 um. Readings in the widest gaps would "
+        "show a detail of EXX."
     )
 
 
@@ -47,6 +49,29 @@ def test_a_drift_that_levels_off_is_a_drift() -> None:
     for both in ((DRIFT, later), (later, DRIFT)):
         said = vouched_words(case(), Defence(5e-6, 0.6e-6, 9, both))
         assert said.startswith('These 9 readings could not show a drift of "laser" above 4 um; what')
+
+
+@pytest.mark.parametrize(("family", "owner"), [("excursion", "laser"), ("growth", "EXX")])
+def test_what_would_show_what_comes_and_goes_is_said_where_no_size_of_it_shows(family: Family, owner: str) -> None:
+    open_one = Departed(family, owner, 0.0, float("inf"), 5e-6, 0.0, counted=True)
+    said = vouched_words(case(), Defence(5e-6, 0.6e-6, 4, (open_one,)))
+    assert owner in said.rsplit("The place of the turn", 1)[1]
+    assert said.count("any size") == 1
+
+
+def test_every_family_that_a_promise_is_defended_against_is_said_with_what_would_show_it() -> None:
+    assert set(_WORDS) >= COUNTED
+    assert set(_SHOWN_BY) >= COUNTED
+
+
+def test_what_comes_and_goes_is_said_of_a_zero_and_of_an_axis() -> None:
+    zero = Departed("excursion", "laser", 0.1, 5.38e-6, 2e-6, 0.0, counted=True)
+    growth = Departed("growth", "EXX", 0.1, 31.29e-6, 2.4e-6, 0.0, counted=True)
+    said = vouched_words(case(), Defence(2.4e-6, 0.6e-6, 24, (growth, zero)))
+    assert said == (
+        'These 24 readings could not show a growth of EXX that comes and goes above 31 um, a zero of "laser" that '
+        "comes and goes above 5.4 um; what they can vouch for is a standard uncertainty of 2.4 um."
+    )
 
 
 def test_readings_that_show_enough_vouch_for_a_figure() -> None:

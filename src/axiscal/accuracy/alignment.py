@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import EVERY_WAY, Counted, VolumeMoments
+from axiscal.error_model.volume import EVERY_WAY, Counted, VolumeMoments, levers_and_rest
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array, rigid
 
@@ -94,7 +94,8 @@ def sampled_moments(
             gram[np.ix_(columns, columns)] += own.T @ own
     if alignment is not None:
         mean[:] = 0.0
-    return VolumeMoments(mean / len(poses), gram / len(poses), _rest(errors, poses, counted), counted)
+    squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
+    return VolumeMoments(mean / len(poses), gram / len(poses), *levers_and_rest(errors, squares), counted)
 
 
 def _evened(errors: ErrorModel, poses: Array) -> Array:
@@ -106,8 +107,3 @@ def _reversals(errors: ErrorModel) -> list[list[int]]:
     axes = range(len(errors.machine.axes))
     of = [[f.columns for f in errors.functions if f.kind == "reversal" and f.axis == axis] for axis in axes]
     return [[c for columns in each for c in range(columns.start, columns.stop)] for each in of if each]
-
-
-def _rest(errors: ErrorModel, poses: Array, counted: Counted) -> float:
-    squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
-    return float(errors.rests**2 @ squares)

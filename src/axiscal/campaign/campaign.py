@@ -242,20 +242,20 @@ class Campaign(Closing):
         return step
 
     def finish(self, because: str | None = None) -> str:
-        """End the campaign and return why: the target that is reached unless said otherwise."""
+        """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
         if self.state.finished is not None:
             return self.state.finished
-        reason = because or self.reached() or "ended by the operator"
+        reason = because or self.reached(ended=True) or "ended by the operator"
         self._append(Finished(reason))
         return reason
 
-    def reached(self) -> str | None:
-        """Return the target that is reached, in words; None if there is none."""
+    def reached(self, ended: bool = False) -> str | None:
+        """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
         target = self.description.target
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
         if target.accurate:
-            said = self.standing().reached
+            said = self._knowing.standing(self.state.readings, ended).reached
         return said or (BUDGET if self._over_budget(self._seconds()) else None)
 
     def standing(self) -> Attained:

@@ -23,7 +23,9 @@ _TAKEN = re.compile(r"([0-9]+) readings? taken")
 _REACHED = re.compile(r"(rms|worst|U) target reached")
 _SEEN = re.compile(_REACHED.pattern + r" in what readings can tell; with what they cannot tell it is ([0-9.e+-]+) um")
 
-_AS_SEEN = "{name} target reached in what readings can tell; with what they cannot tell it is {size:.3g} um"
+_AS_SEEN = (
+    "{name} target not reached: {size:.3g} um are left; no allowed reading can take away what is above the target"
+)
 
 
 def because_text(because: str) -> str:

@@ -131,14 +131,17 @@ class Kept:
         """Let what is known be written next in the place of what was recalled, however little it has grown."""
         self._count = 0
 
-    def standing(self, readings: tuple[Reading, ...], find: Callable[[], Attained]) -> Attained:
-        """Return whether an accuracy is reached by exactly these readings.  find : it, where it is not kept"""
+    def standing(self, readings: tuple[Reading, ...], find: Callable[[], Attained], ended: bool = False) -> Attained:
+        """Return whether an accuracy is reached by exactly these readings.
+
+        find : it, where it is not kept; ended : no other readings are to follow
+        """
 
         def found() -> tuple[str | None, str | None, float]:
             attained = find()
             return attained.reached, attained.promised, attained.vouched
 
-        return Attained(*self._answered("standing", readings, _is_attained, found))
+        return Attained(*self._answered(_named("standing", ended), readings, _is_attained, found))
 
     def sentence(self, of: str, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
         """Return a sentence about exactly these readings in the language that is spoken.  find : as of `standing`"""
@@ -236,7 +239,7 @@ def _is_watched(kept: object) -> TypeGuard[Watched]:
 
 def _is_explanation(kept: object) -> bool:
     match kept:
-        case Explanation(str() as family, str(), float(), float(), float(), float()):
+        case Explanation(str() as family, str(), float(), float(), float(), float(), int() | None):
             return family in PRIOR
     return False
 

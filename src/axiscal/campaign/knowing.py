@@ -105,8 +105,11 @@ class Knowing:
         """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
         return basis_words(self.known(readings), self.contest(readings, skipped))
 
-    def standing(self, readings: Readings) -> Attained:
-        """Return whether an accuracy is reached, by the verdict on the readings."""
+    def standing(self, readings: Readings, ended: bool = False) -> Attained:
+        """Return whether an accuracy is reached, by the verdict on the readings.  ended : no others are to follow"""
+        if ended:
+            target = self._description.target
+            return self._kept.standing(readings, lambda: standing(target, self._in_the_end(readings)), ended)
         return self._kept.standing(readings, lambda: self._standing(readings))
 
     def _standing(self, readings: Readings) -> Attained:

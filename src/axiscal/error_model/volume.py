@@ -8,7 +8,9 @@ grid with vector-valued weights.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -27,12 +29,15 @@ EVERY_WAY: Counted = (True, True, True)
 class VolumeMoments:
     """Means over the volume; with H the rows of the directions that count, P H.
 
-    mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]; rest : E of the rest's share of the TCP
-    variance, m²; counted : the directions that count
+    mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]
+    levers : by term E|P h|², h what a unit of it does to the TCP (of a reversal: half a unit, either way), no alignment
+        taken off: what is as fine as a rest, a step or a twist is none of the part's rigid motion
+    rest : E of the rest's share of the TCP variance, m²; counted : the directions that count
     """
 
     mean: Array
     gram: Array
+    levers: Mapping[str, float]
     rest: float
     counted: Counted = EVERY_WAY
 
@@ -85,7 +90,8 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
             weight[np.ix_(axes[other].columns, first.columns)] = block.T
     add_planes(model, box, levers, counted, mean, weight)
     _separate_reversals(model, mean, weight)
-    return VolumeMoments(mean, weight, _rest(model, counts, axes), counted)
+    squares = averaged([a.plain for a in axes], np.einsum("fc...,fc...->f...", counts, counts), ())
+    return VolumeMoments(mean, weight, *levers_and_rest(model, squares), counted)
 
 
 def _axis_moments(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AxisMoments:
@@ -141,6 +147,22 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
     weight[np.ix_(reversal, reversal)] /= 4.0
 
 
-def _rest(model: ErrorModel, levers: Array, axes: list[_AxisMoments]) -> float:
-    squares: Array = np.einsum("fc...,fc...->f...", levers, levers)
-    return float(model.rests**2 @ averaged([a.plain for a in axes], squares, ()))
+def levers_and_rest(model: ErrorModel, squares: Array) -> tuple[Mapping[str, float], float]:
+    """Return the mean square levers of the terms by name, and the rests' share of the TCP variance, m².
+
+    squares : (terms,) mean squares of the levers
+    """
+    levers = dict(zip((term.name for term in model.terms), (_sides(model) * squares).tolist(), strict=True))
+    return MappingProxyType(levers), float(model.rests**2 @ squares)
+
+
+def of_rests(model: ErrorModel, moments: VolumeMoments) -> VolumeMoments:
+    """Return the means of a model that differs from theirs in the rests of its errors: nothing else follows these."""
+    squares = np.array([moments.levers[term.name] for term in model.terms]) / _sides(model)
+    rest = float(model.rests**2 @ squares)
+    return moments if rest == moments.rest else replace(moments, rest=rest)
+
+
+def _sides(model: ErrorModel) -> Array:
+    """Return what half a unit, either way, makes of the square of a lever, (terms,)."""
+    return np.array([0.25 if term.kind == "reversal" else 1.0 for term in model.terms])

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+
+_OF_NOTE = 0.1
+"""Standard deviations of the noise of a reading: less, in a hundred readings at once, is one of their mean."""
 
 
 def trusted(estimation: Estimation) -> list[Reading]:
@@ -14,19 +22,30 @@ def trusted(estimation: Estimation) -> list[Reading]:
 
 
 def with_sides(estimation: Estimation) -> list[Reading]:
-    """Return those of them of which it is told from which side an axis with a reversal came: a reversal is no drift."""
-    return [reading for reading in trusted(estimation) if _side_known(reading, estimation.stated)]
+    """Return those of them to which a side that nobody told does nothing of note: a reversal is no drift."""
+    return sides_told(trusted(estimation), estimation.stated)
 
 
 def plausible_with_sides(estimation: Estimation) -> list[Reading]:
     """Return the same with those that others contradict: a step contradicts a reading as a slip does."""
     impossible = {doubt.reading for doubt in estimation.outliers if doubt.implausible}
     kept = [reading for index, reading in enumerate(estimation.readings) if index not in impossible]
-    return [reading for reading in kept if _side_known(reading, estimation.stated)]
+    return sides_told(kept, estimation.stated)
 
 
-def _side_known(reading: Reading, case: Case) -> bool:
-    """Whether what a reading repeats is not another side of a reversal; of those that a probe evens out none counts."""
-    setup, axes = case.description.setup(reading.setup), case.errors.machine.axes
-    sided = [k for k in setup.moves if k in case.errors.reversing and (axes[k].rotary or not setup.mean_sides)]
-    return all(reading.approach[axis] != 0 for axis in sided)
+def sides_told(readings: Sequence[Reading], case: Case) -> list[Reading]:
+    """Return the readings which unknown sides leave as they are, but for a tenth of their noise.
+
+    An axis that stands while a bar goes round has no side, and one that turns there, or that both sides of a probe even
+    out, shows none: what counts is what a reversal would do to the reading.
+    """
+    told = np.ones(len(readings), dtype=bool)
+    for index, setup in enumerate(case.description.setups):
+        mine = [at for at, reading in enumerate(readings) if reading.setup == setup.name]
+        if mine:
+            poses: Array = np.array([readings[at].pose for at in mine], dtype=np.float64)
+            sides: Array = np.array([readings[at].approach for at in mine], dtype=np.float64)
+            added = case.observation.unknown_sides(index, poses, sides).max(axis=0)
+            noise = np.array([setup.noise if (std := readings[at].std) is None else std for at in mine])
+            told[mine] = added <= (_OF_NOTE * noise) ** 2
+    return [reading for reading, known in zip(readings, told.tolist(), strict=True) if known]

@@ -19,10 +19,10 @@ from axiscal.description.target import Target
 from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments
+from axiscal.error_model.volume import of_rests, volume_moments
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
-from axiscal.estimation.yardsticks import Itself, MeasuredVolume, Yardsticks
+from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
 from axiscal.inference.scales import Scale, Scales, all_scales, wanted
 from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
@@ -38,6 +38,7 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.time_taken import first_seconds, reading_seconds
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import Itself
 from axiscal.numerics.spread import even_points
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
@@ -130,10 +131,7 @@ class Case:
 
     def with_rests(self, rests: Mapping[str, float]) -> Case:
         """Return the case with other rests of errors, by name, m or rad."""
-        machine = self.description.machine
-        errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.errors)
-        planes = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in machine.planes)
-        machine = replace(machine, errors=errors, planes=planes)
+        machine = self.description.machine.with_rests(rests)
         return replace(self, description=replace(self.description, machine=machine))
 
     def located(self, mean: Array) -> Case | None:
@@ -226,7 +224,10 @@ class Case:
         return self.yardsticks.yardstick(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
-        moments, sample, alignment = self.yardsticks.volume(self._over_what, self._found_volume)
+        machine, *others = self._over_what
+        grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
+        moments, sample, alignment = self.yardsticks.volume(grounds, self._found_volume)
+        moments = of_rests(self.errors, moments)
         factor = self.prior.factor
         unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
@@ -235,7 +236,7 @@ class Case:
         return Yardstick(self.errors, box, moments, unseen, (x, y, z), sample, alignment)
 
     @property
-    def _over_what(self) -> tuple[Machine, Target, Itself]:
+    def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
         """All that means over the volume follow from: rows are those of the nominal machine, unless they are bent."""
         bent = self.about if self.about is not None and self.about.bent else None
         return self.description.machine, self.description.target, Itself(bent)

@@ -41,7 +41,7 @@ FEWEST, _CANDIDATES = 6, 160
 _TELLS = 2.0
 """Standard deviations by which the two predictions differ where a reading decides: less would be asked for in vain."""
 _ONE_CAUSE: tuple[frozenset[Family], ...] = (
-    frozenset({"drift", "levelling", "jump"}),
+    frozenset({"drift", "levelling", "excursion", "jump"}),
     frozenset({"bump", "detail"}),
 )
 """Families that differ in how, not in what to do; how a zero has moved no later reading tells."""
@@ -104,9 +104,11 @@ def _decided(
     lower = lower_root(covariance[:seen, :seen])
     half, white = solution(lower, covariance[:seen, seen:]), solution(lower, values)
     spare = np.diag(covariance)[seen:] - np.sum(half**2, axis=0)
-    possible = {(each.family, each.owner, each.place): each for each in departures(case.observation, together)}
+    all_of_them = departures(case.observation, together, taken=len(readings))
+    possible = {(each.family, each.owner, each.place, each.setup): each for each in all_of_them}
     unit = float(np.sqrt(np.median(fitted.noise[:seen])))
-    told = [_predicted(possible[each.family, each.owner, each.place], lower, half, white, unit) for each in rivals]
+    asked = (possible[each.family, each.owner, each.place, each.setup] for each in rivals)
+    told = [_predicted(each, lower, half, white, unit) for each in asked]
     (one, wide), (other, broad) = told
     apart = (one - other) ** 2 / (2 * spare + wide + broad)
     of_reading = np.bincount(fitted.reading[seen:] - len(readings), apart)

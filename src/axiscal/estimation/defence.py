@@ -21,39 +21,43 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.departed_volume import field
 from axiscal.estimation.scatter import Scatter, open_rests, scattered
 from axiscal.estimation.statements import LeftOpen, Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.machine.description import Machine
 from axiscal.measurement.departures import (
+    COME_AND_GO,
     EVERYWHERE,
     IN_PLANS,
     Departure,
     Family,
     departures,
-    joint_shape,
-    shape,
 )
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
 from axiscal.numerics.gaussian import eigen_root
-from axiscal.numerics.remembered import remembered
-from axiscal.numerics.spread import even_points
 from axiscal.numerics.threads import one_thread
 
-COUNTED: frozenset[Family] = frozenset({"drift", "levelling", "step", "pitch", "bump", "detail", "together"})
+COUNTED: frozenset[Family] = frozenset(
+    {"drift", "levelling", "excursion", "growth", "step", "pitch", "bump", "detail", "together"}
+)
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
+_OF_SETUPS: frozenset[Family] = frozenset({"drift", "levelling", "excursion"})
+"""Families whose size is what a zero moves by in the course of a set-up."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
 """Families that may be anywhere, in a gap or off a line of readings too. What is narrower hides between any two."""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
 """Of few places a step between two readings is none."""
 _LARGEST_DRIFT = 20e-6
-"""m or rad over one set-up: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md)."""
+"""m or rad over one set-up, straight or levelling off; as much of a zero that comes and goes in it, and of a growth
+over the travel: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md).
+"""
 _LARGEST_PITCH = 5e-6
 """m or rad: a ground screw of usual make goes wrong by less in a turn (an assumption)."""
 _REVERSALS = 2.0
@@ -64,8 +68,6 @@ _MOST = 400
 """Readings that are looked at, spread over all: fewer show less, so that nothing is promised that is not held."""
 _FEWEST = 3
 """Two readings fit any line."""
-_POINTS = 400
-"""Points along an axis for a mean of squares: a step is met to a four-hundredth of the travel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,9 +249,12 @@ def _departed(
 ) -> Iterator[Departed]:
     possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
     told = [each for each in possible if each.family != "scale"]
-    for _, members in groupby(told, key=lambda each: (each.family, each.owner)):
+    for _, members in groupby(told, key=lambda each: (each.family, each.owner, each.setup)):
         group = list(members)
-        yield _family(group, effects.each(group), promise)
+        if group[0].family in COME_AND_GO and not any(np.any(each.columns) for each in group):
+            yield _unresolved(group[0])
+        else:
+            yield _family(group, effects.each(group), promise)
 
 
 def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float) -> Departed:
@@ -262,6 +267,18 @@ def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float)
         float(np.sqrt(np.mean(np.square(damages)))),
         group[int(np.argmax(damages))].place,
         first.family in COUNTED,
+    )
+
+
+def _unresolved(each: Departure) -> Departed:
+    """Return what comes and goes between two times: the readings know of no other, and may be anywhere in its wave.
+
+    The largest one then does what it does to places read one after another once along: ∫ of the squared wave about its
+    mean is 1/8, of the straight line that an axis has grown by 1/12.
+    """
+    square = 8.0 if each.family == "excursion" else 12.0
+    return Departed(
+        each.family, each.owner, 0.0, math.inf, _LARGEST_DRIFT / math.sqrt(square), each.place, counted=True
     )
 
 
@@ -304,8 +321,7 @@ class EffectMap:
 
     def each(self, several: Sequence[Departure]) -> list[Harm]:
         """Return what departures of size 1 do, of drifts over the whole set-up, from one solution with all columns."""
-        drifts = [each.columns / np.ptp(each.columns) if each.function is None else each.columns for each in several]
-        white = transposed_solution(self._upper, np.hstack(drifts))
+        white = transposed_solution(self._upper, np.hstack([_of_size_one(each) for each in several]))
         cuts = np.cumsum([each.columns.shape[1] for each in several])[:-1]
         seen, left = np.split(white, cuts, axis=1), np.split(-(self._kept @ white), cuts, axis=1)
         return [self._harm(*part) for part in zip(several, seen, left, strict=True)]
@@ -332,45 +348,10 @@ class EffectMap:
         return LeftOpen(fields, over @ over.T - kept @ kept.T - fields @ fields.T, white.T @ white)
 
 
-def field(yardstick: Yardstick, departure: Departure) -> tuple[Array, float]:
-    """Return V φ (w, r), φ as far as splines follow it, and the mean square over the volume of what they do not, m²."""
-    if departure.pair is not None:
-        return _joint_field(yardstick, departure.place, departure.function or 0, departure.pair)
-    return _field(yardstick, departure.family, departure.place, departure.function or 0)
-
-
-@remembered
-def _joint_field(yardstick: Yardstick, place: float, index: int, pair: tuple[int, int]) -> tuple[Array, float]:
-    """Return no part that splines follow, and the mean square of what two axes do together."""
-    columns, axes = yardstick.errors.functions[index].columns, yardstick.errors.machine.axes
-    lever = yardstick.moments.gram[columns, columns].sum()
-    poses = np.zeros((_POINTS, len(axes)))
-    low, high = np.array([yardstick.box[k] for k in pair]).T
-    poses[:, list(pair)] = low + (high - low) * even_points(_POINTS, 2)
-    square = float(np.mean(joint_shape(place, pair, axes, poses) ** 2))
-    return np.zeros((len(yardstick.root.matrix), 1)), float(lever) * square
-
-
-@remembered
-def _field(yardstick: Yardstick, family: Family, place: float, index: int) -> tuple[Array, float]:
-    function = yardstick.errors.functions[index]
-    at, rows, nearest = _spline(yardstick, index)
-    values = shape(family, place, function, yardstick.errors.machine.axes[function.axis], at)
-    followed = nearest @ values
-    lever = yardstick.moments.gram[function.columns, function.columns].sum()
-    beside = float(lever * np.sum(np.mean((values - rows @ followed) ** 2, axis=0)))
-    return yardstick.root.matrix[:, function.columns] @ followed, beside
-
-
-@remembered
-def _spline(yardstick: Yardstick, index: int) -> tuple[Array, Array, Array]:
-    """Return even points of an error over the volume (p,), its rows there (p, k), and their pseudo-inverse (k, p)."""
-    function = yardstick.errors.functions[index]
-    low, high = yardstick.box[function.axis]
-    at = low + (high - low) * (np.arange(_POINTS) + 0.5) / _POINTS
-    rows = function.basis.rows(at)
-    nearest: Array = np.asarray(np.linalg.pinv(rows, rcond=max(rows.shape) * np.finfo(float).eps), dtype=float)
-    return at, rows, nearest
+def _of_size_one(departure: Departure) -> Array:
+    """Return b of a departure of size 1, (m, r): of a zero that moves by 1 over its set-up, 0 of what no time shows."""
+    moved = float(np.ptp(departure.columns)) if departure.family in _OF_SETUPS else 1.0
+    return departure.columns / (moved or 1.0)
 
 
 def largest(errors: ErrorModel, departure: Departure) -> float:

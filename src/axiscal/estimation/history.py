@@ -32,12 +32,29 @@ def path(final: Estimation) -> list[Moment]:
     """Return what was known before the first reading and after each.
 
     final : a concluded one
-    Scales are learnt as readings come, and what the last one taught is known already. Readings between two counts after
-    which scales are learnt anew are taken in together.
+    How much each reading counts and where readings are linearised is what all of them show. Scales are learnt as
+    readings come, and what the last one taught is known already.
     """
+    found = _as_learnt(final) if final.stated.variable else _as_found(final)
+    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
+
+
+_Known = tuple[Accuracy, Innovations | None]
+
+
+def _as_found(final: Estimation) -> list[_Known]:
+    """Return what was known with stated scales, from one pass through the readings."""
+    as_shown = final.stages.absorbed
+    known = Absorbed.nothing(final.stated.linear_as(as_shown.case), as_shown.verdict)
+    return [(_accuracy(known, None), None), *_together(final, known, None, len(final.readings))]
+
+
+def _as_learnt(final: Estimation) -> list[_Known]:
+    """Return what was known with scales learnt so far: readings between two counts of them are taken in together."""
     known, fit = Absorbed.nothing(final.stated, final.stages.absorbed.verdict), None
     found: list[_Known] = [(_accuracy(known, fit), None)]
-    readings, implausible, last = final.readings, final.stages.judged.implausible, _before_the_last(final)
+    readings, implausible = final.readings, final.stages.judged.implausible
+    last = max(len(readings) - 1, 0)
     dues = list(counts_to_learn_from(final.stated, last))
     for due in counted("how it went, reading by reading", dues, len(dues)):
         found += _together(final, known, fit, due - 1)
@@ -47,16 +64,7 @@ def path(final: Estimation) -> list[Moment]:
     found += _together(final, known, fit, last)
     if last < len(readings):
         found.append((final.accuracy, final.innovations[-1]))
-    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
-
-
-_Known = tuple[Accuracy, Innovations | None]
-
-
-def _before_the_last(final: Estimation) -> int:
-    """Return the number of readings, without the last one where it alone shows scales or places as they are now."""
-    moved = final.case.description.setups != final.stated.description.setups
-    return max(len(final.readings) - 1, 0) if moved or final.stated.variable else len(final.readings)
+    return found
 
 
 def _together(final: Estimation, known: Absorbed, fit: Fit | None, stop: int) -> Iterator[_Known]:

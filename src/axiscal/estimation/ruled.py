@@ -35,7 +35,7 @@ from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import drawn
 from axiscal.inference.terms import evidence_of
 from axiscal.inference.widening import posterior
-from axiscal.measurement.departures import departures
+from axiscal.measurement.departures import every_departure
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
@@ -157,7 +157,7 @@ def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> Ver
 def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
     observation, prior = known.case.observation, known.case.inherited
     evidence, terms = evidence_of(observation, readings, known.fit, prior)
-    return average(evidence, list(departures(observation, drawn(readings, MOST))), terms)
+    return average(evidence, every_departure(observation, tuple(drawn(readings, MOST))), terms)
 
 
 def _mixed(known: Estimation, mixture: Average, moved: Array | None, factor: float) -> Banded:

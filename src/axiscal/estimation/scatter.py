@@ -28,7 +28,6 @@ from axiscal.inference.reading_set import ErrorPart, ReadingSet
 from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 
 ENOUGH = 3
 """Readings at places that were read before from which they tell more of a noise than what was stated of it does."""
@@ -109,6 +108,4 @@ def _places(reading: NDArray[np.intp], parts: Sequence[ErrorPart]) -> NDArray[np
 def _reach(part: ErrorPart, own: NDArray[np.bool_], yardstick: Yardstick) -> float:
     """Return L/g² of an error for the numbers of a set-up, 0 where its rest does not show in them."""
     felt = float(np.mean(np.sum(part.shared[own] ** 2, axis=1)))
-    columns = part.term.columns
-    lever: Array = yardstick.moments.gram[columns, columns]
-    return float(lever.sum()) / felt if felt > 0 else 0.0
+    return yardstick.moments.levers[part.term.name] / felt if felt > 0 else 0.0

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from axiscal.estimation.believed import sides_told
 from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.estimation import Estimation
+from axiscal.inference.contradiction import FEWEST
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.remembered import remembered
 
 
 def defended(estimation: Estimation) -> Defence:
@@ -14,13 +17,16 @@ def defended(estimation: Estimation) -> Defence:
     return defended_by(estimation, len(estimation.readings), estimation.accuracy.rms)
 
 
+@remembered
 def defended_by(estimation: Estimation, count: int, promise: float) -> Defence:
     """Return what the first readings vouch for, those of them that are believed today.
 
     count : of the first readings; promise : RMS over the volume that they left, m
     """
     stated = estimation.stated.description.machine
-    return defence(estimation.case, _believed(estimation, count), promise, stated)
+    believed = _believed(estimation, count)
+    told = sides_told(believed, estimation.stated)
+    return defence(estimation.case, told if len(told) >= FEWEST else believed, promise, stated)
 
 
 def _believed(estimation: Estimation, count: int) -> list[Reading]:

@@ -27,19 +27,6 @@ class MeasuredVolume(NamedTuple):
     alignment: Alignment | None
 
 
-class Itself:
-    """A part of what a yardstick follows from that compares by its identity.  part : kept, so that no other has its"""
-
-    def __init__(self, part: object) -> None:
-        self.part = part
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Itself) and other.part is self.part
-
-    def __hash__(self) -> int:
-        return id(self.part)
-
-
 class Yardsticks:
     """The last few yardsticks and volumes, each by what it follows from; none is written to a file with a case."""
 

@@ -42,6 +42,8 @@ def cause_words(found: Explanation) -> str:
     words = {
         "drift": said('the zero of "{owner}" drifts', owner=found.owner),
         "levelling": said('the zero of "{owner}" drifts and levels off', owner=found.owner),
+        "excursion": said('the zero of "{owner}" comes and goes', owner=found.owner),
+        "growth": said("{owner} grows and shrinks again", owner=found.owner),
         "jump": said('the zero of "{owner}" jumped', owner=found.owner),
         "step": said("{owner} steps", owner=found.owner),
         "pitch": said("{owner} repeats along its axis", owner=found.owner),

@@ -18,16 +18,18 @@ import numpy as np
 
 from axiscal.inference.contradiction import MODEL, PRIOR, SIZE_WEIGHTS, SIZES, whitened
 from axiscal.inference.evidence import Evidence
-from axiscal.measurement.departures import Departure, Followed, followed
+from axiscal.measurement.departures import Departure, Family, Followed, followed
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root, positive_root
 
 _KEPT = 64
 """Departures that are averaged over, the likeliest: together they hold all but a thousandth of the weight."""
+_OF_TIME: frozenset[Family] = frozenset({"drift", "levelling", "excursion", "growth", "jump"})
 _LARGEST, _TIMES, _RARELY = 20e-6, 3.0, 1e-3
-"""Sizes beyond three times the std of the error, or beyond three times 20 um of a jump or of an hour of drift, count a
-thousandth: they are believed where readings show them, and make no band wide where none could.
+"""Sizes beyond three times the std of the error, or beyond three times 20 um, count a thousandth: of an hour of drift,
+of what levels off or comes and goes in a set-up, of a growth over the travel, of a jump. They are believed where
+readings show them, and make no band wide where none could.
 """
 _NOTHING = 5e-4
 """Weight of a term that counts for nothing."""
@@ -73,6 +75,18 @@ class _Sizes(NamedTuple):
     second: Array
 
 
+class _UnderScales(NamedTuple):
+    """How readings see departures under one set of scales.
+
+    lower : (m, m) L; white : (m, h, 2) L⁻¹ b; values : (m,) L⁻¹ y; sizes : how large the departures are
+    """
+
+    lower: Array
+    white: Array
+    values: Array
+    sizes: _Sizes
+
+
 class _Told(NamedTuple):
     """What one set of scales says: mean, covariance, what departures add, (k, h, 2), and how large they are."""
 
@@ -86,23 +100,28 @@ def average(evidence: Evidence, possible: Sequence[Departure], terms: Sequence[T
     """Return the mixture.  terms : the first one is the model, with its mean and covariance"""
     unit = float(np.sqrt(np.median(evidence.noise)))
     shares = np.log(np.array([PRIOR[each.family] / MODEL for each in possible])) - np.log(_counts(possible))
-    first = _sizes(*_pulls(evidence, possible, terms[0].logs), unit, prior_sizes(evidence, possible, unit))
+    first = _sizes(*_pulls(evidence, possible, terms[0].logs)[1:], unit, prior_sizes(evidence, possible, unit))
     kept = np.sort(np.argsort(first.logs + shares)[-_KEPT:])
     chosen, shares = [possible[int(i)] for i in kept], shares[kept]
     fields = [followed(each, evidence.functions, evidence.axes) for each in chosen]
     spread = _spread(fields, evidence.rows.shape[1])
     priors = prior_sizes(evidence, chosen, unit)
-    parts = [_told(evidence, chosen, spread, each.logs, unit, priors) for each in terms]
-    weights = _weights(terms, parts, shares)
+    seen = [_under_scales(evidence, chosen, each.logs, unit, priors) for each in terms]
+    weights = _weights(terms, seen, shares)
+    base = _told(evidence, spread, terms[0].logs, seen[0])
+    parts = [
+        (base if index == 0 else _told(evidence, spread, terms[index].logs, seen[index]), weights[index])
+        for index in np.flatnonzero(weights.any(axis=1)).tolist()
+    ]
     owners = ["" if each.function is None else evidence.functions[each.function].name for each in chosen]
     left = [(owner, field.left) for owner, field in zip(owners, fields, strict=True)]
-    return _gathered(parts, weights, left)
+    return _gathered(base, parts, left)
 
 
 def prior_sizes(evidence: Evidence, possible: Sequence[Departure], unit: float) -> Array:
     """Return how probable each size of each departure is before any reading, (sizes, h).  unit : σ, m or rad"""
     stds = [np.inf if e.function is None else evidence.functions[e.function].covariance[0, 0] ** 0.5 for e in possible]
-    drifting = [_LARGEST if each.family in ("drift", "levelling", "jump") else np.inf for each in possible]
+    drifting = [_LARGEST if each.family in _OF_TIME else np.inf for each in possible]
     most = _TIMES * np.minimum(stds, drifting)
     weights = np.array(SIZE_WEIGHTS)[:, None] * np.where(unit * SIZES[:, None] <= most, 1.0, _RARELY)
     shares: Array = weights / weights.sum(axis=0)
@@ -115,7 +134,7 @@ def _counts(possible: Sequence[Departure]) -> Array:
     return np.array([float(numbers[family]) for family in families])
 
 
-def _weights(terms: Sequence[Term], parts: Sequence[_Told], shares: Array) -> Array:
+def _weights(terms: Sequence[Term], parts: Sequence[_UnderScales], shares: Array) -> Array:
     """Return the weight of each set of scales without and with each departure, (l, 1 + h), sum 1."""
     logs = np.array(
         [
@@ -130,53 +149,58 @@ def _weights(terms: Sequence[Term], parts: Sequence[_Told], shares: Array) -> Ar
     return whole
 
 
-def _gathered(parts: Sequence[_Told], weights: Array, left: Sequence[tuple[str, Array | None]]) -> Average:
-    """Return the moments of the mixture.  left : for each departure its error, and what no spline follows of it"""
-    base = parts[0]
+def _gathered(base: _Told, parts: Sequence[tuple[_Told, Array]], left: Sequence[tuple[str, Array | None]]) -> Average:
+    """Return the moments of the mixture.
+
+    base : the model; parts : what counts with its weights without and with each departure
+    left : for each departure its error, and what no spline follows of it
+    """
     moved, whole = np.zeros_like(base.mean), np.zeros_like(base.covariance)
-    for part, (alone, *rest) in zip(parts, weights, strict=True):
+    for part, (alone, *rest) in parts:
         each = np.array(rest)
         away, total = part.mean - base.mean, alone + each.sum()
-        if total == 0:
-            continue
         pulled = np.einsum("khr,hr,h->k", part.beside, part.sizes.first, each)
         second = np.einsum("khr,hrs,h,nhs->kn", part.beside, part.sizes.second, each, part.beside, optimize=True)
         moved += total * away + pulled
         crossed = np.outer(away, pulled)
         whole += total * (part.covariance + np.outer(away, away)) + second + crossed + crossed.T
     added, variances = whole - base.covariance, np.diag(whole)
-    rests = _rests(parts, weights, left)
     about = positive_root(added, variances), positive_root(added - np.outer(moved, moved), variances)
-    return Average(moved, *about, rests, float(weights[:, 0].sum()), float(1.0 / np.sum(weights**2)))
+    model = float(sum(weights[0] for _, weights in parts))
+    return Average(moved, *about, _rests(parts, left), model, float(1.0 / sum(np.sum(w**2) for _, w in parts)))
 
 
-def _rests(parts: Sequence[_Told], weights: Array, left: Sequence[tuple[str, Array | None]]) -> Mapping[str, float]:
+def _rests(parts: Sequence[tuple[_Told, Array]], left: Sequence[tuple[str, Array | None]]) -> Mapping[str, float]:
     """Return what no spline follows of the departures, as variances that are added to the rests of their errors."""
     found: dict[str, float] = {}
     for index, (owner, products) in enumerate(left):
         if products is not None:
             mine = slice(0, len(products))
-            squares = [np.sum(part.sizes.second[index, mine, mine] * products) for part in parts]
-            found[owner] = found.get(owner, 0.0) + float(np.dot(weights[:, 1 + index], squares))
+            squares = (w[1 + index] * np.sum(part.sizes.second[index, mine, mine] * products) for part, w in parts)
+            found[owner] = found.get(owner, 0.0) + float(sum(squares))
     return found
 
 
-def _pulls(evidence: Evidence, possible: Sequence[Departure], logs: Array) -> tuple[Array, Array]:
-    """Return whitened columns (m, h, 2) and values (m,) at some scales."""
+def _pulls(evidence: Evidence, possible: Sequence[Departure], logs: Array) -> tuple[Array, Array, Array]:
+    """Return the lower root (m, m) of some scales, and columns (m, h, 2) and values (m,) that it has whitened."""
     lower = lower_root(evidence.covariance(logs))
-    return whitened(lower, possible), solution(lower, evidence.values)
+    return lower, whitened(lower, possible), solution(lower, evidence.values)
 
 
-def _told(
-    evidence: Evidence, possible: Sequence[Departure], spread: Array, logs: Array, unit: float, priors: Array
-) -> _Told:
-    """Return what one set of scales says.  spread : (k, h, 2) a; priors : (sizes, h)"""
+def _under_scales(
+    evidence: Evidence, possible: Sequence[Departure], logs: Array, unit: float, priors: Array
+) -> _UnderScales:
+    """Return how readings see departures under one set of scales.  priors : (sizes, h)"""
+    lower, white, values = _pulls(evidence, possible, logs)
+    return _UnderScales(lower, white, values, _sizes(white, values, unit, priors))
+
+
+def _told(evidence: Evidence, spread: Array, logs: Array, seen: _UnderScales) -> _Told:
+    """Return what one set of scales says, the costliest part: of scales that count.  spread : (k, h, 2) a"""
     prior = evidence.prior(logs)
-    lower = lower_root(evidence.covariance(logs))
-    half, white = solution(lower, evidence.rows @ prior), whitened(lower, possible)
-    y = solution(lower, evidence.values)
-    beside = spread - np.einsum("mk,mhr->khr", half, white, optimize=True)
-    return _Told(half.T @ y, prior - half.T @ half, beside, _sizes(white, y, unit, priors))
+    half = solution(seen.lower, evidence.rows @ prior)
+    beside = spread - np.einsum("mk,mhr->khr", half, seen.white, optimize=True)
+    return _Told(half.T @ seen.values, prior - half.T @ half, beside, seen.sizes)
 
 
 def _sizes(white: Array, y: Array, unit: float, priors: Array) -> _Sizes:

@@ -24,17 +24,20 @@ from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import drawn
 from axiscal.inference.scales import Kind, all_scales
 from axiscal.inference.weighted_fit import Fitted
-from axiscal.measurement.departures import Departure, Family, departures
+from axiscal.measurement.departures import Departure, Family, departures, every_departure
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.remembered import Itself, remembered_lately
 
 PRIOR: Mapping[Family, float] = MappingProxyType(
     {
         "drift": 0.12,
         "levelling": 0.06,
+        "excursion": 0.05,
+        "growth": 0.05,
         "jump": 0.05,
         "step": 0.06,
         "pitch": 0.08,
@@ -71,6 +74,7 @@ class Explanation(NamedTuple):
     """One family, owner by owner.
 
     odds : against the model; size, std : posterior mean and standard deviation of the size at its likeliest place
+    setup : of growth the index of the set-up in the course of which it is likeliest
     """
 
     family: Family
@@ -79,6 +83,7 @@ class Explanation(NamedTuple):
     odds: float
     size: float
     std: float
+    setup: int | None = None
 
 
 class Watched(NamedTuple):
@@ -136,7 +141,7 @@ def compared(
     chosen = drawn(readings, MOST)
     if len(chosen) < FEWEST:
         return Comparison((), 1.0, 1.0)
-    (found, evalue, highest), parts, y, slips = _weighed(observation, chosen, prior)
+    (found, evalue, highest), parts, y, slips = _weighed(observation, tuple(chosen), Itself(prior))
     few = drawn(chosen, _FEW)
     others = Evidence(observation, few, all_scales(observation.errors.machine, observation.setups), prior)
     fits = _fit_of(parts, y)
@@ -148,13 +153,17 @@ def compared(
 def watched(observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None) -> Watched:
     """Return the e-value of the readings so far, and what explains them best.  Arguments as of `compared`"""
     chosen = drawn(readings, MOST)
-    return Watched() if len(chosen) < FEWEST else _weighed(observation, chosen, prior).watched
+    return Watched() if len(chosen) < FEWEST else _weighed(observation, tuple(chosen), Itself(prior)).watched
 
 
-def _weighed(observation: Observation, chosen: Sequence[Reading], prior: tuple[Array, Array] | None) -> _Weighed:
-    fitted = Fitted.of(observation, chosen, prior)
+@remembered_lately
+def _weighed(
+    observation: Observation, chosen: tuple[Reading, ...], prior: Itself[tuple[Array, Array] | None]
+) -> _Weighed:
+    """Return what both are made of: a verdict and the test while measuring ask it of the same readings."""
+    fitted = Fitted.of(observation, chosen, prior.part)
     lower = lower_root(fitted.covariance())
-    possible = list(departures(observation, chosen))
+    possible = every_departure(observation, chosen)
     unit = float(np.sqrt(np.median(fitted.noise)))
     y, parts = solution(lower, fitted.values), whitened(lower, possible)
     ends = np.flatnonzero(np.diff(fitted.reading, append=-1) != 0)
@@ -247,7 +256,8 @@ def _explained(
     for (family, owner), members in groups.items():
         best = max(members, key=lambda index: odds[index])
         size, std = _size(parts[:, best], y, unit)
-        found.append(Explanation(family, owner, possible[best].place, float(odds[members].sum()), size, std))
+        whole, likeliest = float(odds[members].sum()), possible[best]
+        found.append(Explanation(family, owner, likeliest.place, whole, size, std, likeliest.setup))
     return tuple(sorted(found, key=lambda each: -each.odds))
 
 

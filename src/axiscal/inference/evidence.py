@@ -31,6 +31,12 @@ from axiscal.numerics.gaussian import lower_root
 _STEP = 1e-3
 """Of a logarithm: differences of the exact slope lose below 1e-6 to bending or rounding, ten times off too."""
 
+_LENGTHS = 3
+"""Common factors on the lengths that are averaged over (`inference.contradiction`): one product is kept for each."""
+
+_REMEMBERED = 16_000_000
+"""Bytes of priors of errors at scales that were asked for: those of all draws of some hundreds of unknowns."""
+
 
 class _Slopes(NamedTuple):
     """What the scales do to K at some factors.
@@ -83,6 +89,11 @@ class Evidence:
         entries: list[Entry] = [*machine.errors, *machine.planes]
         self._entries = {entry.name: entry for entry in entries}
         self.functions, self.axes = observation.errors.functions, machine.axes
+        stds = {owner: i for (kind, owner), i in self._index.items() if kind == "std"}
+        self._sizes = [stds[part.term.name] for part in self._parts if part.term.name in stds]
+        self._of_lengths: dict[bytes, Array] = {}
+        self._known: dict[tuple[str, bytes], Array] = {}
+        self._known_bytes = 0
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -132,6 +143,7 @@ class Evidence:
         other = copy(self)
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
+            other._of_lengths, other._known, other._known_bytes = {}, {}, 0
         return other
 
     def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
@@ -177,11 +189,25 @@ class Evidence:
     def covariance(self, logs: Array) -> Array:
         result: Array = self._fixed + np.diag(self._variances(logs))
         if self._inherited is None:
-            result += self._shown @ self._priors(logs) @ self._shown.T
+            result += self._of_errors(logs)
         entries = result.reshape(-1)
         for part, sharing in zip(self._parts, self._sharing, strict=True):
             entries[sharing.entries] += self._rest_square(part, logs) * sharing.values
         return result
+
+    def _of_errors(self, logs: Array) -> Array:
+        """Σ_f s_f² G_f R_f G_fᵀ: where all sizes go by one factor the product at these lengths is found once."""
+        sizes = logs[self._sizes]
+        if not len(sizes) or len(sizes) < len(self._parts) or np.any(sizes != sizes[0]):
+            return np.asarray(self._shown @ self._priors(logs) @ self._shown.T)
+        others = logs.copy()
+        others[self._sizes] = 0.0
+        lengths = others[[i for i, scale in enumerate(self.scales) if scale.kind == "length"]].tobytes()
+        if lengths not in self._of_lengths:
+            if len(self._of_lengths) == _LENGTHS:
+                self._of_lengths.clear()
+            self._of_lengths[lengths] = self._shown @ self._priors(others) @ self._shown.T
+        return np.asarray(np.exp(2 * sizes[0]) * self._of_lengths[lengths])
 
     def _priors(self, logs: Array) -> Array:
         """s² R of every error that shows in the readings, along the diagonal."""
@@ -193,8 +219,17 @@ class Evidence:
         return result
 
     def _prior_of(self, term: Term, logs: Array) -> Array:
-        """s² R of one error."""
-        return prior_of(term, *self._scales_of(term.name, logs))
+        """s² R of one error: of a draw of scales it is asked for its weight, and again for what it adds to bands."""
+        key = term.name, logs.tobytes()
+        if (known := self._known.get(key)) is not None:
+            return known
+        found = prior_of(term, *self._scales_of(term.name, logs))
+        self._known_bytes += found.nbytes
+        if self._known_bytes > _REMEMBERED:
+            self._known.clear()
+            self._known_bytes = found.nbytes
+        self._known[key] = found
+        return found
 
     def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, tuple[float, float]]:
         """Return an error's entry, its std, and the factors on its lengths."""
@@ -236,7 +271,7 @@ class Evidence:
         """Yield what size and lengths of an error do to its prior, ∂(s² R)/∂log θ (k, k), by the number of a scale."""
         scales = self._scales_of(part.term.name, logs)
         if (i := self._index.get(("std", part.term.name))) is not None:
-            yield i, 2 * prior_of(part.term, *scales)
+            yield i, 2 * self._prior_of(part.term, logs)
         for number, owner in enumerate(dict.fromkeys(length_owners(scales[0]))):
             if (i := self._index.get(("length", owner))) is not None:
                 yield i, by_length(part.term, *scales, number)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.document import Document, nearest, shown
@@ -49,6 +50,12 @@ class Machine:
             hint = f"Perhaps {same[0]} is meant" if same else f"Its axes are {', '.join(names)}"
             raise DescriptionError(f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}", hint)
         return names.index(axis_name)
+
+    def with_rests(self, rests: Mapping[str, float]) -> Machine:
+        """Return the machine with other rests of errors, by name, m or rad."""
+        errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in self.errors)
+        planes = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in self.planes)
+        return replace(self, errors=errors, planes=planes)
 
     @property
     def error_names(self) -> tuple[str, ...]:

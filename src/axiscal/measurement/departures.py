@@ -4,6 +4,9 @@ Under a departure of size s the readings are y = model + s b. Each family is the
 with places has one column for each place that it may be at.
 
     drift             τ, hours since the set-up began; levelling off 1 − exp(−3τ)
+    excursion         (1 − cos 2πu)/2, u the share of the time of the set-up: a zero that comes and goes; once along a
+                      way out and back it is the same on both, like an error of the curve
+    growth            the same times (t − c)/travel times the lever of a positioning error, c either end or the middle
     jump              1 from one reading of a set-up on: its zero was set anew, its stand was knocked, its beam broken
     step              1 where the axis is beyond a place, times the lever of the error
     pitch             cos, sin 2πt/p times the lever (screw pitch, encoder line)
@@ -29,11 +32,26 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered_lately
 
 Family = Literal[
-    "drift", "levelling", "jump", "step", "pitch", "bump", "detail", "reversal", "scale", "together", "bad"
+    "drift",
+    "levelling",
+    "excursion",
+    "growth",
+    "jump",
+    "step",
+    "pitch",
+    "bump",
+    "detail",
+    "reversal",
+    "scale",
+    "together",
+    "bad",
 ]
 
+COME_AND_GO: frozenset[Family] = frozenset({"excursion", "growth"})
+"""Families that are gone again when the last reading of a set-up is taken."""
 _HOUR, _LEVELLING = 3600.0, 1200.0
 """s: a drift is counted by the hour, and a machine that stood levels out in twenty minutes, or about."""
 _PLACES = 48
@@ -87,9 +105,11 @@ class Departure:
 
     columns : (m, r) b; its size has the unit of what `columns` are per: m, rad, or per hour of drift
     owner : the set-up, or the error whose curve departs
-    place : where, m or rad; the pitch; the index of a reading; of a jump that of the first number after it
-    function : index of that error; None where only the readings suffer
+    place : where, m or rad; the pitch; the index of a reading; of a jump that of the first number after it; of growth
+        where the axis is held
+    function : index of that error; None where only the readings suffer, of growth too, which its owner has lost again
     pair : the two axes that act together, of which the error is one component; None for what one axis does
+    setup : of growth the index of the set-up in the course of which it comes and goes
     """
 
     family: Family
@@ -98,6 +118,7 @@ class Departure:
     place: float = 0.0
     function: int | None = None
     pair: tuple[int, int] | None = None
+    setup: int | None = None
 
 
 class Followed(NamedTuple):
@@ -113,7 +134,10 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Numbers:
-    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (terms, m)."""
+    """All numbers of readings.  setup, reading, number : (m,) indices; time : s; effects : (terms, m).
+
+    to_come : (m,) which of them are not taken yet
+    """
 
     setup: NDArray[np.intp]
     reading: NDArray[np.intp]
@@ -122,17 +146,22 @@ class _Numbers:
     poses: Array
     approaches: Array
     effects: Array
+    to_come: NDArray[np.bool_]
 
 
 def departures(
-    observation: Observation, readings: Sequence[Reading], search: Search = EVERYWHERE
+    observation: Observation, readings: Sequence[Reading], search: Search = EVERYWHERE, taken: int | None = None
 ) -> Iterator[Departure]:
-    """Yield what readings could show that the model does not hold; numbers in the order of the readings."""
-    seen = _numbers(observation, readings)
+    """Yield what readings could show that the model does not hold; numbers in the order of the readings.
+
+    taken : so many of the readings were taken, and the others are to come: what comes and goes is gone by then
+    """
+    seen = _numbers(observation, readings, len(readings) if taken is None else taken)
     for index, setup in enumerate(observation.setups):
         for number in range(len(directions_of(setup))):
             yield from _drifts(seen, index, number, setup.name)
             yield from _jumps(seen, index, number, setup.name) if search.jumps else ()
+        yield from _growths(observation, seen, index)
     for index in range(len(observation.errors.functions)):
         if np.any(np.abs(seen.effects[index]) > _FELT):
             yield from _of_error(observation, seen, index, search)
@@ -141,7 +170,13 @@ def departures(
         yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
 
 
-def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
+@remembered_lately
+def every_departure(observation: Observation, readings: tuple[Reading, ...]) -> tuple[Departure, ...]:
+    """Return all of them wherever they may be: readings are compared with them, and averaged over them."""
+    return tuple(departures(observation, readings))
+
+
+def _numbers(observation: Observation, readings: Sequence[Reading], taken: int) -> _Numbers:
     names = {setup.name: index for index, setup in enumerate(observation.setups)}
     owners = np.array([names[reading.setup] for reading in readings])
     reading = np.repeat(np.arange(len(readings)), [len(each.values) for each in readings])
@@ -155,7 +190,7 @@ def _numbers(observation: Observation, readings: Sequence[Reading]) -> _Numbers:
             if np.any(mine):
                 effects[:, mine] = observation.effects(index, poses[mine], approaches[mine], direction)
     times = np.array([each.time or 0.0 for each in readings])[reading]
-    return _Numbers(owners[reading], reading, number, times, poses, approaches, effects)
+    return _Numbers(owners[reading], reading, number, times, poses, approaches, effects, reading >= taken)
 
 
 def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Departure]:
@@ -166,6 +201,38 @@ def _drifts(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Depa
     if np.ptp(since) > 0:
         yield Departure("drift", name, (since / _HOUR)[:, None], float(number))
         yield Departure("levelling", name, np.where(mine, 1 - np.exp(-since / _LEVELLING), 0.0)[:, None], float(number))
+        yield Departure("excursion", name, _wave(seen, mine)[:, None], float(number))
+
+
+def _wave(seen: _Numbers, mine: NDArray[np.bool_]) -> Array:
+    """Return what comes and goes once while these numbers are taken, (m,), and nothing of it after the last of them."""
+    taken = mine & ~seen.to_come
+    begun, ended = float(seen.time[taken].min(initial=np.inf)), float(seen.time[taken].max(initial=-np.inf))
+    if not ended > begun:
+        return np.zeros(len(seen.time))
+    return np.where(taken, coming_and_going((seen.time - begun) / (ended - begun)), 0.0)
+
+
+def coming_and_going(shares: Array) -> Array:
+    """Return what comes and goes once in the course of a set-up, 0 to 1.  shares : of its time, 0 to 1"""
+    wave: Array = (1 - np.cos(2 * np.pi * shares)) / 2
+    return wave
+
+
+def _growths(observation: Observation, seen: _Numbers, setup: int) -> Iterator[Departure]:
+    """Yield the growth of each linear axis that a set-up moves, held at either end or in the middle."""
+    mine = seen.setup == setup
+    if len(np.unique(seen.reading[mine])) < _A_LINE or not np.ptp(seen.time[mine]) > 0:
+        return
+    wave = _wave(seen, mine)
+    axes, errors = observation.machine.axes, observation.errors
+    for k in observation.setups[setup].moves:
+        index = next((n for n, f in enumerate(errors.functions) if f.name == axes[k].positioning_error), None)
+        if axes[k].rotary or index is None or not np.any(np.abs(seen.effects[index][mine]) > _FELT):
+            continue
+        for held in np.linspace(*axes[k].travel, 3).tolist():
+            shown = seen.effects[index] * wave * (seen.poses[:, k] - held) / axes[k].length
+            yield Departure("growth", errors.functions[index].name, shown[:, None], held, setup=setup)
 
 
 def _jumps(seen: _Numbers, setup: int, number: int, name: str) -> Iterator[Departure]:

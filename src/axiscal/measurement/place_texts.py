@@ -15,6 +15,8 @@ from axiscal.units import to_unit
 
 _VALUE_COLUMNS = ("value_um", "value_urad", *(f"value_{name}_um" for name in ("x", "y", "z", *range(1, MOST + 1))))
 """Columns for values in a file of readings, in their order."""
+_TO_A_MICROMETRE = 6
+"""Decimals of m, or rad: a reading is told from others by less, and where it was taken stands in the list."""
 
 
 def shown_coordinate(value: float, axis: Axis) -> float:
@@ -40,7 +42,8 @@ def _coordinate(axis: Axis, shown: float) -> str:
 
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
     """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
-    place, number = place_text(axes, reading.pose, setup.moves), reading.numbered(index)
+    at = [round(value, _TO_A_MICROMETRE) for value in reading.pose]
+    place, number = place_text(axes, at, setup.moves), reading.numbered(index)
     if not place:
         return said('reading {number} in "{setup}"', number=number, setup=setup.name)
     return said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)

@@ -144,6 +144,7 @@ def posed(
         case.yardstick,
         lattice.within(keep),
         here,
+        read=_columns(case, [reading.place for reading in readings]),
     )
 
 

@@ -30,6 +30,8 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
     {
         "drift": later('a drift of "{owner}"'),
         "levelling": later('a drift of "{owner}"'),
+        "excursion": later('a zero of "{owner}" that comes and goes'),
+        "growth": later("a growth of {owner} that comes and goes"),
         "step": later("a step in {owner}"),
         "pitch": later("an error of {owner} within a turn of its screw"),
         "bump": later("a detail of {owner}"),
@@ -38,6 +40,25 @@ _WORDS: Mapping[Family, str] = MappingProxyType(
         "together": later("what two axes do together, {owner},"),
     }
 )
+_SHOWN_BY: Mapping[Family, str] = MappingProxyType(
+    {
+        "drift": later('The first places of "{owner}" read once more at its end would show a drift.'),
+        "levelling": later('The first places of "{owner}" read once more at its end would show a drift.'),
+        "excursion": later(
+            'The place of the turn of "{owner}" read once more at its end would show what comes and goes.'
+        ),
+        "growth": later(
+            "The place of the turn read once more at the end would show a growth of {owner} that comes and goes."
+        ),
+        "step": later("Readings in the widest gaps would show a step in {owner}."),
+        "pitch": later("Places out of step with the screw would show that in {owner}."),
+        "bump": later("Readings in the widest gaps would show a detail of {owner}."),
+        "detail": later("Readings in the widest gaps would show a detail of {owner}."),
+        "reversal": later("Places read from both sides, in more parts of the travel, would show that in {owner}."),
+        "together": later("Places spread over both axes would show {owner}."),
+    }
+)
+"""What shows a departure of which these readings would show no size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,13 +213,16 @@ def _shown_words(case: Case, found: Defence) -> str:
         named = said(_WORDS[each.family], owner=each.owner)
         alike[named] = max(alike.get(named, each), each, key=lambda one: one.seen_from)
     shown = [_limit(case, each) for each in alike.values()]
-    return counted(
+    never = next((each for each in list(alike.values())[:_NAMED] if not math.isfinite(each.seen_from)), None)
+    remedy = [] if never is None else [said(_SHOWN_BY[never.family], owner=never.owner)]
+    could = counted(
         "This {count} reading could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         "These {count} readings could not show {named}; what they can vouch for is a standard uncertainty of {size}.",
         found.readings,
         named=listed(", ", shown[:_NAMED]),
         size=size,
     )
+    return listed(" ", [could, *remedy])
 
 
 def enough_words(enough: Enough | None) -> str:
@@ -306,7 +330,7 @@ def _limit(case: Case, each: Departed) -> str:
 def _unit(case: Case, each: Departed) -> str:
     """Return the unit of the size of a departure."""
     setups = {setup.name: setup for setup in case.description.setups}
-    if each.owner in setups and each.family in ("drift", "levelling"):
+    if each.owner in setups and each.family in ("drift", "levelling", "excursion"):
         return _unit_read(setups[each.owner])
     if each.family == "together":
         return "um"

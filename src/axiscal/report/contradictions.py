@@ -20,6 +20,8 @@ from axiscal.units import said_quantity, to_unit
 _CODES = {
     "drift": "drift",
     "levelling": "drift",
+    "excursion": "drift",
+    "growth": "drift",
     "jump": "drift",
     "bad": "outlier",
     "scale": "prior-misfit",
@@ -73,7 +75,7 @@ def _how_surely(found: Comparison) -> str:
 
 def _described(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     """Return in words what may be, and what to do about it."""
-    if each.family in ("drift", "levelling", "jump", "bad"):
+    if each.family in ("drift", "levelling", "excursion", "jump", "bad"):
         return _of_setup(each, estimation)
     if each.family == "together":
         twist = "two axes seem to act together beyond the sum of their curves, a twist of {size} ({owner})"
@@ -99,6 +101,11 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
             reading=estimation.name_of(_with_number(int(each.place), estimation)),
         )
         return jumped, said("if it was set anew or knocked there, let what was read from there on be another set-up")
+    if each.family == "excursion":
+        gone = 'the zero of "{owner}" seems to have come and gone by {size} while it was read'
+        return said(gone, owner=each.owner, size=size), said(
+            "read when it is warm, out and back faster, and the place of the turn once more at the end"
+        )
     rate = f"{abs(to_unit(each.size, unit)):.2g} {unit}/h"
     remedy = said('state drift = "{rate}" in the set-up, or measure when it is warm', rate=rate)
     steady = 'the zero of "{owner}" seems to drift by {size} in an hour'
@@ -131,6 +138,9 @@ def _of_error(each: Explanation, estimation: Estimation) -> tuple[str, str]:
         )
     if each.family == "step":
         return said("{name} seems to step by {size} near {place}", **told), said("read closely on both sides of it")
+    if each.family == "growth":
+        what = "{name} seems to have grown by {size} over the travel and shrunk again while it was read"
+        return said(what, **told), said("let the axis warm up first, or read out and back faster")
     if each.family == "bump":
         remedy = said("read more densely there, and give it more knots")
         return said("{name} seems to have a bump of {size} near {place}", **told), remedy

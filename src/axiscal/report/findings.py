@@ -261,12 +261,18 @@ def _misfit(estimation: Estimation) -> Iterator[Finding]:
     if check is None or min(check.probability, 1 - check.probability) > _MISFIT:
         return
     size = float(np.sqrt(check.chi_square / check.degrees))
-    text = said(
-        "The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: the "
-        "bands are not to be trusted; review the std of the errors and the noise of the set-ups, or let "
-        'scales = "estimate" in the campaign learn them.',
-        size=size,
+    many = (
+        "The readings scatter {size:.2g} times as much about their predictions as the priors and the noise say: bands "
+        "that hold as stated would be too narrow by so much; review the std of the errors and the noise of the "
+        'set-ups, or let scales = "estimate" in the campaign learn them.'
     )
+    few = (
+        "The readings scatter only {size:.2g} times as much about their predictions as the priors and the noise say: "
+        "errors and noise are smaller than stated, and bands wider than they need be; or values are in another unit, "
+        "or divided, and the machine is worse than these bands say. Check the unit, then review std and noise, or let "
+        'scales = "estimate" in the campaign learn them.'
+    )
+    text = said(many if size > 1 else few, size=size)
     guess = said("Values about a thousand times too small (mm written as um?) look like that.")
     yield Finding("prior-misfit", None, listed(" ", [text, guess]) if size < _TINY else text)
 

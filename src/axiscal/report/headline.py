@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
-from axiscal.language.spoken import listed, resaid, said, spoken_now
+from axiscal.language.spoken import counted, listed, resaid, said, spoken_now
 from axiscal.report.drift_words import drift_words
 from axiscal.report.promises import Uncertainty
 from axiscal.report.sentences import figure, quantity, spelt
@@ -27,12 +27,13 @@ def conditions(case: Case) -> str:
     alone = [] if along == "xyz" else [said("counted along {way} alone", way=listed(" ", list(along)))]
     stated = any(setup.growth for setup in setups)
     warm = said("at 20 degC where a set-up states its temperature") if stated else said("as warm as when it was read")
-    return said(
+    return counted(
+        "for a tool of {tool}, over {volume}, {assumed}, of the one error that is described ({names})",
         "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
+        len(machine.error_names),
         tool=said_quantity(machine.tool, "mm", 4),
         volume=volume,
         assumed=listed(", ", [*alone, warm, *drift_words(setups)]),
-        count=len(machine.error_names),
         names=" ".join(machine.error_names),
     )
 
@@ -136,6 +137,11 @@ def first_lines(summary: Summary) -> str:
         rms=summary.rms_um,
         worst_rms=summary.worst_um,
     )
-    lines = [known, " ".join([along, *mixed_lines(summary)])]
+    vouched = (
+        "The readings can vouch for U = {vouched:.3g} um {where}; the figures of the next two lines are what the model "
+        "alone promises."
+    )
+    sure = [said(vouched, vouched=summary.vouched_u, where=in_space(found))] if summary.half_vouched else []
+    lines = [*sure, known, " ".join([along, *mixed_lines(summary)])]
     rest = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
     return "\n".join([*lines, *rest, *table_lines(summary)])

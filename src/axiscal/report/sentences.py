@@ -163,7 +163,7 @@ def target_text(value_um: float, target_um: float | None, unshown: float = 1.0, 
     if unshown * value_um <= target_um:
         return said("target {size}: reached", size=size)
     if as_seen:
-        return said("target {size}: reached in what readings can tell, not with what they cannot tell", size=size)
+        return said("target {size}: not reached; no allowed reading can take away what is above it", size=size)
     return said("target {size}: not reached", size=size)
 
 

@@ -16,6 +16,8 @@ from axiscal.report.plane_summary import PlaneSummary
 from axiscal.report.promises import CheckReadings, Linear, Uncertainty
 from axiscal.report.volume_error import VolumeError
 
+_AS_GOOD = 1.02
+"""What is larger by a fiftieth is printed alike."""
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
 
@@ -279,6 +281,16 @@ class Summary:
     def unshown_u(self) -> float:
         """The same of the expanded uncertainty, which may be of a wider distribution than the model."""
         return max(1.0, self.unshown * self.expanded.k / self.expanded.factor)
+
+    @property
+    def vouched_u(self) -> float:
+        """The expanded uncertainty that the readings can vouch for, um."""
+        return self.expanded.space * self.unshown_u
+
+    @property
+    def half_vouched(self) -> bool:
+        """Whether that is the figure to be signed, and what the model promises is not: by more than is printed."""
+        return self.verdict == "unchecked" and self.unshown_u > _AS_GOOD
 
     @property
     def withheld(self) -> bool:

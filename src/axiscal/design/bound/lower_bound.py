@@ -7,13 +7,15 @@ largest slope is looked for over the whole lattice.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from axiscal.accuracy.criterion import Root
 from axiscal.design.bound.certificate import Dual, rank_bound
-from axiscal.design.bound.open_zeros import groups, zeros_of
+from axiscal.design.bound.open_zeros import groups, zeros_each, zeros_of
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
@@ -33,6 +35,10 @@ _TURNS = 9
 """Turns over all candidates: of time. The bound rises by less and less."""
 _OF_DISTANCE = 0.05
 """Where the weights of all are sought, what the bound could still rise by, as a share of how far off the plan is."""
+_WIDE = 400
+"""Directions of the target up to which all count: of time."""
+_DROPPED = 1e-4
+"""Share of the J of a plan that others may make: the bound is lower by that at most, and weights are rougher."""
 _NOUGHT = 1e-300
 """No division by nought."""
 
@@ -58,11 +64,25 @@ def lower_bound(pool: Pool, state: Covariance, places: Places, costs: Array, lim
         return Bound(state.value, True)
     numbers = most_numbers(state, pool.lattice.setups, int(limit / costs.min() + 1e-9))
     by_rank = rank_bound(state, numbers)
-    relaxation = Relaxation(pool, state, places, costs, limit)
     reached = state.after_readings(places).value if len(places) else 0.0
+    relaxation = Relaxation(pool, with_main_directions(state, _DROPPED * reached), places, costs, limit)
     steps = list(_settling_of_all(relaxation, reached))
     best = max(0.0, *(step.bound(numbers) for step in steps), _by_groups(relaxation, steps[-1], reached))
     return Bound(by_rank, True) if by_rank >= best else Bound(best, False)
+
+
+def with_main_directions(state: Covariance, dropped: float, most: int = _WIDE) -> Covariance:
+    """Return a state whose J counts fewer directions of the target: it is at most so much lower, and never higher.
+
+    dropped : what J before the first reading may fall by, m²; most : directions up to which all are kept
+    J is a sum over the rows of Uᵀ V F with any rotation U; those of the least singular values are left out.
+    """
+    target = state.weighted
+    if len(target) <= most:
+        return state
+    values, turn = np.linalg.eigh(target @ target.T)
+    kept = np.cumsum(np.maximum(values, 0.0)) > dropped
+    return replace(state, root=Root(turn[:, kept].T @ state.root.matrix))
 
 
 def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:
@@ -71,21 +91,32 @@ def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:
     plan : J of a good one
     """
     everything, readings = whole.everything, int(whole.limit / whole.costs.min() + 1e-9)
-    least = np.inf
+    least, each = np.inf, zeros_each(whole.state, everything)
     for group in groups(everything.setups, readings):
         mine = np.isin(everything.setups, group)
         count = most_numbers(whole.state, group, int(whole.limit / whole.costs[mine].min() + 1e-9))
-        zeros = zeros_of(whole.state, everything, group)
+        zeros = zeros_of(each, group)
         if np.all(mine):
             least = last.dual.floor(last.spent, count, zeros)
             continue
         best = 0.0
-        for step in _settling_of_all(whole.within(mine), plan):
+        for step in _settling_of_some(whole, mine, plan):
             best = max(best, step.dual.floor(step.spent, count, zeros))
             if best >= least:
                 break
         least = min(least, best)
     return least if np.isfinite(least) else 0.0
+
+
+def _settling_of_some(whole: Relaxation, mine: NDArray[np.bool_], plan: float) -> Iterator[Round]:
+    """Yield what the weights that some have in the whole prove for plans from these alone, then bring their own.
+
+    Plans that use only some set-ups are mostly so much worse that the first is enough.
+    """
+    some = whole.within(mine)
+    dual = some.weighted_as(whole, mine).dual()
+    yield Round(dual, _slopes(some, dual)[1], last=True)
+    yield from _settling_of_all(some, plan)
 
 
 class Round(NamedTuple):

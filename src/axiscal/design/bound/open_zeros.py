@@ -8,6 +8,7 @@ by a share that is small where the zeros are wide.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -20,6 +21,10 @@ from axiscal.numerics import Array
 
 _MANY = 3
 """With more set-ups all ways to share are not tried; the bound holds, only less tight."""
+
+
+ZerosEach = Mapping[int, list[tuple[int, float]]]
+"""By set-up: the whitened column of each zero, and its variance over the largest of what else a reading shows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,10 +47,15 @@ def groups(setups: NDArray[np.intp], readings: int) -> list[tuple[int, ...]]:
     return [g for count in range(min(len(used), readings), 0, -1) for g in combinations(used, count)]
 
 
-def zeros_of(state: Covariance, lattice: Places, group: tuple[int, ...]) -> Zeros | None:
-    """Return the zeros of set-ups that are all used, as far as they are apart from what else is known before."""
+def zeros_each(state: Covariance, lattice: Places) -> ZerosEach:
+    """Return the zeros of each set-up, as far as they are apart from what else is known before."""
+    return {setup: _of_setup(state, lattice, setup) for setup in map(int, np.unique(lattice.setups))}
+
+
+def zeros_of(each: ZerosEach, group: tuple[int, ...]) -> Zeros | None:
+    """Return the zeros of set-ups that are all used.  each : of every set-up"""
     found: dict[int, float] = {}
-    for column, ratio in (zero for setup in group for zero in _of_setup(state, lattice, setup)):
+    for column, ratio in (zero for setup in group for zero in each[setup]):
         found[column] = min(ratio, found.get(column, ratio))  # set-ups that share a zero spend one reading on it
     if not found:
         return None
@@ -53,7 +63,7 @@ def zeros_of(state: Covariance, lattice: Places, group: tuple[int, ...]) -> Zero
 
 
 def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int, float]]:
-    """Return the whitened column of each zero, and its variance over the largest of what else a reading shows."""
+    """Return the zeros of a set-up, as in `ZerosEach`."""
     observation, found = state.observation, list[tuple[int, float]]()
     poses, approaches = lattice.of(setup)
     if not len(poses):

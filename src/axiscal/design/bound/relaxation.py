@@ -10,6 +10,7 @@ rest away. Those of other cells are known no better than before, so that no slop
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,18 @@ class Relaxation:
         self.support = np.flatnonzero(kept)[some.support[weighty]]
         self.weights = some.weights[weighty]
         self.weights = self.weights * (self.limit / float(self.costs[self.support] @ self.weights))
+
+    def weighted_as(self, whole: Relaxation, kept: NDArray[np.bool_]) -> Relaxation:
+        """Return the same, of `kept` (M + places,) of a whole, with the weights that they have there, scaled up.
+
+        Where none of them has any it begins as it does alone.
+        """
+        other, mine = copy(self), kept[whole.support] & (whole.weights > 0)
+        if mine.any():
+            other.support = (np.cumsum(kept) - 1)[whole.support[mine]]
+            other.weights = whole.weights[mine]
+            other.weights = other.weights * (self.limit / float(other.costs[other.support] @ other.weights))
+        return other
 
     def dual(self) -> Dual:
         """Return the matrix that the weights lead to as they stand."""

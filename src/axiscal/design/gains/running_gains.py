@@ -94,7 +94,7 @@ class Scores:
         other.members = list(self.members)
         other.above, other.below, other.joint = self.above.copy(), self.below.copy(), self.joint.copy()
         other._followed = None if self._followed is None else self._followed.copy()
-        other._rows, other._leavings = None, {}  # written in place
+        other._rows, other._noise, other._leavings = None, None, {}  # written in place
         return other
 
     @property
@@ -165,7 +165,10 @@ class Scores:
     def leave(self, slot: int) -> float:
         """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
         numbers, (state, change) = self._numbers(slot), self.known_without(slot)
-        cross, reach = (column @ change.turn.T for column in self._columns(slot))
+        if self._short:
+            cross, reach = np.hsplit(self._products(np.hstack([change.h, change.z])), 2)
+        else:
+            cross, reach = (column @ change.turn.T for column in self._columns(slot))
         here = change.turn @ reach[numbers]
         change = change._replace(omega=(here + here.T) / 2)
         self._changed(numbers, change, cross, reach)
@@ -178,15 +181,20 @@ class Scores:
         rows = self._padded(member)
         return self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
 
-    def scorer_without(self, change: LowRank) -> Scorer:
-        """Return the gains without a reading, as if no cell had been visited.  change : what its leaving would change
+    def columns_without(self, slots: Sequence[int]) -> Array:
+        """Return d (n, k) of each of several readings of one number: without it alone C is C + d dᵀ."""
+        return self.state.columns_without(self._stacked()[list(slots)], self._noises[list(slots)])
 
-        The factor without cells is found once for all readings until one of them moves.
-        """
+    def scorer(self) -> Scorer:
+        """Return the gains as if no cell had been visited, which are found once until a reading moves."""
         if self._bare is None or self._bare[0] is not self.state:
             self._bare = self.state, self.pool.scorer(self.state)
+        return self._bare[1]
+
+    def scorer_without(self, change: LowRank) -> Scorer:
+        """Return the same without a reading.  change : what its leaving would change"""
         columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
-        return self._bare[1].widened(columns, self.state.root.of(columns))
+        return self.scorer().widened(columns, self.state.root.of(columns))
 
     def close(self, slot: int) -> None:
         """Forget the slot of a reading that has left."""
@@ -259,7 +267,10 @@ class Scores:
 
     def losses(self) -> Array:
         """Return by how much J would rise were each reading of the plan not taken, (m,)."""
-        return np.array([float(np.sum(np.multiply(*self._leaving(s)))) for s in range(len(self.members))])
+        if not self.pool.scalar:
+            return np.array([float(np.sum(np.multiply(*self._leaving(s)))) for s in range(len(self.members))])
+        noise, mine = self._noises, slice(self.pool.count, None)
+        return np.asarray(self.above[mine] / np.maximum(2 * noise - self.below[mine], _SMALLEST * noise))
 
     def held_alone(self, slot: int) -> bool:
         """Whether unknowns would open beyond the digits of a double without a reading of several numbers.
@@ -325,10 +336,9 @@ class Scores:
 
     def _place(self, slot: int, place: Places, member: Member) -> None:
         """Put a reading into a slot, with room for as many numbers as it has."""
-        self._noise = None
         if slot == len(self.members):
             self.members.append(member)
-            self._starts, self.places = None, Places.joined([self.places, place])
+            self._noise, self._starts, self.places = None, None, Places.joined([self.places, place])
             self._room(self._numbers(slot))
             if self._rows is not None:
                 self._rows = np.concatenate([self._stacked(), self._padded(member)])
@@ -338,11 +348,14 @@ class Scores:
             self._cut(self._numbers(slot))
         self.members[slot], self.places = member, self.places.exchanged(slot, place)
         if not same:
-            self._rows, self._starts = None, None
+            self._rows, self._noise, self._starts = None, None, None
             self._room(self._numbers(slot))
-        elif self._rows is not None:
-            here = self._numbers(slot)
-            self._stacked()[here.start - self.pool.count : here.stop - self.pool.count] = self._padded(member)
+            return
+        numbers = self._numbers(slot)
+        here = slice(numbers.start - self.pool.count, numbers.stop - self.pool.count)
+        self._noises[here] = member.variance
+        if self._rows is not None:
+            self._stacked()[here] = self._padded(member)
 
     def _room(self, numbers: slice) -> None:
         at = np.full(numbers.stop - numbers.start, numbers.start)

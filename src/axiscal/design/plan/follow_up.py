@@ -6,16 +6,13 @@ enter first, each at its time, and those to come at the end of the time.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from types import MappingProxyType
-
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.task import Task, clock
-from axiscal.design.plan.watch import ShortWay, Watch, watch
+from axiscal.design.plan.watch import at_share, watch
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
@@ -32,12 +29,12 @@ def follow_up(task: Task, taken: Places, ends: Array, count: int, budget: float 
     """
     times = clock(task)
     last = float(ends[-1]) + count * float(times.reading.max())
-    later = _at(watch(task.observation, task.yardstick, task.lattice, taken, ends, "detail"), 1.0)
+    later = at_share(watch(task.observation, task.yardstick, task.lattice, taken, ends, "detail"), 1.0)
     scores = DefendedScores(
         Pool(task.observation, task.lattice, task.memory), task.state, later, task.yardstick, _SQUARINGS
     )
     for index, share in enumerate(_shares(taken, ends, last)):
-        scores.watched = _at(later, share)
+        scores.watched = at_share(later, share)
         scores.enter(taken.at(index))
     scores.watched = later
     cost = (times.reading + times.mounting / count)[task.lattice.setups]
@@ -46,13 +43,6 @@ def follow_up(task: Task, taken: Places, ends: Array, count: int, budget: float 
     order = in_order(task, scores.places.within(np.arange(len(taken), len(taken) + count)))
     spent = np.cumsum(seconds_each(task, order))
     return order if budget is None else order.within(np.flatnonzero(spent <= budget))
-
-
-def _at(watched: Watch, share: float) -> Watch:
-    """Return the same for readings at one share of the time of their set-up."""
-    nowhere = np.zeros((1, len(watched.observation.machine.axes)))
-    way = ShortWay(nowhere, np.array([share]))
-    return replace(watched, times=MappingProxyType(dict.fromkeys(range(len(watched.observation.setups)), way)))
 
 
 def _shares(taken: Places, ends: Array, last: float) -> list[float]:

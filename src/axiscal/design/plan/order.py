@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
-from axiscal.design.plan.out_and_back import out_and_back, returns
+from axiscal.design.plan.out_and_back import out_and_back, repeats, returns
 from axiscal.design.plan.task import Task
 from axiscal.measurement.place import Places
 from axiscal.measurement.time_taken import reading_seconds, short_way
@@ -102,20 +102,13 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
         here = task.here.poses[0]
         first = way_seconds(machine, setup, here, places.poses, approaches)
     if returns(setup):
-        return out_and_back(machine, setup, places, approaches, here)
-    once, again = _repeats(places)
+        taken = task.taken.within(task.taken.setups == places.setups[0])
+        before = np.column_stack([taken.poses, counting(task, taken)])
+        return out_and_back(machine, setup, places, approaches, here, before)
+    once, again = repeats(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
     order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
     return places.within(np.concatenate([once[order], again]))
-
-
-def _repeats(places: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first readings of all places, and those of a place once more: these come last, to show a drift."""
-    seen, first = set[tuple[float, ...]](), []
-    for row in np.column_stack([places.poses, places.approaches]).tolist():
-        first.append(tuple(row) not in seen)
-        seen.add(tuple(row))
-    return np.flatnonzero(first), np.flatnonzero(~np.array(first))
 
 
 def arriving(task: Task, order: Places) -> Array:

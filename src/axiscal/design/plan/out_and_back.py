@@ -3,6 +3,9 @@
 Read once along, a zero that moves steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. Read out and back,
 it is the difference of the two ways (ISO 230-2 reads so, too). Where the side counts, one side is read on the way out
 and the other on the way back: neither way then turns round before a place.
+
+What comes and goes on the way is the same on both ways, and looks like an error of the curve: a place that is read once
+more, or was read before this way, comes after it, and shows that.
 """
 
 from __future__ import annotations
@@ -25,18 +28,45 @@ def returns(setup: Setup) -> bool:
     return setup.chart is None and len(setup.moves) == 1
 
 
-def out_and_back(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> Places:
-    """Return the readings of such a set-up in the order of the shorter of both ways round, the rising one if equal.
+def out_and_back(
+    machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None, before: Array
+) -> Places:
+    """Return the readings of such a set-up out and back, and then, the same way, those of places once more.
 
     counted : (m, q) approaches, 0 where any side will do; here : (q,) where the machine stands if it is mounted
+    before : (t, 2 q) poses and approaches, as counted, of its readings that are taken already
     """
+    order = np.zeros(0, dtype=np.intp)
+    for part in repeats(np.column_stack([places.poses, counted]), before):
+        stands = places.poses[order[-1]] if len(order) else here
+        order = np.concatenate([order, part[_both_ways(machine, setup, places.within(part), counted[part], stands)]])
+    return places.within(order)
+
+
+def repeats(rows: Array, before: Array | None = None) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first readings of all places, and those of a place once more, which was read before perhaps.
+
+    rows : (m, p) poses and approaches; before : (t, p) of those that are taken already
+    """
+    seen, first = {tuple(row) for row in ([] if before is None else before.tolist())}, []
+    for row in rows.tolist():
+        first.append(tuple(row) not in seen)
+        seen.add(tuple(row))
+    new = np.array(first, dtype=bool)
+    return np.flatnonzero(new), np.flatnonzero(~new)
+
+
+def _both_ways(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> NDArray[np.intp]:
+    """Return the shorter of both ways round, the rising one if equal, (m,); arguments as of `out_and_back`."""
     at, sides = places.poses[:, setup.moves[0]], counted[:, setup.moves[0]]
     along = np.argsort(at, kind="stable")
     rises = _rises(setup, along, sides)
     out, back = along[rises[along]], along[~rises[along]][::-1]
     ways = [np.concatenate(way) for way in ((out, back), (back, out))]
+    if not len(along):
+        return along
     first, second = (_seconds(machine, setup, places.within(way), counted[way], here) for way in ways)
-    return places.within(ways[int(second < first - _LONGER)])
+    return ways[int(second < first - _LONGER)]
 
 
 def _rises(setup: Setup, along: NDArray[np.intp], sides: Array) -> NDArray[np.bool_]:

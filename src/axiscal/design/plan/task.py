@@ -27,7 +27,7 @@ class Task:
 
     belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
-    memory : bytes that the rows of the candidates may take
+    memory : bytes that the rows of the candidates may take; read : places of readings that are taken already
     """
 
     observation: Observation
@@ -37,6 +37,12 @@ class Task:
     lattice: Places
     here: Places | None = None
     memory: float = MEMORY
+    read: Places | None = None
+
+    @property
+    def taken(self) -> Places:
+        """Where readings were taken already."""
+        return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
 
     @property
     def state(self) -> Covariance:

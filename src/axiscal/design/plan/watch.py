@@ -11,15 +11,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 from types import MappingProxyType
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
-from axiscal.design.plan.out_and_back import returns
-from axiscal.estimation.defence import COUNTED, field, largest
-from axiscal.measurement.departures import IN_PLANS, Departure, departures, joint_shape, shape
+from axiscal.design.plan.out_and_back import repeats, returns
+from axiscal.estimation.defence import COUNTED, largest
+from axiscal.estimation.departed_volume import field
+from axiscal.measurement.departures import (
+    COME_AND_GO,
+    IN_PLANS,
+    Departure,
+    Family,
+    coming_and_going,
+    departures,
+    joint_shape,
+    shape,
+)
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
@@ -37,6 +47,8 @@ _PARTS = 1000
 
 
 Humps = Literal["bump", "detail"]
+ON_THE_WAY: frozenset[Family] = COUNTED - COME_AND_GO
+"""Families that places on a way out and back can show; what comes and goes on it, only what is read after it."""
 
 
 class OneWay(NamedTuple):
@@ -100,7 +112,10 @@ class Watch:
         parts, numbers, effects = [], self._numbers(places), self._effects(places)
         poses, shares = places.poses[numbers.owner], way_shares(self.observation, places, self.times)[numbers.owner]
         for each in self.departures:
-            if each.function is None:
+            if each.family == "growth":
+                mine = np.where(places.setups[numbers.owner] == each.setup, coming_and_going(shares), 0.0)
+                parts.append((mine * self._grown(each, effects, poses))[:, None])
+            elif each.function is None:
                 parts.append(self._drift(each, places.setups[numbers.owner], numbers.which, shares))
             elif each.pair is not None:
                 along = joint_shape(each.place, each.pair, self.observation.machine.axes, poses)
@@ -132,8 +147,19 @@ class Watch:
         """Return the column of a drift.  setups, which, shares : of each number, (numbers,)"""
         names = np.array([setup.name == each.owner for setup in self.observation.setups])
         mine = names[setups] & (which == int(each.place))
-        drifted = shares if each.family == "drift" else (1 - np.exp(-3 * shares)) / (1 - np.exp(-3.0))
+        drifted = shares
+        if each.family == "levelling":
+            drifted = (1 - np.exp(-3 * shares)) / (1 - np.exp(-3.0))
+        if each.family == "excursion":
+            drifted = coming_and_going(shares)
         return np.where(mine, drifted, 0.0)[:, None]
+
+    def _grown(self, each: Departure, effects: Array, poses: Array) -> Array:
+        """Return what a growth of one axis adds at its height.  effects : (terms, numbers); poses : (numbers, q)"""
+        index = next(n for n, f in enumerate(self.observation.errors.functions) if f.name == each.owner)
+        k = self.observation.errors.functions[index].axis
+        grown: Array = effects[index] * (poses[:, k] - each.place) / self.observation.machine.axes[k].length
+        return grown
 
 
 def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
@@ -149,9 +175,18 @@ def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
             (k,) = watched.observation.setups[index].moves
             share = _shares(ends[mine])
             out = _on_the_way_out(watched.observation, index, order.within(mine))
-            passes = [_pass(order.poses[mine, k][part], share[part]) for part in (out, ~out)]
+            first, _ = repeats(np.column_stack([order.poses[mine], order.approaches[mine]]))
+            once = np.isin(np.arange(len(mine)), first)
+            passes = [_pass(order.poses[mine, k][part & once], share[part & once]) for part in (out, ~out)]
             times[index] = RoundTrip(*(new or old for new, old in zip(passes, evenly, strict=True)))
     return replace(watched, times=MappingProxyType(times))
+
+
+def at_share(watched: Watch, share: float) -> Watch:
+    """Return the same for readings at one share of the time of their set-up."""
+    nowhere = np.zeros((1, len(watched.observation.machine.axes)))
+    way = ShortWay(nowhere, np.array([share]))
+    return replace(watched, times=MappingProxyType(dict.fromkeys(range(len(watched.observation.setups)), way)))
 
 
 def _pass(at: Array, share: Array) -> OneWay | None:
@@ -179,15 +214,17 @@ def watch(
     order: Places,
     ends: Array,
     humps: Humps = "bump",
+    families: frozenset[Family] = ON_THE_WAY,
 ) -> Watch:
     """Return what readings at the places of a lattice are to be watched for.
 
     lattice : the candidates; order : readings of a plan, from which the way is known where several axes move
     ends : (m,) when each of them ends, s; humps : which of both, readings that would show every detail show the bumps
+    families : that are watched for
     """
     known: dict[int, RoundTrip | ShortWay] = {**_evenly(observation), **_on_short_ways(observation, order, ends)}
     times: Times = MappingProxyType(known)
-    sought = COUNTED - set(get_args(Humps)) | {humps}
+    sought = families - {"bump", "detail"} | {humps}
     found = _thinned([each for each in _departures(observation, lattice, times) if each.family in sought])
     found = sorted(found, key=lambda each: each.columns.shape[1])
     fields = [
@@ -230,7 +267,8 @@ def _departures(observation: Observation, lattice: Places, times: Times) -> Sequ
     ]
     names = {setups[index].name for index in times}
     possible = takewhile(lambda each: each.family != "bad", departures(observation, readings, IN_PLANS))
-    return [each for each in possible if each.function is not None or each.owner in names]
+    told = [each for each in possible if each.setup is None or each.setup in times]
+    return [each for each in told if each.function is not None or each.setup is not None or each.owner in names]
 
 
 def _evenly(observation: Observation) -> dict[int, RoundTrip]:

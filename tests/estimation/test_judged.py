@@ -1,0 +1,185 @@
+"""Which readings cannot be, one by one and at once; what is taken for an interval; how a mixture and a zero stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from axiscal.belief import Belief
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.case import Case, Inherited, Rival
+from axiscal.estimation.displayed import displayed
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.judged import Judged, judged, judged_at_once
+from axiscal.estimation.machine_estimate import Estimate, rest_means
+from axiscal.estimation.membership import membership
+from axiscal.estimation.zero_drift import paths
+from axiscal.inference.intervals import sited
+from axiscal.inference.outliers import Doubt, Verdict
+from axiscal.measurement.drift import wandering
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from tests.generators.campaigns import mixed
+from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
+
+COARSE = 'resolution = "20 um"\n'
+
+
+def case_with(laser: str = "", head: str = "") -> Case:
+    """Return the axis with more said of its laser, or of the campaign."""
+    return Case(campaign_from_texts(f"{head}\n{CAMPAIGN}{laser}", "c.toml", MACHINE, "m"))
+
+
+def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
+    """Return readings of a machine, some off by so much, m."""
+    return [replace(r, value=r.value + slips.get(i, 0.0)) for i, r in enumerate(read(machine(2), count))]
+
+
+@pytest.mark.parametrize("together", [1, 3, 20])
+def test_a_reading_that_cannot_be_is_judged_by_those_before_it_however_they_come(together: int) -> None:
+    readings, known = with_slips(20, {7: 1e-3, 13: -2e-3}), Judged.none(CASE)
+    for stop in range(together, 20 + together, together):
+        known = judged(readings[:stop], known)
+    assert list(known.implausible) == [7, 13]
+    for index, doubt in known.implausible.items():
+        assert (doubt.reading, doubt.implausible, doubt.rejected) == (index, True, True)
+        assert doubt.surprise == known.plausibility.sizes[index] > 12
+    assert len(known.plausibility.sizes) == 20
+    assert list(judged_at_once(CASE, readings).implausible) == [7, 13]
+
+
+def test_one_that_somebody_insists_on_is_believed() -> None:
+    readings = with_slips(20, {7: 1e-3})
+    readings[7] = replace(readings[7], accepted=True)
+    assert judged(readings, Judged.none(CASE)).implausible == {}
+    assert judged_at_once(CASE, readings).implausible == {}
+
+
+def test_a_wrong_first_reading_is_found_once_all_are_there() -> None:
+    """While it is the only one the zero, open by a millimetre, may be anywhere; then it is far from all others."""
+    readings = with_slips(20, {0: 2e-3})
+    assert judged(readings[:1], Judged.none(CASE)).implausible == {}
+    assert list(judged_at_once(CASE, readings).implausible) == [0]
+
+
+def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
+    """A reading 40 of their stds away: no error of the stated size makes it, one that is four times as large does."""
+    learning = case_with(head='scales = "estimate"')
+    readings = with_slips(20, {11: 400e-6})
+    assert list(judged(readings, Judged.none(CASE)).implausible) == [11]
+    assert judged(readings, Judged.none(learning)).implausible == {}
+    (stated, wide) = (Judged.none(each).plausibility.covariance for each in (CASE, learning))
+    assert wide == pytest.approx(16 * stated)
+
+
+def test_what_was_inherited_is_what_readings_are_judged_by() -> None:
+    size = CASE.errors.size
+    mean = np.linspace(1e-6, 9e-6, size)
+    assert np.array_equal(Judged.none(replace(CASE, inherited=Inherited(mean, np.eye(size)))).plausibility.mean, mean)
+    assert not Judged.none(CASE).plausibility.mean.any()
+
+
+def test_readings_of_a_fine_display_are_left_as_they_are() -> None:
+    readings = read(machine(3), 12)
+    known = absorbed(Absorbed.nothing(CASE), readings, {})
+    assert displayed(known, readings, {}) is known
+
+
+def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surprises_of_before() -> None:
+    case = case_with(COARSE)
+    readings = [replace(r, value=20e-6 * round(r.value / 20e-6)) for r in read(machine(3), 12)]
+    readings[5] = replace(readings[5], value=0.9)
+    doubt = {5: Doubt(5, 1e4, 0.0, True)}
+    known = absorbed(Absorbed.nothing(case), readings, doubt)
+    found = displayed(known, readings, doubt)
+    kept = [r for i, r in enumerate(readings) if i != 5]
+    expected = absorbed(Absorbed.nothing(case), sited(case.observation, kept), {})
+    size = case.errors.size
+    assert found.knowledge.belief.mean[:size] == pytest.approx(expected.knowledge.belief.mean[:size], abs=1e-10)
+    one, other = (each.knowledge.belief.covariance[:size, :size] for each in (found, expected))
+    assert np.abs(one - other).max() < 1e-6 * other.max()
+    assert found.innovations is known.innovations
+    assert np.abs(one - known.knowledge.belief.covariance[:size, :size]).max() > 1e-3 * other.max()
+
+
+def test_where_chips_are_expected_no_other_weight_doubts_a_reading() -> None:
+    readings = read(machine(3), 6)
+    readings[3] = replace(readings[3], std=1e-6)  # it says itself how well it is known
+    verdict = Verdict((), (1.0, 0.5, 1.0, 0.3, 1.0, 0.25))
+    for laser, weights in (('one_sided = "+ 10 um"\n', (1.0, 1.0, 1.0, 0.3, 1.0, 1.0)), (COARSE, verdict.weights)):
+        known = absorbed(Absorbed.nothing(case_with(laser), verdict), readings, {})
+        assert displayed(known, readings, {}).verdict.weights == weights
+
+
+def test_a_mixture_has_the_moments_of_its_parts() -> None:
+    readings, size = read(machine(1), 10), CASE.errors.size
+    stated = CASE.errors.prior_covariance()
+    told = ((1.0, 0.4, 0.0), (0.2, 0.3, 1e-6), (2.0, 0.3, -1e-6))
+    rivals = tuple(Rival(str(factor), share, Inherited(np.full(size, shift), factor * stated))
+                   for factor, share, shift in told)  # fmt: skip
+    case = replace(CASE, rivals=rivals, inherited=rivals[0].belief)
+    parts = [absorbed(Absorbed.nothing(side), readings, {}).knowledge.belief for side in case.sides]
+    found = membership(case, absorbed(Absorbed.nothing(case.sides[0]), readings, {}), readings, {})
+    mean = sum(share * part.mean for share, part in zip(found.shares, parts, strict=True))
+    covariance = sum(
+        share * (part.covariance + np.outer(part.mean - mean, part.mean - mean))
+        for share, part in zip(found.shares, parts, strict=True)
+    )
+    assert sum(found.shares) == pytest.approx(1.0)
+    assert min(found.shares) > 1e-6
+    assert found.belief.mean == pytest.approx(mean, abs=1e-12)
+    assert np.abs(found.belief.covariance - covariance).max() < 1e-9 * np.abs(covariance).max()
+    assert found.count == 10
+    assert found.likeliest == int(np.argmax(found.shares))
+    assert found.sister == pytest.approx(found.shares[0] + found.shares[1])
+    none = membership(case, Absorbed.nothing(case.sides[0]), [], {})
+    assert none.shares == pytest.approx([0.4, 0.3, 0.3])
+
+
+def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_nothing() -> None:
+    case = Case(campaign_from_texts(CAMPAIGN.replace('drift = "0 um/h"', 'drift = "6 um/h"'), "c.toml", MACHINE, "m"))
+    readings = [replace(r, time=240.0 * i) for i, r in enumerate(read(machine(1), 16))]
+    known = estimated(case, readings)
+    setup = case.description.setups[0]
+    (path,) = paths(known, setup)
+    times = [240.0 * i for i in range(16)]
+    assert path.times.tolist() == times
+    rate = 6e-6 / 3600
+    prior = [float(np.sqrt(wandering(rate, [time])[0, 0])) for time in times]
+    assert path.prior == pytest.approx(prior, rel=1e-9)
+    assert (path.mean[0], path.std[0]) == (0.0, 0.0)
+    belief, ((_, course),) = known.banded.knowledge.belief, known.banded.knowledge.observation.courses.items()
+    columns = list(course.columns)
+    rows = course.rows(np.array(times))
+    assert path.mean == pytest.approx(rows @ belief.mean[columns])
+    assert path.std**2 == pytest.approx(np.diag(rows @ belief.covariance[np.ix_(columns, columns)] @ rows.T), abs=1e-20)
+    assert 0 < path.std[-1] < path.prior[-1]
+    assert paths(estimated(CASE, readings), CASE.description.setups[0]) == []
+
+
+@pytest.mark.parametrize(("left", "seen"), [(0.94, True), (0.96, False)])
+def test_a_shape_is_seen_where_its_standard_deviation_is_less_by_a_twentieth(left: float, seen: bool) -> None:
+    errors = CASE.errors
+    belief = Belief(np.zeros(errors.size), left**2 * errors.prior_covariance())
+    estimate = Estimate(errors, belief, ((0.0, 1.0),))
+    rows = errors.names["EXX"].basis.rows(np.linspace(0, 1, 9))
+    rows = np.hstack([rows, np.zeros((9, errors.size - rows.shape[1]))])
+    assert estimate.sees(rows) == seen
+    assert not estimate.sees(np.tile(rows[:1], (9, 1)))
+
+
+def test_rests_that_were_read_are_those_of_displacements_by_cell() -> None:
+    errors = mixed().errors
+    flat, tilt = (next(i for i, term in enumerate(errors.terms) if term.name == name) for name in ("EYX", "EBX"))
+    cells = {(flat, 1): 40, (tilt, 1): 41, (flat, 3): 42, (tilt, 0): 43}
+    observation = cast("Observation", SimpleNamespace(errors=errors, cells=cells))
+    found = rest_means(observation, 1e-6 * np.arange(50.0))
+    assert list(found) == [flat]
+    expected = np.zeros(errors.terms[flat].cell_count)
+    expected[[1, 3]] = [40e-6, 42e-6]
+    assert found[flat] == pytest.approx(expected)

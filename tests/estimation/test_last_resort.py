@@ -1,0 +1,169 @@
+"""What of a verdict follows from few numbers: the last resort's factor, the mixture's belief, a curve's change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from axiscal.belief import Belief, Innovations
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.bands import Banded
+from axiscal.estimation.case import Case
+from axiscal.estimation.changes import _change
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import drifted
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.located import _towards
+from axiscal.estimation.membership import Membership
+from axiscal.estimation.ruled import _belief, _inflation
+from axiscal.estimation.uncertain import as_standard, expanded_uncertainty
+from axiscal.inference.averaging import Average
+from axiscal.inference.contradiction import Comparison, Explanation
+from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
+
+
+def inflated(squares: Sequence[float], odds: Sequence[float] = (), model: float = 0.1) -> float:
+    """Return the factor of the last resort.
+
+    squares : of the surprises, one for each reading; odds : of explanations; model : the share that it holds
+    """
+    surprises = tuple(Innovations(np.array([np.sqrt(each)]), np.ones(1)) for each in squares)
+    explanations = tuple(Explanation("step", "EXX", 0.5, each, 0.0, 0.0) for each in odds)
+    known = cast("Estimation", SimpleNamespace(innovations=surprises))
+    mixture = cast("Average", SimpleNamespace(model=model))
+    return _inflation(known, Comparison(explanations, 30.0, 30.0), mixture)
+
+
+def test_where_nothing_is_believed_variances_are_as_many_times_larger_as_surprises_are() -> None:
+    squares = [1.0, 4.0, 9.0, 16.0, 25.0]
+    assert inflated(squares) == pytest.approx(11.0)
+    assert inflated([each / 100 for each in squares]) == 1.0
+    assert inflated(squares[:4]) == 1.0
+    two = Innovations(np.array([3.0, 4.0]), np.ones(2))
+    several = cast("Estimation", SimpleNamespace(innovations=(two, two, two)))
+    none = cast("Average", SimpleNamespace(model=0.0))
+    assert _inflation(several, Comparison((), 30.0, 30.0), none) == pytest.approx(75.0 / 6)
+
+
+@pytest.mark.parametrize(
+    ("odds", "model", "believed"),
+    [
+        ((), 0.51, True),
+        ((), 0.50, False),
+        ((1.1,), 0.1, True),
+        ((0.9,), 0.1, False),
+        ((1.0, 1.9), 0.1, False),
+        ((1.0, 2.1), 0.1, True),
+        ((1.0, 1.0, 1.0), 0.1, False),
+    ],
+)
+def test_an_explanation_is_believed_from_more_than_half_on_among_all_and_the_model(
+    odds: tuple[float, ...], model: float, believed: bool
+) -> None:
+    assert (inflated([25.0] * 6, odds, model) == 1.0) == believed
+
+
+def test_a_mixtures_belief_is_moved_widened_and_inflated_in_that_order() -> None:
+    rng = np.random.default_rng(4)
+    root = rng.standard_normal((5, 5))
+    belief, added, moved = Belief(rng.standard_normal(5), root @ root.T), rng.standard_normal((3, 2)), np.arange(3.0)
+    expected = root @ root.T
+    expected[:3, :3] += added @ added.T
+    found, still = _belief(belief, moved, added, 2.5), _belief(belief, None, added, 1.0)
+    assert found.covariance == pytest.approx(2.5 * expected)
+    assert found.mean == pytest.approx([*(belief.mean[:3] + moved), *belief.mean[3:]])
+    assert still.covariance == pytest.approx(expected)
+    assert still.mean == pytest.approx(belief.mean)
+    assert belief.covariance == pytest.approx(root @ root.T)
+
+
+def banded_with(seed: int, rest: float = 0.3e-6) -> Banded:
+    """Return a belief of the axis whose curve is any."""
+    rng, case = np.random.default_rng(seed), CASE.with_rests({"EXX": rest})
+    size = case.knowledge.belief.size
+    root = 1e-6 * rng.standard_normal((size, size))
+    return Banded(case, Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T)))
+
+
+def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() -> None:
+    before, now = banded_with(1), banded_with(2, 0.5e-6)
+    function = now.case.errors.names["EXX"]
+    found = _change(before, now, function)
+    means, covariances = [], []
+    for each, rest in ((before, 0.3e-6), (now, 0.5e-6)):
+        own = each.case.errors.names["EXX"]
+        rows = own.basis.rows(function.basis.control_positions)
+        covariance = each.knowledge.belief.covariance[own.columns, own.columns]
+        means.append(rows @ each.knowledge.belief.mean[own.columns])
+        covariances.append(rows @ covariance @ rows.T + rest**2 * np.eye(len(rows)))
+    difference = means[1] - means[0]
+    square = difference @ np.linalg.solve(covariances[0] + covariances[1], difference)
+    assert found.chance == pytest.approx(stats.chi2(len(difference)).sf(square), rel=1e-6)
+    beside = difference - np.mean(difference)
+    worst = int(np.argmax(np.abs(beside)))
+    assert found.size == pytest.approx(beside[worst])
+    assert found.position == pytest.approx(function.basis.control_positions[worst])
+    assert (found.name, found.angular, found.rotary) == ("EXX", False, False)
+    single = _change(before, now, now.case.errors.names["EXX_reversal"])
+    moved = now.knowledge.belief.mean - before.knowledge.belief.mean
+    assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
+
+
+def test_what_is_left_of_a_curve_is_a_share_of_it_and_the_rest_anew() -> None:
+    """By drawing: x' = ρ x + √(1 − ρ²) x₀ with x of what was known and x₀ of what is stated."""
+    rng, kept = np.random.default_rng(5), 0.8
+    before = banded_with(3)
+    size = CASE.errors.size
+    mean, covariance = before.knowledge.belief.mean[:size], before.knowledge.belief.covariance[:size, :size]
+    stated = CASE.errors.prior_covariance()
+    found = drifted(SimpleNamespace(mean=mean, covariance=covariance), stated, kept)  # type: ignore[arg-type]
+    old = rng.multivariate_normal(mean, covariance, 40_000, check_valid="ignore")
+    new = rng.multivariate_normal(np.zeros(size), stated, 40_000, check_valid="ignore")
+    drawn = kept * old + np.sqrt(1 - kept**2) * new
+    assert found.mean == pytest.approx(drawn.mean(axis=0), abs=2e-7)
+    assert np.sqrt(np.diag(found.covariance)) == pytest.approx(drawn.std(axis=0), rel=0.03)
+
+
+def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_today() -> None:
+    known = concluded(CASE, read(machine(1), 24))
+    now = expanded_uncertainty(known)
+    knowledge = known.banded.knowledge
+    rms = known.case.yardstick.measure(knowledge.belief).rms
+    assert as_standard(known.banded.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
+    assert as_standard(known.banded.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
+    assert 1.9 < now.space / rms < 3.0
+
+
+def test_a_round_goes_a_share_of_the_way_from_where_readings_are_linear() -> None:
+    count = CASE.errors.size + len(CASE.observation.unknowns)
+    mean = np.arange(count + 3.0)
+    assert _towards(CASE, mean, 1.0) == pytest.approx(mean)
+    assert _towards(CASE, mean, 0.5)[:count] == pytest.approx(0.5 * mean[:count])
+    assert _towards(CASE, mean, 0.5)[count:] == pytest.approx(mean[count:])
+    about = CASE.linear_about(np.ones(count))
+    assert _towards(about, mean, 0.25)[:count] == pytest.approx(1.0 + 0.25 * (mean[:count] - 1.0))
+
+
+@pytest.mark.parametrize(
+    ("rms", "worst", "all_of_them"), [("3 um", "", False), ("30 um", "", True), ("0.1 um", "40 um", True)]
+)
+def test_a_plan_is_by_the_likeliest_belief_until_that_is_good_enough(rms: str, worst: str, all_of_them: bool) -> None:
+    text = CAMPAIGN.replace('rms = "3 um"', f'rms = "{rms}"' + (f'\nworst = "{worst}"' if worst else ""))
+    case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
+    known = estimated(case, read(machine(1), 3))
+    assert known.to_plan_by is known.knowledge
+    wider = Belief(known.knowledge.belief.mean, 2 * known.knowledge.belief.covariance)
+    member = Membership((), np.array([0.3, 0.6, 0.1]), 3, wider)
+    assert member.likeliest == 1
+    assert member.sister == pytest.approx(0.9)
+    beside = replace(known, membership=member)
+    assert beside.whole is wider
+    assert (beside.to_plan_by.belief is wider) == all_of_them
+    assert (beside.to_plan_by is beside.knowledge) == (not all_of_them)

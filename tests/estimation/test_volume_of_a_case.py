@@ -1,0 +1,135 @@
+"""What a case measures over, what is seen of it from which sides, and what each source leaves of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.accuracy.part import POSES
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.budget import budget
+from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.checks import checked
+from axiscal.estimation.estimate import concluded
+from axiscal.inference.reading_set import ReadingSet
+from axiscal.measurement.reading_rows import seen
+from tests.generators.campaigns import drawn, mixed
+from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
+
+
+def aligned() -> Case:
+    """Return the mill with a part that is aligned before it is machined."""
+    case = mixed()
+    target = replace(case.description.target, aligned=True)
+    return Case(replace(case.description, target=target))
+
+
+def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> None:
+    case, box = aligned(), mixed()
+    sample = case.yardstick.sample
+    assert sample is not None
+    assert sample.shape == (POSES, 3)
+    assert box.yardstick.sample is None
+    assert box.yardstick.alignment is None
+    assert case.yardstick.alignment is not None
+    low, high = np.array(case.description.target.volume).T
+    share = (sample - low) / (high - low)
+    assert np.all((share >= 0) & (share <= 1))
+    assert share.mean(axis=0) == pytest.approx(0.5, abs=0.005)
+    assert share.std(axis=0) == pytest.approx(1 / np.sqrt(12), abs=0.005)
+    assert np.corrcoef(share.T) - np.eye(3) == pytest.approx(0.0, abs=0.03)
+
+
+def test_what_is_left_of_a_part_that_is_aligned_is_less_than_of_the_box() -> None:
+    """A shift and a turn of the whole volume are no errors then, so that less is open before any reading."""
+    whole, part = (case.yardstick.measure(case.prior).rms for case in (mixed(), aligned()))
+    assert part < 0.95 * whole
+
+
+def test_from_both_sides_more_is_seen_than_from_one() -> None:
+    text = CAMPAIGN.replace('approach = "both"', 'approach = "+"')
+    case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
+    reversal = case.errors.names["EXX_reversal"].columns
+    plus_x, both = (each._allowed_rows() for each in (case, replace(case, both=frozenset({"laser"}))))
+    assert np.unique(np.sign(plus_x[:, reversal])).tolist() == [1.0]
+    assert np.unique(np.sign(both[:, reversal])).tolist() == [-1.0, 1.0]
+    noise = np.hypot(0.5e-6, case.errors.names["EXX"].rest)
+    curve = case.errors.names["EXX"].columns
+    expected = case.errors.names["EXX"].basis.rows(case.lattice.poses[:, 0]) / noise
+    assert np.abs(plus_x[:, curve]) == pytest.approx(np.abs(expected), abs=1e-6 / noise)
+
+
+def test_lengths_are_shown_in_micrometres_and_turns_in_microradians() -> None:
+    case = mixed()
+    shown = {
+        unknown.name: case.unit_of(setup, unknown) for setup in case.description.setups for unknown in setup.unknowns
+    }
+    assert shown
+    assert set(shown.values()) == {"um"}
+
+
+@pytest.mark.parametrize("moved", [0.0, 4e-6])
+def test_checks_are_predicted_with_what_an_earlier_campaign_knew(moved: float) -> None:
+    """What was known adds to the prediction: taken off the readings and off the prior nothing is left to tell."""
+    size = CASE.errors.size
+    mean = moved * np.sin(np.arange(size))
+    covariance = CASE.errors.prior_covariance()
+    readings = read(machine(4), 20)
+    numbers = ReadingSet(CASE.observation, readings)
+    without = plus(readings, -(numbers.rows[:, :size] @ mean))
+    found = checked(replace(CASE, inherited=Inherited(mean, covariance)), readings, 1e-6)
+    expected = checked(replace(CASE, inherited=Inherited(np.zeros(size), covariance)), without, 1e-6)
+    assert found is not None
+    assert expected is not None
+    assert found.found == pytest.approx(expected.found, rel=1e-9)
+    assert found.chance == pytest.approx(expected.chance, rel=1e-9)
+
+
+def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
+    """By the gain K of all readings: V (I − KH) B with B Bᵀ the part of the prior, noise by V K of its readings."""
+    case = mixed()
+    known = concluded(case, drawn(case, 30))
+    observation, size = known.knowledge.observation, case.errors.size
+    numbers = seen(observation, known.readings)
+    prior = observation.prior_covariance()
+    noise = numbers.variances / np.array(known.stages.absorbed.weights(0, 30, {}))[numbers.reading]
+    gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + np.diag(noise))
+    tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
+    tool[:, :size] = case.yardstick.root.matrix
+    kept = tool @ (np.eye(len(prior)) - gain @ numbers.rows)
+
+    def of(columns: Sequence[int]) -> float:
+        own = prior[np.ix_(columns, columns)]
+        left = kept[:, list(columns)]
+        return float(np.sqrt(np.trace(left @ own @ left.T)))
+
+    found = {(share.kind, share.setup): share.rms for share in budget(known)}
+    for name in ("probe", "nest"):
+        mine = np.array([known.readings[int(i)].setup == name for i in numbers.reading])
+        passed = tool @ gain[:, mine] * np.sqrt(noise[mine])
+        assert found["instrument", name] == pytest.approx(float(np.linalg.norm(passed)), rel=1e-4)
+    unknowns = range(size, size + len(observation.unknowns))
+    drifts = sorted({column for course in observation.courses.values() for column in course.columns})
+    cells = sorted(observation.cells.values())
+    assert len(drifts) + len(cells) + len(unknowns) + size == len(prior)
+    assert found["set-up", ""] == pytest.approx(of(unknowns), rel=1e-4)
+    assert found["drift", ""] == pytest.approx(of(drifts), rel=1e-4)
+    rest = case.yardstick.moments.rest
+    assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
+    never = float(np.linalg.norm(case.yardstick.root.matrix @ case.yardstick.unseen))  # shifts that do not count too
+    assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)
+    assert found["unseen", ""] == pytest.approx(case.yardstick.unseen_rms)
+    assert (found["temperature", ""], found["artefact", ""]) == (0.0, 0.0)
+
+
+def test_before_the_first_reading_all_is_prior_but_for_detail_and_what_nothing_sees() -> None:
+    case = mixed()
+    found = {share.kind: share.rms for share in budget(concluded(case, []))}
+    whole = case.yardstick.measure(case.prior).rms
+    rest, unseen = np.sqrt(case.yardstick.moments.rest), case.yardstick.unseen_rms
+    assert found == pytest.approx(
+        {"detail": rest, "unseen": unseen, "prior": np.sqrt(whole**2 - rest**2 - unseen**2)}, rel=1e-9
+    )
