@@ -17,14 +17,14 @@ from axiscal.measurement.reading import Reading
 from axiscal.report.verdict import verdict_words
 from axiscal.simulation import Simulator
 from benchmarks.trust.benches import case_of, visits
-from tests.generators.laser_axis import CASE, machine, read
+from tests.generators.laser_axis import CASE, closed, machine, read
 
 
 @pytest.fixture(scope="module")
 def gapped() -> Estimation:
     """Return what is known from readings of which none was taken in a fifth of the travel."""
     taken = [each for each in read(machine(5), 28) if not 0.4 < each.pose[0] < 0.62]
-    return ruled(concluded(CASE, taken))
+    return ruled(concluded(CASE, closed(taken)))
 
 
 def asked(rms: float, unchecked: bool = False) -> Target:

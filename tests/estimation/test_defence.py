@@ -23,7 +23,7 @@ from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.simulation import Simulator
-from tests.generators.laser_axis import MACHINE
+from tests.generators.laser_axis import MACHINE, closed
 
 CAMPAIGN = """machine = "m"
 [target]
@@ -58,16 +58,6 @@ def readings(count: int = 20, seconds: float = 60.0) -> list[Reading]:
     out, back = along[::2], along[1::2][::-1]
     places = [(float(x), 1) for x in out] + [(float(x), -1) for x in back]
     return [Reading("laser", (x,), (side,), 0.0, time=seconds * i) for i, (x, side) in enumerate(places)]
-
-
-def closed(taken: list[Reading]) -> list[Reading]:
-    """Return readings out and back, and then one half way and one at the turn once more: nothing comes and goes."""
-    out, (before, last) = [each for each in taken if each.approach == (1,)], taken[-2:]
-    apart = (last.time or 0.0) - (before.time or 0.0)
-    again = [
-        replace(each, time=(last.time or 0.0) + apart * i) for i, each in enumerate([out[len(out) // 2], out[-1]], 1)
-    ]
-    return [*taken, *again]
 
 
 def of_family(family: str, taken: list[Reading], place: int = 0) -> Departure:

@@ -52,6 +52,21 @@ def read(drawn: VirtualMachine, count: int) -> list[Reading]:
     ]
 
 
+def closed(taken: list[Reading]) -> list[Reading]:
+    """Return readings out and back, and then one half way and one at the turn once more: nothing comes and goes."""
+    out, (before, last) = [each for each in taken if each.approach == (1,)], taken[-2:]
+    apart = (last.time or 0.0) - (before.time or 0.0)
+    again = [
+        replace(each, time=(last.time or 0.0) + apart * i) for i, each in enumerate([out[len(out) // 2], out[-1]], 1)
+    ]
+    return [*taken, *again]
+
+
+def in_two_rounds(taken: Sequence[Reading]) -> list[Reading]:
+    """Return readings out and back with every other one in a second round: what comes and goes in one is not in both."""
+    return [replace(each, time=60.0 * index) for index, each in enumerate([*taken[::2], *taken[1::2]])]
+
+
 def plus(readings: Sequence[Reading], added: Sequence[float] | Array) -> list[Reading]:
     """Return readings with something added to each."""
     return [replace(each, value=each.value + float(more)) for each, more in zip(readings, added, strict=True)]

@@ -57,12 +57,17 @@ def repeats(rows: Array, before: Array | None = None) -> tuple[NDArray[np.intp],
 
 
 def _both_ways(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> NDArray[np.intp]:
-    """Return the shorter of both ways round, the rising one if equal, (m,); arguments as of `out_and_back`."""
+    """Return the shorter of both ways round, the rising one if equal, (m,); arguments as of `out_and_back`.
+
+    Of readings of one side the rising way and the falling one: that side may be come from on either.
+    """
     at, sides = places.poses[:, setup.moves[0]], counted[:, setup.moves[0]]
     along = np.argsort(at, kind="stable")
     rises = _rises(setup, along, sides)
     out, back = along[rises[along]], along[~rises[along]][::-1]
-    ways = [np.concatenate(way) for way in ((out, back), (back, out))]
+    ways = (
+        [np.concatenate(way) for way in ((out, back), (back, out))] if len(out) and len(back) else [along, along[::-1]]
+    )
     if not len(along):
         return along
     first, second = (_seconds(machine, setup, places.within(way), counted[way], here) for way in ways)
