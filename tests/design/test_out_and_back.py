@@ -72,9 +72,7 @@ def seen_and_left(case: Case, task: Task, places: Places, values: Array) -> tupl
     ]
     after = block(Knowledge(case.observation, case.prior), readings, np.ones(len(readings)))
     chi = float(sum(each.chi_square for each in after.innovations))
-    mean = after.after.belief.mean[: case.errors.size].copy()
-    mean[case.errors.functions[1].columns] = 0.0  # the reversal: what it takes of a drift, only a closing reading shows
-    return chi, case.yardstick.root.of(mean)
+    return chi, case.yardstick.root.of(after.after.belief.mean[: case.errors.size])
 
 
 def damage(case: Case, task: Task, places: Places) -> float:
@@ -95,9 +93,9 @@ def test_a_drift_of_twenty_micrometres_hides_once_along_and_not_out_and_back() -
     back = planned(task)
     along = once_along(back)
     assert damage(case, task, along) > 5.5e-6
-    assert damage(case, task, back) < 0.2e-6
+    assert damage(case, task, back) < 1.0e-6
     more = minutes(task, back)[-1] - minutes(task, along)[-1]
-    assert 0 < more < 6.0
+    assert 0 < more < 16.0
 
 
 def test_sampled_drifts_spoil_the_curve_once_along_unseen_and_are_seen_out_and_back() -> None:
@@ -113,27 +111,53 @@ def test_sampled_drifts_spoil_the_curve_once_along_unseen_and_are_seen_out_and_b
             chi, left = seen_and_left(case, task, places, values)
             wrong.setdefault(name, []).append(float(np.sqrt(np.sum(left**2))))
             seen.setdefault(name, []).append(chi > limit)
-    assert np.median(wrong["along"]) > 3 * np.median(wrong["back"])
+    unseen = {name: np.array(wrong[name])[~np.array(seen[name])] for name in wrong}
+    assert np.max(unseen["along"]) > 3 * np.max(unseen["back"])
     assert np.mean(seen["along"]) < 0.1
     assert np.mean(seen["back"]) > 0.5  # a fifth of them is too small to be seen, or to matter
 
 
-def test_one_side_is_read_on_the_way_out_and_the_other_on_the_way_back() -> None:
+def in_one_round(places: Places) -> Places:
+    """Return the same places from below as the axis rises, and then from above as it falls."""
+    return places.within(np.lexsort([places.approaches[:, 0] * places.poses[:, 0], -places.approaches[:, 0]]))
+
+
+def test_what_comes_and_goes_hides_in_one_round_and_not_in_two() -> None:
+    """A zero that goes by 20 um and comes back; 20 readings have a χ² of 20 by chance."""
+    case, task = one_axis()
+    two = planned(task)
+    one = in_one_round(two)
+    humps = [(1 - np.cos(2 * np.pi * minutes(task, each) / minutes(task, each)[-1])) / 2 for each in (one, two)]
+    found = [seen_and_left(case, task, each, DRIFT * hump) for each, hump in zip((one, two), humps, strict=True)]
+    assert found[0][0] < 10
+    assert np.sum(found[0][1] ** 2) > 6e-6**2
+    assert found[1][0] > 200
+    assert 0 < minutes(task, two)[-1] - minutes(task, one)[-1] < 12.0
+
+
+@pytest.mark.parametrize("approach", ["both", "+"])
+def test_each_of_two_rounds_goes_out_and_back_and_reads_every_other_place(approach: str) -> None:
+    _, task = one_axis(approach)
+    order = planned(task)
+    at, sides = order.poses[:, 0], order.approaches[:, 0]
+    ways = np.split(np.arange(20), [5, 10, 15])
+    rises = [bool(at[way[-1]] > at[way[0]]) for way in ways]
+    assert rises[0] != rises[1]
+    assert rises[2] != rises[3]
+    for way, rising in zip(ways, rises, strict=True):
+        assert np.all((np.diff(at[way]) > 0) == rising)
+        assert approach == "+" or np.all((sides[way] > 0) == rising)
+    apart = 4 if approach == "+" else 2
+    for way in ways:
+        alike = np.flatnonzero(sides == sides[way[0]])
+        rank = np.searchsorted(np.sort(at[alike]), at[way])
+        assert np.all(np.abs(np.diff(rank)) == apart)
+
+
+def test_few_readings_are_read_in_one_round() -> None:
     _, task = one_axis()
-    order = planned(task)
-    turn = int(np.flatnonzero(np.diff(order.approaches[:, 0]))[0]) + 1
-    assert set(order.approaches[:turn, 0]) != set(order.approaches[turn:, 0])
-    for part in (slice(0, turn), slice(turn, None)):
-        assert np.all(np.diff(order.poses[part, 0]) * order.approaches[part, 0][1:] > 0)
-
-
-def test_where_one_side_is_asked_for_every_other_place_is_read_on_the_way_back() -> None:
-    _, task = one_axis("+")
-    order = planned(task)
-    turn = int(order.poses[:, 0].argmax())
-    assert 9 <= turn <= 10
-    assert np.all(np.diff(order.poses[: turn + 1, 0]) > 0)
-    assert np.all(np.diff(order.poses[turn:, 0]) < 0)
+    order = in_order(task, in_one_round(planned(task)).within(np.arange(0, 20, 3)))
+    assert np.sum(np.diff(np.sign(np.diff(order.poses[:, 0]))) != 0) == 1
 
 
 def test_what_is_left_of_the_way_back_is_read_from_where_the_machine_stands() -> None:
@@ -160,19 +184,12 @@ def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
     assert order.same_as(Places.joined([places, places.at(2)]))
 
 
-def test_a_place_that_is_read_once_more_or_was_read_before_comes_after_the_way_back() -> None:
+def test_a_place_that_is_read_twice_is_read_once_in_each_round() -> None:
     _, task = one_axis()
-    along = planned(task).poses[:, 0]
     places = planned(task)
-    turn, half = int(np.argmax(along)), int(np.argmin(np.abs(along - 0.5)))
-    again = Places.joined([places.at(turn), places, places.at(half)])
+    again = Places.joined([places.at(3), places, places.at(16)])
     order = in_order(task, again)
     assert order.same_as(again)
-    once, last = order.within(slice(0, 20)), order.within(slice(20, 22))
-    assert once.same_as(places)
-    assert last.same_as(Places.joined([places.at(half), places.at(turn)]))
-    turned = Places.joined([once, last.at(1), last.at(0)])
-    assert seconds_each(task, order).sum() <= seconds_each(task, turned).sum()
-    left = Places.joined([places.at(turn), places.within(slice(12, 20))])
-    begun = replace(task, here=places.at(11), read=places.within(slice(0, 12)))
-    assert in_order(begun, left).at(8).same_as(places.at(turn))
+    for index in (3, 16):
+        found = np.flatnonzero(np.all(order.poses == places.poses[index], axis=1))
+        assert [each // 11 for each in found.tolist()] == [0, 1]

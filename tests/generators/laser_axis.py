@@ -63,7 +63,7 @@ def closed(taken: list[Reading]) -> list[Reading]:
 
 
 def in_two_rounds(taken: Sequence[Reading]) -> list[Reading]:
-    """Return readings out and back with every other one in a second round: what comes and goes in one is not in both."""
+    """Return readings out and back with every other one in a second round: what comes and goes is not in both."""
     return [replace(each, time=60.0 * index) for index, each in enumerate([*taken[::2], *taken[1::2]])]
 
 

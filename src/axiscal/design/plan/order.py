@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.design.gains.covariance import Covariance
-from axiscal.design.plan.out_and_back import out_and_back, repeats, returns
+from axiscal.design.plan.out_and_back import out_and_back, returns
 from axiscal.design.plan.task import Task
 from axiscal.measurement.place import Places
 from axiscal.measurement.time_taken import reading_seconds, short_way
@@ -105,10 +105,17 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
         taken = task.taken.within(task.taken.setups == places.setups[0])
         before = np.column_stack([taken.poses, counting(task, taken)])
         return out_and_back(machine, setup, places, approaches, here, before)
-    once, again = repeats(np.column_stack([places.poses, approaches]))
+    once, again = _repeats(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
     order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
     return places.within(np.concatenate([once[order], again]))
+
+
+def _repeats(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first readings of all places, and those of a place once more.  rows : (m, p) poses and approaches"""
+    _, first = np.unique(rows, axis=0, return_index=True)
+    once = np.sort(first)
+    return once, np.setdiff1d(np.arange(len(rows)), once)
 
 
 def arriving(task: Task, order: Places) -> Array:

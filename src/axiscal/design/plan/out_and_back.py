@@ -1,11 +1,11 @@
-"""The way of a set-up that moves one axis: out along it and back again, so that a drift does not look like a curve.
+"""The way of a set-up that moves one axis: out along it and back again, twice, so that no drift looks like a curve.
 
 Read once along, a zero that moves steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. Read out and back,
 it is the difference of the two ways (ISO 230-2 reads so, too). Where the side counts, one side is read on the way out
 and the other on the way back: neither way then turns round before a place.
 
-What comes and goes on the way is the same on both ways, and looks like an error of the curve: a place that is read once
-more, or was read before this way, comes after it, and shows that.
+What comes and goes on the way is the same on both ways, and looks like an error of the curve. So every other place of a
+side is read in a second round: what is the same in both rounds may be the curve, and the difference cannot.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from axiscal.numerics import Array
 
 _LONGER = 1e-9
 """s; rounding of a time."""
+_FEWEST = 8
+"""Of fewer readings there is no second round: each of four ways has two."""
 
 
 def returns(setup: Setup) -> bool:
@@ -31,57 +33,59 @@ def returns(setup: Setup) -> bool:
 def out_and_back(
     machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None, before: Array
 ) -> Places:
-    """Return the readings of such a set-up out and back, and then, the same way, those of places once more.
+    """Return the readings of such a set-up out and back, in two rounds.
 
     counted : (m, q) approaches, 0 where any side will do; here : (q,) where the machine stands if it is mounted
     before : (t, 2 q) poses and approaches, as counted, of its readings that are taken already
     """
-    order = np.zeros(0, dtype=np.intp)
-    for part in repeats(np.column_stack([places.poses, counted]), before):
+    (k,) = setup.moves
+    rows = np.concatenate([before, np.column_stack([places.poses, counted])])
+    rises, second = _ways(rows[:, k], _told(setup, rows[:, places.poses.shape[1] + k]))
+    rises, second = rises[len(before) :], second[len(before) :]
+    along, order = np.argsort(places.poses[:, k], kind="stable"), np.zeros(0, dtype=np.intp)
+    for part in (~second, second):
+        out, back = along[(part & rises)[along]], along[(part & ~rises)[along]][::-1]
         stands = places.poses[order[-1]] if len(order) else here
-        order = np.concatenate([order, part[_both_ways(machine, setup, places.within(part), counted[part], stands)]])
+        order = np.concatenate([order, _shorter(machine, setup, places, counted, out, back, stands)])
     return places.within(order)
 
 
-def repeats(rows: Array, before: Array | None = None) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first readings of all places, and those of a place once more, which was read before perhaps.
+def _told(setup: Setup, sides: Array) -> Array | None:
+    """Return from which side places are come to, (m,); None where that does not say on which way."""
+    return sides if len(setup.sides) > 1 and np.all(sides != 0) else None
 
-    rows : (m, p) poses and approaches; before : (t, p) of those that are taken already
+
+def _ways(at: Array, sides: Array | None) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which readings are taken on a way that rises, and which in the second round, (m,) each.
+
+    at : (m,) m or rad along the axis; sides : (m,) from where it comes; None where the way is free
     """
-    seen, first = {tuple(row) for row in ([] if before is None else before.tolist())}, []
-    for row in rows.tolist():
-        first.append(tuple(row) not in seen)
-        seen.add(tuple(row))
-    new = np.array(first, dtype=bool)
-    return np.flatnonzero(new), np.flatnonzero(~new)
+    rank = np.empty(len(at), dtype=np.intp)
+    rank[np.lexsort([at] if sides is None else [at, sides])] = np.arange(len(at))
+    if sides is None:
+        few = len(at) < _FEWEST
+        return (rank // (1 if few else 2)) % 2 == 0, (rank % 2 == 1) & (not few)
+    from_above = int(np.sum(sides < 0))
+    rank -= np.where(sides > 0, from_above, 0)
+    few = min(from_above, len(at) - from_above) < _FEWEST // 2
+    return sides > 0, (rank % 2 == 1) & (not few)
 
 
-def _both_ways(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> NDArray[np.intp]:
-    """Return the shorter of both ways round, the rising one if equal, (m,); arguments as of `out_and_back`.
-
-    Of readings of one side the rising way and the falling one: that side may be come from on either.
-    """
-    at, sides = places.poses[:, setup.moves[0]], counted[:, setup.moves[0]]
-    along = np.argsort(at, kind="stable")
-    rises = _rises(setup, along, sides)
-    out, back = along[rises[along]], along[~rises[along]][::-1]
-    ways = (
-        [np.concatenate(way) for way in ((out, back), (back, out))] if len(out) and len(back) else [along, along[::-1]]
-    )
-    if not len(along):
-        return along
+def _shorter(
+    machine: Machine,
+    setup: Setup,
+    places: Places,
+    counted: Array,
+    out: NDArray[np.intp],
+    back: NDArray[np.intp],
+    here: Array | None,
+) -> NDArray[np.intp]:
+    """Return the shorter of both ways round, the rising one if equal, (m,); out, back : readings in either order."""
+    ways = [np.concatenate(way) for way in ((out, back), (back, out))]
+    if not len(ways[0]):
+        return ways[0]
     first, second = (_seconds(machine, setup, places.within(way), counted[way], here) for way in ways)
     return ways[int(second < first - _LONGER)]
-
-
-def _rises(setup: Setup, along: NDArray[np.intp], sides: Array) -> NDArray[np.bool_]:
-    """Return which readings are taken on the way that rises, (m,): those from below, or every other one."""
-    if len(setup.sides) > 1 and np.all(sides != 0):
-        rising: NDArray[np.bool_] = sides > 0
-        return rising
-    rising = np.zeros(len(along), dtype=bool)
-    rising[along[::2]] = True
-    return rising
 
 
 def _seconds(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> float:

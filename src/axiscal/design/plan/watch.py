@@ -1,8 +1,7 @@
 """The departures that a plan is to be defended against, as columns b at any candidate.
 
-When a reading will be taken is not known before the way is: of a set-up that is read out and back, a place on the way
-out is at half its share of the travel, one on the way back as far from the end. Where several axes move, a place is
-read when the nearest one of a plan is.
+When a reading will be taken is not known before the way is: a place is read when the nearest one of a plan is, which
+it may take the place of; of a set-up that is read out and back, the nearest of its side.
 """
 
 from __future__ import annotations
@@ -17,14 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
-from axiscal.design.plan.out_and_back import repeats, returns
+from axiscal.design.plan.out_and_back import returns
 from axiscal.estimation.defence import COUNTED, largest
 from axiscal.estimation.departed_volume import field
 from axiscal.measurement.departures import (
-    COME_AND_GO,
     IN_PLANS,
     Departure,
-    Family,
     coming_and_going,
     departures,
     joint_shape,
@@ -42,37 +39,22 @@ _WATCHED = 400
 """Departures that a search keeps up to date, of time: of more the places are thinned. A search that saw four of nine
 places of a step left the others as they were: on a mill 4.7 um were vouched for with 200 of 337, and 3.6 with all.
 """
-_PARTS = 1000
-"""Where no side is asked for, every other thousandth of the travel is read on the way back."""
-
-
 Humps = Literal["bump", "detail"]
-ON_THE_WAY: frozenset[Family] = COUNTED - COME_AND_GO
-"""Families that places on a way out and back can show; what comes and goes on it, only what is read after it."""
 
 
-class OneWay(NamedTuple):
-    """When places along one way are read.  at : (m,) m or rad, ascending; share : (m,) of the time of the set-up"""
+class Way(NamedTuple):
+    """When places are read.
 
-    at: Array
-    share: Array
-
-
-class RoundTrip(NamedTuple):
-    """The way that rises and the one that falls."""
-
-    out: OneWay
-    back: OneWay
-
-
-class ShortWay(NamedTuple):
-    """When places of several axes are read.  poses : (m, q) m or rad; share : (m,) of the time of the set-up"""
+    poses : (m, q) m or rad; sides : (m,) from where the axis comes that is read out and back, 0 where any will do
+    share : (m,) of the time of the set-up
+    """
 
     poses: Array
+    sides: Array
     share: Array
 
 
-Times = Mapping[int, RoundTrip | ShortWay]
+Times = Mapping[int, Way]
 
 
 class _Numbered(NamedTuple):
@@ -163,42 +145,31 @@ class Watch:
 
 
 def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
-    """Return the same with the times of a plan: places between its readings are read between them.
-
-    order : its readings; ends : (m,) when each ends, s
-    """
-    times = dict(watched.times)
-    times |= _on_short_ways(watched.observation, order, ends)
-    for index, mine in order.by_setup():
-        evenly = times.get(index)
-        if isinstance(evenly, RoundTrip) and len(mine) > 1:
-            (k,) = watched.observation.setups[index].moves
-            share = _shares(ends[mine])
-            out = _on_the_way_out(watched.observation, index, order.within(mine))
-            first, _ = repeats(np.column_stack([order.poses[mine], order.approaches[mine]]))
-            once = np.isin(np.arange(len(mine)), first)
-            passes = [_pass(order.poses[mine, k][part & once], share[part & once]) for part in (out, ~out)]
-            times[index] = RoundTrip(*(new or old for new, old in zip(passes, evenly, strict=True)))
+    """Return the same with the times of a plan.  order : its readings; ends : (m,) when each ends, s"""
+    times = {**watched.times, **_on_ways(watched.observation, order, ends)}
     return replace(watched, times=MappingProxyType(times))
 
 
 def at_share(watched: Watch, share: float) -> Watch:
     """Return the same for readings at one share of the time of their set-up."""
-    nowhere = np.zeros((1, len(watched.observation.machine.axes)))
-    way = ShortWay(nowhere, np.array([share]))
+    way = Way(np.zeros((1, len(watched.observation.machine.axes))), np.zeros(1), np.array([share]))
     return replace(watched, times=MappingProxyType(dict.fromkeys(range(len(watched.observation.setups)), way)))
 
 
-def _pass(at: Array, share: Array) -> OneWay | None:
-    """Return when places along one way are read; None where nobody is told."""
-    order = np.argsort(at, kind="stable")
-    return OneWay(at[order], share[order]) if len(at) else None
+def _on_ways(observation: Observation, order: Places, ends: Array) -> dict[int, Way]:
+    """Return when places are read, by the way through readings.  ends : (m,) when each of them ends, s"""
+    return {
+        index: Way(order.poses[mine], _sides(observation, index, order.within(mine)), _shares(ends[mine]))
+        for index, mine in order.by_setup()
+        if len(mine) > 1
+    }
 
 
-def _on_short_ways(observation: Observation, order: Places, ends: Array) -> dict[int, ShortWay]:
-    """Return when places are read where several axes move, by the way through readings.  ends : (m,) of each, s"""
-    groups = [(index, mine) for index, mine in order.by_setup() if not returns(observation.setups[index])]
-    return {index: ShortWay(order.poses[mine], _shares(ends[mine])) for index, mine in groups if len(mine) > 1}
+def _sides(observation: Observation, index: int, places: Places) -> Array:
+    """Return from where places of a set-up are come to on the axis along which it is read out and back, (m,)."""
+    setup = observation.setups[index]
+    told = returns(setup) and len(setup.sides) > 1 and setup.moves[0] in observation.errors.reversing
+    return places.approaches[:, setup.moves[0]] if told else np.zeros(len(places))
 
 
 def _shares(ends: Array) -> Array:
@@ -214,17 +185,14 @@ def watch(
     order: Places,
     ends: Array,
     humps: Humps = "bump",
-    families: frozenset[Family] = ON_THE_WAY,
 ) -> Watch:
     """Return what readings at the places of a lattice are to be watched for.
 
-    lattice : the candidates; order : readings of a plan, from which the way is known where several axes move
+    lattice : the candidates; order : readings of a plan, from which the way is known
     ends : (m,) when each of them ends, s; humps : which of both, readings that would show every detail show the bumps
-    families : that are watched for
     """
-    known: dict[int, RoundTrip | ShortWay] = {**_evenly(observation), **_on_short_ways(observation, order, ends)}
-    times: Times = MappingProxyType(known)
-    sought = families - {"bump", "detail"} | {humps}
+    times: Times = MappingProxyType(_on_ways(observation, order, ends))
+    sought = COUNTED - {"bump", "detail"} | {humps}
     found = _thinned([each for each in _departures(observation, lattice, times) if each.family in sought])
     found = sorted(found, key=lambda each: each.columns.shape[1])
     fields = [
@@ -271,49 +239,20 @@ def _departures(observation: Observation, lattice: Places, times: Times) -> Sequ
     return [each for each in told if each.function is not None or each.setup is not None or each.owner in names]
 
 
-def _evenly(observation: Observation) -> dict[int, RoundTrip]:
-    """Return the times of ways that rise first and go evenly."""
-    times = {}
-    for index, setup in enumerate(observation.setups):
-        if returns(setup):
-            (k,) = setup.moves
-            ends = np.array(setup.span(observation.machine.axes[k], k))
-            times[index] = RoundTrip(OneWay(ends, np.array([0.0, 0.5])), OneWay(ends, np.array([1.0, 0.5])))
-    return times
-
-
 def way_shares(observation: Observation, places: Places, times: Times) -> Array:
     """Return at what share of the way of its set-up each place is read, 0 to 1, (m,); ½ where nobody knows."""
     shares = np.full(len(places), 0.5)
     for index, mine in places.by_setup():
-        known = times.get(index)
-        if isinstance(known, ShortWay):
-            shares[mine] = known.share[_nearest(observation, places.poses[mine], known.poses)]
-        elif known is not None:
-            at = places.poses[mine, observation.setups[index].moves[0]]
-            out = _on_the_way_out(observation, index, places.within(mine))
-            there, back = (np.interp(at, each.at, each.share) for each in known)
-            shares[mine] = np.where(out, there, back)
+        if index in times:
+            shares[mine] = times[index].share[_nearest(observation, index, places.within(mine), times[index])]
     return shares
 
 
-def _nearest(observation: Observation, poses: Array, among: Array) -> NDArray[np.intp]:
-    """Return which of some poses (k, q) is nearest to each of others (m, q), in shares of the travels, (m,)."""
+def _nearest(observation: Observation, index: int, places: Places, way: Way) -> NDArray[np.intp]:
+    """Return which place of a way is nearest to each of others, of its side and in shares of the travels, (m,)."""
     spans = np.array([axis.length for axis in observation.machine.axes])
-    away: Array = poses / spans
-    near: Array = among / spans
+    away = np.column_stack([places.poses / spans, len(spans) * _sides(observation, index, places)])
+    near = np.column_stack([way.poses / spans, len(spans) * way.sides])
     squares = np.sum(near**2, axis=1) - 2 * away @ near.T
     nearest: NDArray[np.intp] = squares.argmin(axis=1)
     return nearest
-
-
-def _on_the_way_out(observation: Observation, index: int, places: Places) -> NDArray[np.bool_]:
-    """Return which places of a set-up are read on the way that rises, (m,)."""
-    setup = observation.setups[index]
-    (k,) = setup.moves
-    if len(setup.sides) > 1 and k in observation.errors.reversing:
-        rising: NDArray[np.bool_] = places.approaches[:, k] > 0
-        return rising
-    low, high = setup.span(observation.machine.axes[k], k)
-    every_other: NDArray[np.bool_] = np.floor((places.poses[:, k] - low) / (high - low) * _PARTS) % 2 == 0
-    return every_other
