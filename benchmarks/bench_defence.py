@@ -1,4 +1,4 @@
-"""What plans can vouch for: the best for their model, evenly spaced, and those that are guarded.
+"""What plans can vouch for: the best for their model, evenly spaced, those that are guarded, and these in one round.
 
     python benchmarks/bench_defence.py          one axis, a few minutes of one core
     python benchmarks/bench_defence.py mill     three axes and three probes as well
@@ -12,12 +12,16 @@ import sys
 import time
 from collections.abc import Iterator
 
+import numpy as np
+
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.plan.guarded import vouched_for
+from axiscal.design.plan.guarded import vouched_along, vouched_for
+from axiscal.design.plan.order import seconds_each
 from axiscal.design.plan.plain_designs import evenly_spaced
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.estimation.case import Case
+from axiscal.estimation.defence import Defence
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Places
 from axiscal.planning.next_readings import posed
@@ -52,6 +56,13 @@ def task_of(text: str) -> Task:
     return posed(case, case.knowledge)
 
 
+def in_one_round(task: Task, places: Places) -> Defence:
+    """Return what readings of one axis vouch for where one side is read as it rises, and the other as it falls."""
+    sides, at = places.approaches[:, 0], places.poses[:, 0]
+    once = places.within(np.lexsort([sides * at, -sides]))
+    return vouched_along(task, once, np.cumsum(seconds_each(task, once)))
+
+
 def rows(task: Task, readings: int) -> Iterator[str]:
     """Yield a line for each way to choose so many readings."""
     seconds, plans = [], list[tuple[str, Places]]()
@@ -61,10 +72,12 @@ def rows(task: Task, readings: int) -> Iterator[str]:
         seconds.append(time.process_time() - begun)
     counts = [(setup, len(mine)) for setup, mine in plans[0][1].by_setup()]
     plans.append(("evenly spaced", evenly_spaced(task, counts)))
-    for (name, places), took in zip(plans, [*seconds, 0.0], strict=True):
-        found = vouched_for(task, places)
-        worst = next(each for each in found.departures if each.counted)
-        promise, vouched = to_unit(found.promise, "um"), to_unit(found.u_def, "um")
+    found = [(name, vouched_for(task, places)) for name, places in plans]
+    if len(counts) == 1:
+        found.append(("guarded, its places in one round", in_one_round(task, plans[1][1])))
+    for (name, of), took in zip(found, [*seconds, 0.0, 0.0], strict=False):
+        worst = next(each for each in of.departures if each.counted)
+        promise, vouched = to_unit(of.promise, "um"), to_unit(of.u_def, "um")
         weakest = f"{worst.family} {worst.owner}, power {worst.power:.0%}"
         yield f"| {readings} | {name} | {promise:.3f} | {vouched:.3f} | {weakest} | {took:.1f} |"
 

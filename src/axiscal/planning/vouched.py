@@ -44,12 +44,8 @@ _SHOWN_BY: Mapping[Family, str] = MappingProxyType(
     {
         "drift": later('The first places of "{owner}" read once more at its end would show a drift.'),
         "levelling": later('The first places of "{owner}" read once more at its end would show a drift.'),
-        "excursion": later(
-            'The place of the turn of "{owner}" read once more at its end would show what comes and goes.'
-        ),
-        "growth": later(
-            "The place of the turn read once more at the end would show a growth of {owner} that comes and goes."
-        ),
+        "excursion": later('Every other place of "{owner}" read in a second round would show what comes and goes.'),
+        "growth": later("Every other place read in a second round would show a growth of {owner} that comes and goes."),
         "step": later("Readings in the widest gaps would show a step in {owner}."),
         "pitch": later("Places out of step with the screw would show that in {owner}."),
         "bump": later("Readings in the widest gaps would show a detail of {owner}."),

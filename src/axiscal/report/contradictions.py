@@ -104,7 +104,7 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     if each.family == "excursion":
         gone = 'the zero of "{owner}" seems to have come and gone by {size} while it was read'
         return said(gone, owner=each.owner, size=size), said(
-            "read when it is warm, out and back faster, and the place of the turn once more at the end"
+            "read when it is warm, or every other place in a second round out and back"
         )
     rate = f"{abs(to_unit(each.size, unit)):.2g} {unit}/h"
     remedy = said('state drift = "{rate}" in the set-up, or measure when it is warm', rate=rate)
