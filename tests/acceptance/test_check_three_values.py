@@ -14,13 +14,14 @@ from scipy.spatial.transform import Rotation
 from axiscal.acceptance.check import Check
 from axiscal.acceptance.datums import datums_of
 from axiscal.acceptance.straightened import straightened
-from axiscal.acceptance.verification import values_at
+from axiscal.acceptance.verification import plan_check, values_at
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.place import Places
 from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
 from tests.generators.reaches import reach_of
@@ -154,3 +155,37 @@ def test_fewer_places_than_any_set_up_needs_are_refused(two_setups: Check) -> No
     with pytest.raises(ReadingError, match=r"2 places cannot tell the machine from a set-up\. Ask for 3 or more"):
         two_setups.planned(2, "tracker")
     assert len(two_setups.planned(2, "tracker", tolerance=1.0)) == 2
+
+
+def _places(check: Check, setup: int) -> Places:
+    """Return where a check may read in a set-up."""
+    lattice = check.estimation.case.lattice
+    return lattice.within(lattice.setups == setup)
+
+
+def test_what_is_said_of_places_counts_those_that_are_known(two_setups: Check) -> None:
+    """Of 1 + 1 places that are asked for the one of the probe is known, and the tracker needs three more."""
+    setups, control = two_setups.description.setups, two_setups.tables.control
+    known, nest = _places(two_setups, 1).within(slice(1)), _places(two_setups, 0)
+    with pytest.raises(ReadingError, match="2 places cannot tell the machine from a set-up") as refused:
+        plan_check(two_setups.estimate, setups, nest, (), control, 1, known)
+    assert refused.value.remedy == "Ask for 4 or more"
+    assert len(plan_check(two_setups.estimate, setups, nest, (), control, 4 - len(known), known)) == 3
+
+
+def test_the_number_of_places_that_is_named_can_be_asked_for(two_setups: Check) -> None:
+    with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
+        two_setups.planned(500)
+    new = int(str(refused.value.what).split()[1])
+    assert refused.value.remedy == f"Ask for --points {new} or fewer"
+    assert len(two_setups.planned(new)) == new
+
+
+def test_a_set_up_with_too_few_new_places_is_left_out(two_setups: Check) -> None:
+    """The tracker was read everywhere but at one place: with two that the tables would have it lacks one."""
+    nest, probe = _places(two_setups, 0), _places(two_setups, 1)
+    first = Places.joined([nest.within(slice(1)), probe.within(slice(2))])
+    few = Places.joined([nest.within(slice(2)), probe])
+    whole = two_setups._whole(first, few, 12, 0.0)
+    assert set(whole.setups.tolist()) == {1}
+    assert set(two_setups._others(few, 6, whole, 0.0).setups.tolist()) == {1}

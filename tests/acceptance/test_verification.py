@@ -6,12 +6,14 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axiscal.acceptance.check import tolerance_of
 from axiscal.acceptance.datums import GUARD
 from axiscal.acceptance.verification import judge, plan_check, verdict, with_displacements
 from axiscal.campaign.campaign import Campaign
@@ -23,7 +25,7 @@ from axiscal.compensation.registry import export
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import ReadingError
+from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -294,3 +296,13 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
         assert run(["verify", str(record), "--source", source]) == 1
     assert run([*arguments, "--source", "sim:1"]) == 2
     assert run(arguments[:4]) == 2
+
+
+@pytest.mark.parametrize(
+    ("target", "allowed"), [({"worst": 9e-6}, 9e-6), ({"rms": 4e-6}, 8e-6), ({"expanded": 7e-6}, 7e-6)]
+)
+def test_the_largest_deviation_allowed_follows_from_any_accuracy(target: dict[str, Any], allowed: float) -> None:
+    none = replace(description().target, rms=None, worst=None, expanded=None)
+    assert tolerance_of(replace(none, **target), None) == pytest.approx(allowed)
+    with pytest.raises(TargetError, match="no accuracy target"):
+        tolerance_of(none, None)

@@ -30,7 +30,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TargetError
+from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.blank_sheet import blank_sheet
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import columns_of
@@ -88,15 +88,22 @@ class Check:
         return _in_order(Places.joined([first, self._others(candidates, left, first, tolerance)]))
 
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
-        """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine."""
-        first, setups = first.within(slice(count)), self.description.setups
+        """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
+
+        A set-up that has too few new places for that is left out.
+        """
+        asked, setups = first, self.description.setups
+        first = first.within(slice(count))
         while len(first):
             lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
             lacking = {setup: more for setup, more in lacking.items() if more and setup in first.setups}
             if len(first) + sum(lacking.values()) <= count:
                 for setup, more in lacking.items():
                     own = candidates.within(candidates.setups == setup)
-                    first = Places.joined([first, self._others(own, more, first, tolerance)])
+                    try:
+                        first = Places.joined([first, self._others(own, more, first, tolerance)])
+                    except ReadingError:
+                        return self._whole(asked.within(asked.setups != setup), candidates, count, tolerance)
                 return first
             first = first.without(len(first) - 1)
         return first
@@ -161,8 +168,7 @@ class Check:
 
     def tightest(self, tolerance: str | None) -> float:
         """Return the largest deviation that may be asked for, m: that allowed, or 0 where nothing says one yet."""
-        target = self.description.target
-        unsaid = tolerance is None and target.worst is None and target.rms is None
+        unsaid = tolerance is None and _largest(self.description.target) is None
         return 0.0 if unsaid else self.allowed(tolerance)
 
     def sheet(self, places: Places) -> str:
@@ -188,14 +194,21 @@ def _in_order(places: Places) -> Places:
 
 
 def tolerance_of(target: Target, text: str | None) -> float:
-    """Return the largest deviation allowed, m: as said, or from the target; raises TargetError, UnitError."""
+    """Return the largest deviation allowed, m: as said, or from the target; raises TargetError, UnitError.
+
+    U is what 95 % of deviations keep, as twice the RMS is.
+    """
     if text is not None:
         value = parse_quantity(text, "length")
         if value <= 0:
             raise TargetError(f'a tolerance of "{text}"', "Give a length above zero")
         return value
-    if target.worst is not None:
-        return target.worst
-    if target.rms is not None:
-        return 2 * target.rms
+    if (allowed := _largest(target)) is not None:
+        return allowed
     raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
+
+
+def _largest(target: Target) -> float | None:
+    """Return the largest deviation that a target allows, m; None where it is no accuracy."""
+    twice = None if target.rms is None else 2 * target.rms
+    return next((each for each in (target.worst, twice, target.expanded) if each is not None), None)

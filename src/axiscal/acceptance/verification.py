@@ -120,14 +120,25 @@ def plan_check(
     fresh = _fresh(setups, candidates, used, lengths)
     indices = np.unique(candidates.setups[fresh])
     promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
-    chosen: list[int] = []
-    for setup, share in _shared(promising, count, lacking):
+
+    def taken(setup: int, share: int) -> list[int]:
         mine = np.flatnonzero(fresh & (candidates.setups == setup))
         worst = _spread(mine[np.argsort(-score[mine], kind="stable")], candidates, lengths, (share + 1) // 2, [])
         best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
-        chosen += [*worst, *best]
-    if len(chosen) < count:
-        raise ReadingError(f"only {len(chosen)} places of {count} are new", _fewer(len(chosen)))
+        return [*worst, *best]
+
+    promising = [setup for setup in promising if len(taken(setup, lacking[setup])) == lacking[setup]]
+
+    def shared(count: int) -> list[int]:
+        shares = _shared(promising, count, lacking, len(known))
+        return [i for setup, share in shares for i in taken(setup, share)]
+
+    chosen = shared(count)
+    if len(chosen) < count:  # of a smaller number other halves are the worst and the best: not every one is found
+        least = min((lacking[setup] for setup in promising), default=0)
+        found = [fewer for fewer in range(least, len(chosen) + 1) if len(shared(fewer)) == fewer]
+        new = len(known) + max(found, default=0)
+        raise ReadingError(f"only {new} places of {len(known) + count} are new", _fewer(new))
     order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
     return candidates.within(np.array(order, dtype=np.intp))
 
@@ -143,12 +154,16 @@ def places_lacking(
     }
 
 
-def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int]) -> list[tuple[int, int]]:
-    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack."""
+def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int], known: int) -> list[tuple[int, int]]:
+    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack.
+
+    known : places that the check has already, which are among those that were asked for
+    """
     able = [setup for setup in promising if lacking[setup] <= count]
     if promising and not able:
         least = min(lacking[setup] for setup in promising)
-        raise ReadingError(f"{count} places cannot tell the machine from a set-up", f"Ask for {least} or more")
+        what = f"{known + count} places cannot tell the machine from a set-up"
+        raise ReadingError(what, f"Ask for {known + least} or more")
     for several in range(min(len(able), count // _PER_SETUP), 1, -1):
         shares = [part.size for part in np.array_split(np.arange(count), several)]
         if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):

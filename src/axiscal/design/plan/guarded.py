@@ -166,8 +166,8 @@ class _Guarding:
             roughly = [self._tried(self.exchanged(each.order, self._watched[how.humps], how)) for each in starts]
             tried = [*tried, *roughly, self._closely(self.best([self._first, *roughly]))]
         if few:
-            once_more = [self._exchanged_in_time(self.best(tried), how) for how in (_ROUGHLY, _FINELY)]
-            tried += [each for roughly in once_more for each in (roughly, self._closely(roughly))]
+            in_time = [self._exchanged_in_time(self.best(tried), how) for how in (_ROUGHLY, _FINELY)]
+            tried = [*tried, *in_time, self._closely(self.best(in_time))]
         else:
             tried += [self._tried(places) for places in plain if self._could_be(places, self.best(tried))]
         return tried

@@ -42,7 +42,7 @@ places of a step left the others as they were: on a mill 4.7 um were vouched for
 Humps = Literal["bump", "detail"]
 
 
-class Way(NamedTuple):
+class TimedWay(NamedTuple):
     """When places are read.
 
     poses : (m, q) m or rad; sides : (m,) from where the axis comes that is read out and back, 0 where any will do
@@ -54,7 +54,7 @@ class Way(NamedTuple):
     share: Array
 
 
-Times = Mapping[int, Way]
+Times = Mapping[int, TimedWay]
 
 
 class _Numbered(NamedTuple):
@@ -152,14 +152,14 @@ def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
 
 def at_share(watched: Watch, share: float) -> Watch:
     """Return the same for readings at one share of the time of their set-up."""
-    way = Way(np.zeros((1, len(watched.observation.machine.axes))), np.zeros(1), np.array([share]))
+    way = TimedWay(np.zeros((1, len(watched.observation.machine.axes))), np.zeros(1), np.array([share]))
     return replace(watched, times=MappingProxyType(dict.fromkeys(range(len(watched.observation.setups)), way)))
 
 
-def _on_ways(observation: Observation, order: Places, ends: Array) -> dict[int, Way]:
+def _on_ways(observation: Observation, order: Places, ends: Array) -> dict[int, TimedWay]:
     """Return when places are read, by the way through readings.  ends : (m,) when each of them ends, s"""
     return {
-        index: Way(order.poses[mine], _sides(observation, index, order.within(mine)), _shares(ends[mine]))
+        index: TimedWay(order.poses[mine], _sides(observation, index, order.within(mine)), _shares(ends[mine]))
         for index, mine in order.by_setup()
         if len(mine) > 1
     }
@@ -199,7 +199,7 @@ def watch(
         (np.zeros((len(yardstick.root.matrix), 1)), 0.0) if each.function is None else field(yardstick, each)
         for each in found
     ]
-    groups = [(each.family, each.owner) for each in found]
+    groups = [(each.family, each.owner, each.setup) for each in found]
     return Watch(
         observation,
         tuple(found),
@@ -214,9 +214,9 @@ def watch(
 
 def _thinned(found: Sequence[Departure]) -> list[Departure]:
     """Return departures of all families and owners, of no more places than there is time to watch."""
-    groups: dict[tuple[str, str], list[Departure]] = {}
+    groups: dict[tuple[str, str, int | None], list[Departure]] = {}
     for each in found:
-        groups.setdefault((each.family, each.owner), []).append(each)
+        groups.setdefault((each.family, each.owner, each.setup), []).append(each)
     most, kept = max(_WATCHED // max(len(groups), 1), 1), list[Departure]()
     for members in groups.values():
         chosen = np.linspace(0, len(members) - 1, min(most, len(members)) + 2).round().astype(int)
@@ -248,7 +248,7 @@ def way_shares(observation: Observation, places: Places, times: Times) -> Array:
     return shares
 
 
-def _nearest(observation: Observation, index: int, places: Places, way: Way) -> NDArray[np.intp]:
+def _nearest(observation: Observation, index: int, places: Places, way: TimedWay) -> NDArray[np.intp]:
     """Return which place of a way is nearest to each of others, of its side and in shares of the travels, (m,)."""
     spans = np.array([axis.length for axis in observation.machine.axes])
     away = np.column_stack([places.poses / spans, len(spans) * _sides(observation, index, places)])
