@@ -47,6 +47,8 @@ to the better plan always: 24 readings of an axis vouch for 0.693 or 0.733 um, o
 """
 _CLOSELY = _How(4, 4, 0.001, "detail")
 """p = 16: the largest of them counts."""
+_AGAIN = 3
+"""So often the best plan is exchanged once more with the times of its own way, while that brings a better one."""
 _MANY = 120
 """Unknowns beyond which only the plan that is the best for its model is exchanged, and a larger one once, of time."""
 _FEWEST = 3
@@ -165,11 +167,14 @@ class _Guarding:
         for how in (_ROUGHLY, _FINELY)[: 1 + few]:
             roughly = [self._tried(self.exchanged(each.order, self._watched[how.humps], how)) for each in starts]
             tried = [*tried, *roughly, self._closely(self.best([self._first, *roughly]))]
-        if few:
-            in_time = [self._exchanged_in_time(self.best(tried), how) for how in (_ROUGHLY, _FINELY)]
+        if not few:
+            return tried + [self._tried(places) for places in plain if self._could_be(places, self.best(tried))]
+        for _ in range(_AGAIN):
+            before = self.best(tried)
+            in_time = [self._exchanged_in_time(before, how) for how in (_ROUGHLY, _FINELY)]
             tried = [*tried, *in_time, self._closely(self.best(in_time))]
-        else:
-            tried += [self._tried(places) for places in plain if self._could_be(places, self.best(tried))]
+            if self.best(tried) is before:
+                break
         return tried
 
     def grown(self, before: _Tried, more: int, times: Clock) -> _Tried:
