@@ -31,7 +31,7 @@ from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.next_readings import posed
 from tests.design.test_out_and_back import CAMPAIGN, one_axis
 from tests.design.test_three_values import mixed
-from tests.generators.designs import levered
+from tests.generators.designs import in_one_round, levered
 
 
 @cache
@@ -165,9 +165,7 @@ def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: f
 def test_a_guarded_plan_is_read_in_two_rounds_for_what_comes_and_goes() -> None:
     task = one_axis()[1]
     two = in_order(task, plan(24, True).places)
-    sides, at = two.approaches[:, 0], two.poses[:, 0]
-    one = two.within(np.lexsort([sides * at, -sides]))  # all from below as it rises, then all from above as it falls
-    found = [vouched_along(task, each, np.cumsum(seconds_each(task, each))) for each in (two, one)]
+    found = [vouched_along(task, each, np.cumsum(seconds_each(task, each))) for each in (two, in_one_round(two))]
     in_two, in_one = ({each.family: each.damage for each in of.departures} for of in found)
     assert in_two["excursion"] < 0.1 * in_one["excursion"]
     assert in_two["growth"] < 0.25 * in_one["growth"]
@@ -179,6 +177,7 @@ def test_a_budget_is_kept_by_the_way_in_two_rounds() -> None:
     seconds = plan(20, False).seconds
     made = make_plan(task, Limits(budget=seconds), bounded=False, guard=True)
     assert made.seconds <= seconds
+    assert np.sum(np.diff(np.sign(np.diff(in_order(task, made.places).poses[:, 0]))) != 0) == 3
 
 
 def test_a_guarded_plan_takes_hardly_more_time() -> None:

@@ -133,6 +133,8 @@ def plan_check(
         shares = _shared(promising, count, lacking, len(known))
         return [i for setup, share in shares for i in taken(setup, share)]
 
+    if len(indices) and not promising:
+        raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
     chosen = shared(count)
     if len(chosen) < count:  # of a smaller number other halves are the worst and the best: not every one is found
         least = min((lacking[setup] for setup in promising), default=0)

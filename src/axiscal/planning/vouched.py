@@ -44,8 +44,10 @@ _SHOWN_BY: Mapping[Family, str] = MappingProxyType(
     {
         "drift": later('The first places of "{owner}" read once more at its end would show a drift.'),
         "levelling": later('The first places of "{owner}" read once more at its end would show a drift.'),
-        "excursion": later('Every other place of "{owner}" read in a second round would show what comes and goes.'),
-        "growth": later("Every other place read in a second round would show a growth of {owner} that comes and goes."),
+        "excursion": later(
+            'Places of "{owner}" read again later, or every other one in a second round, would show that.'
+        ),
+        "growth": later("Places read again later, or every other one in a second round, would show that in {owner}."),
         "step": later("Readings in the widest gaps would show a step in {owner}."),
         "pitch": later("Places out of step with the screw would show that in {owner}."),
         "bump": later("Readings in the widest gaps would show a detail of {owner}."),

@@ -104,7 +104,7 @@ def _of_setup(each: Explanation, estimation: Estimation) -> tuple[str, str]:
     if each.family == "excursion":
         gone = 'the zero of "{owner}" seems to have come and gone by {size} while it was read'
         return said(gone, owner=each.owner, size=size), said(
-            "read when it is warm, or every other place in a second round out and back"
+            "read when it is warm, or read every other place in a second round"
         )
     rate = f"{abs(to_unit(each.size, unit)):.2g} {unit}/h"
     remedy = said('state drift = "{rate}" in the set-up, or measure when it is warm', rate=rate)
@@ -140,7 +140,7 @@ def _of_error(each: Explanation, estimation: Estimation) -> tuple[str, str]:
         return said("{name} seems to step by {size} near {place}", **told), said("read closely on both sides of it")
     if each.family == "growth":
         what = "{name} seems to have grown by {size} over the travel and shrunk again while it was read"
-        return said(what, **told), said("let the axis warm up first, or read out and back faster")
+        return said(what, **told), said("let the axis warm up first, or read every other place in a second round")
     if each.family == "bump":
         remedy = said("read more densely there, and give it more knots")
         return said("{name} seems to have a bump of {size} near {place}", **told), remedy

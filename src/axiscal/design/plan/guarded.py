@@ -157,8 +157,8 @@ class _Guarding:
 
     def __init__(self, task: Task, limits: Limits, trial: Trial, allowed: Allowed, first: _Tried) -> None:
         self._task, self.limits, self._trial, self._allowed, self._first = task, limits, trial, allowed, first
-        self._seen = task.observation, task.yardstick, task.lattice, first.order, first.ends
-        self._watched = {each: watch(*self._seen, each) for each in get_args(Humps)}
+        seen = task.observation, task.yardstick, task.lattice, first.order, first.ends
+        self._watched = {each: watch(*seen, each) for each in get_args(Humps)}
 
     def tried(self) -> list[_Tried]:
         """Return plans with as many readings of each set-up as the first one, that among them."""
@@ -207,7 +207,7 @@ class _Guarding:
         return self._tried(self.exchanged(before.order, watched, how))
 
     def best(self, tried: Sequence[_Tried]) -> _Tried:
-        """Return the readings that vouch for most of those within the time; where none is, the first."""
+        """Return the readings that vouch for the least uncertainty within the time; where none is, the first."""
         fitting = [each for each in tried if each.ends[-1] <= self._longest] or tried[:1]
         return fitting[first_best(-np.array([each.vouched for each in fitting]), ALIKE)]
 

@@ -39,8 +39,13 @@ def out_and_back(
     before : (t, 2 q) poses and approaches, as counted, of its readings that are taken already
     """
     (k,) = setup.moves
-    rows = np.concatenate([before, np.column_stack([places.poses, counted])])
-    rises, second = _ways(rows[:, k], _told(setup, rows[:, places.poses.shape[1] + k]))
+    sides = _told(setup, counted[:, k])
+    if sides is None:
+        rises, second = _ways(np.concatenate([before[:, k], places.poses[:, k]]), None)
+    else:
+        before = before[before[:, places.poses.shape[1] + k] != 0]
+        had = before[:, places.poses.shape[1] + k]
+        rises, second = _ways(np.concatenate([before[:, k], places.poses[:, k]]), np.concatenate([had, sides]))
     rises, second = rises[len(before) :], second[len(before) :]
     along, order = np.argsort(places.poses[:, k], kind="stable"), np.zeros(0, dtype=np.intp)
     for part in (~second, second):
@@ -48,6 +53,37 @@ def out_and_back(
         stands = places.poses[order[-1]] if len(order) else here
         order = np.concatenate([order, _shorter(machine, setup, places, counted, out, back, stands)])
     return places.within(order)
+
+
+def beside(setup: Setup, counted: Array, places: Places, counted_before: Array, before: Places) -> Places:
+    """Return readings in the order of an earlier way, those that are not on it beside the nearest ones of their side.
+
+    counted : (m, q) approaches, 0 where any side will do; counted_before : (t, q) those of the earlier way
+    Readings of a side that is not on it leave all as they come.
+    """
+    (k,) = setup.moves
+    told, at = _told(setup, counted[:, k]), places.poses[:, k]
+    sides = np.zeros(len(places)) if told is None else told
+    rows = np.column_stack([places.poses, counted]).tolist()
+    way = list[int]()
+    for row in np.column_stack([before.poses, counted_before]).tolist():
+        way += [index for index, each in enumerate(rows) if each == row and index not in way][:1]
+    for index in np.setdiff1d(np.arange(len(places)), way).tolist():
+        alike = [place for place, other in enumerate(way) if sides[other] == sides[index]]
+        if not alike:
+            return places
+        near = min(alike, key=lambda place: (abs(at[way[place]] - at[index]), place))
+        beyond = bool(at[index] >= at[way[near]])
+        way.insert(near + (_rises_at(at[way], sides[way], near) == beyond), index)
+    return places.within(np.array(way, dtype=np.intp))
+
+
+def _rises_at(at: Array, sides: Array, index: int) -> bool:
+    """Whether a way rises where it comes to a reading: from below it does, and where no side says as it goes on."""
+    if sides[index] != 0:
+        return bool(sides[index] > 0)
+    start, stop = (index, index + 1) if index + 1 < len(at) else (max(index - 1, 0), index)
+    return bool(at[stop] >= at[start])
 
 
 def _told(setup: Setup, sides: Array) -> Array | None:

@@ -16,7 +16,8 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable
-from axiscal.design.plan.order import arriving, in_order, seconds_along
+from axiscal.design.plan.order import arriving, counting, in_order, seconds_along
+from axiscal.design.plan.out_and_back import beside, returns
 from axiscal.design.plan.patience import Patience
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import drop, fitted
@@ -51,7 +52,7 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, gua
             exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
             polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits, times, trial).scores.places
-    order = _shorter(task, in_order(task, places), left)
+    order = _as_before(task, _shorter(task, in_order(task, places), left), left)
     return replace(order, approaches=arriving(task, order))
 
 
@@ -59,6 +60,20 @@ def _shorter(task: Task, order: Places, left: Places) -> Places:
     """Return the order as it was, where it holds the same readings and takes no longer."""
     same = order.same_as(left)
     return left if same and seconds_along(task, left) <= seconds_along(task, order) else order
+
+
+def _as_before(task: Task, order: Places, left: Places) -> Places:
+    """Return each set-up that is read out and back as it was, and its other readings beside those of their side.
+
+    A reading more would shift the rounds of all beyond it.
+    """
+    parts = []
+    for index in dict.fromkeys(order.setups.tolist()):
+        part, old = order.within(order.setups == index), left.within(left.setups == index)
+        setup = task.observation.setups[index]
+        own = returns(setup) and len(old)
+        parts.append(beside(setup, counting(task, part), part, counting(task, old), old) if own else part)
+    return Places.joined(parts) if parts else order
 
 
 def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
