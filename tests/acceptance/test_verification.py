@@ -146,7 +146,7 @@ def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Readi
     new = int(str(refused.value.what).split()[1])
     assert refused.value.remedy == f"Ask for --points {new} or fewer"
     few = candidates().within(np.array([0]))
-    with pytest.raises(ReadingError, match=r"only [01] places of 2 are new") as refused:
+    with pytest.raises(ReadingError, match=r"too few places are new to tell the machine") as refused:
         plan_check(estimate, description().setups, few, (), control, 2)
     assert "fewer" not in refused.value.remedy
 
