@@ -73,9 +73,11 @@ def rows(task: Task, readings: int) -> Iterator[str]:
     counts = [(setup, len(mine)) for setup, mine in plans[0][1].by_setup()]
     plans.append(("evenly spaced", evenly_spaced(task, counts)))
     found = [(name, vouched_for(task, places)) for name, places in plans]
+    seconds.append(0.0)
     if len(counts) == 1:
         found.append(("guarded, its places in one round", in_one_round(task, plans[1][1])))
-    for (name, of), took in zip(found, [*seconds, 0.0, 0.0], strict=False):
+        seconds.append(0.0)
+    for (name, of), took in zip(found, seconds, strict=True):
         worst = next(each for each in of.departures if each.counted)
         promise, vouched = to_unit(of.promise, "um"), to_unit(of.u_def, "um")
         weakest = f"{worst.family} {worst.owner}, power {worst.power:.0%}"

@@ -39,14 +39,10 @@ def out_and_back(
     before : (t, 2 q) poses and approaches, as counted, of its readings that are taken already
     """
     (k,) = setup.moves
-    sides = _told(setup, counted[:, k])
-    if sides is None:
-        rises, second = _ways(np.concatenate([before[:, k], places.poses[:, k]]), None)
-    else:
-        before = before[before[:, places.poses.shape[1] + k] != 0]
-        had = before[:, places.poses.shape[1] + k]
-        rises, second = _ways(np.concatenate([before[:, k], places.poses[:, k]]), np.concatenate([had, sides]))
-    rises, second = rises[len(before) :], second[len(before) :]
+    side, told = places.poses.shape[1] + k, _told(setup, counted[:, k]) is not None
+    before = before[before[:, side] != 0] if told else before
+    rows = np.concatenate([before, np.column_stack([places.poses, counted])])
+    rises, second = (each[len(before) :] for each in _ways(rows[:, k], rows[:, side] if told else None))
     along, order = np.argsort(places.poses[:, k], kind="stable"), np.zeros(0, dtype=np.intp)
     for part in (~second, second):
         out, back = along[(part & rises)[along]], along[(part & ~rises)[along]][::-1]
