@@ -68,6 +68,16 @@ def test_where_a_promise_rests_on_statements_alone_the_verdict_says_that(gapped:
     assert verdict_words(both, plain).endswith("could hardly have done so.")
 
 
+@pytest.mark.parametrize(("raised", "told"), [(1.0, ""), (1.004, ""), (1.006, "1 %"), (1.18, "18 %")])
+def test_a_promise_that_was_made_larger_is_said_with_how_much_where_that_can_be_printed(
+    gapped: Estimation, raised: float, told: str
+) -> None:
+    ruling = replace(ruling_of(gapped), verdict="holds", raised=raised)
+    words = verdict_words(ruling, CASE.description.target)
+    assert words.startswith("Verdict: holds. The readings could have contradicted the model, and did not.")
+    assert words.endswith(f"by uncertainties {told} larger than those of the model." if told else "did not.")
+
+
 def test_whether_it_is_reached_is_the_same_before_and_after_the_verdict(gapped: Estimation) -> None:
     before = replace(gapped, ruling=None)
     for share in (0.6, 0.99, 1.01):

@@ -68,6 +68,19 @@ def test_no_less_than_the_largest_of_all_is_vouched_for() -> None:
     assert promised(1.0, *many).promising(4.0 * UM) == promised(4.0, *many)
 
 
+def test_a_promise_is_held_from_where_nothing_leaves_it_open_any_more() -> None:
+    many = departed(damage=2.0), departed(bearable=1.5, damage=1.0), departed(9.0, 9.0, counted=False)
+    assert promised(1.0, *many).held_from == pytest.approx(1.6 * UM)
+    assert promised(1.0, *many[1:]).held_from == 1.5 * UM
+    assert promised(1.0, *many, stated=3.5).held_from == 3.5 * UM
+    assert promised(1.0, *many, stated=1.1, noise=5.0).held_from == pytest.approx(5.0 * UM)
+    assert promised(4.0, *many).held_from == 4.0 * UM
+    for found in (promised(1.0, *many), promised(1.0, *many, stated=3.5), promised(1.0, *many, noise=5.0)):
+        assert found.unchecked
+        assert found.promising(0.999 * found.held_from).unchecked
+        assert not found.promising(1.001 * found.held_from).unchecked
+
+
 def test_the_weakest_is_the_first_that_is_worse_than_the_promise() -> None:
     beside, first, second = departed(9.0, counted=False), departed(2.0, family="drift"), departed(1.5)
     assert promised(1.0, beside, first, second).weakest == first

@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.accuracy.expanded import expanded
 from axiscal.campaign.ending import DOES_NOT_FIT, standing
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.vouching import defended
 from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.outliers import Doubt
 from axiscal.simulation import VirtualMachine
@@ -138,3 +140,32 @@ def test_what_is_said_to_be_open_is_what_the_verdict_is_about_where_the_headline
     assert ruling.defence.promise == model.accuracy.rms
     assert ruling.defence.u_def >= ruling.standard
     assert (ruling.verdict == "unchecked") == ruling.defence.unchecked
+
+
+def test_a_promise_that_its_readings_nearly_hold_is_raised_until_they_do_and_no_farther_than_a_fifth() -> None:
+    """Else the last digit of a promise would decide. The definition is that of the verdict, by the naive way."""
+    raised = []
+    for count in range(18, 34, 2):
+        model = concluded(CASE, in_two_rounds(read(machine(3), count)))
+        own, known = defended(model), ruled(model)
+        ruling, promise = ruling_of(known), model.accuracy.rms
+        least = max(max(each.damage / 1.25, each.bearable) for each in own.departures if each.counted)
+        assert ruling.verdict == ("unchecked" if least > 1.2 * promise else "holds")
+        assert known.accuracy.rms == pytest.approx(least if promise < least <= 1.2 * promise else promise)
+        assert ruling.raised == pytest.approx(known.accuracy.rms / promise)
+        assert (ruling.defence.u_def > 1.25 * known.accuracy.rms) == (least > 1.2 * promise)
+        assert (known.banded is model.banded) == (ruling.raised == 1.0)
+        if ruling.raised > 1:
+            raised.append(model)
+    assert raised
+    for model in raised:
+        known, places = ruled(model), np.linspace(0, 1, 50)[:, None]
+        ruling, alone = ruling_of(known), expanded(model.banded.case.yardstick, model.banded.knowledge.belief)
+        assert ruling.expanded.space >= ruling.raised * alone.space * (1 - 1e-9)
+        assert ruling.standard >= known.accuracy.rms
+        assert not ruling.defence.unchecked
+        left, right = (each.estimate().deviation(places, np.ones_like(places)) for each in (known, model))
+        np.testing.assert_array_equal(left, right)
+        wide, narrow = (each.banded.knowledge.belief.covariance for each in (known, model))
+        np.testing.assert_allclose(wide, ruling.raised**2 * narrow)
+        assert known.accuracy.worst == pytest.approx(ruling.raised * model.accuracy.worst)

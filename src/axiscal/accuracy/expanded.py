@@ -70,12 +70,13 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted 
 
 def _largest(spectra: Array) -> float:
     """Return the largest distance of single poses."""
-    return float(_bisected(spectra, lambda squares: within(spectra, squares), len(spectra)).max())
+    return float(_bisected(spectra, shares(spectra), len(spectra)).max())
 
 
 def reach(spectra: Array) -> float:
     """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.  spectra : (m, d) λ, m²"""
-    return float(_bisected(spectra, lambda squares: np.mean(within(spectra, squares), keepdims=True), 1)[0])
+    at_each = shares(spectra)
+    return float(_bisected(spectra, lambda squares: np.mean(at_each(squares), keepdims=True), 1)[0])
 
 
 def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Array:
@@ -89,13 +90,13 @@ def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Ar
     return high
 
 
-def within(spectra: Array, squares: Array) -> Array:
-    """Return P(Σλ z² ≤ square) at each pose, (m,); 1 where nothing is left to vary.  squares : (m,) or (1,)"""
+def shares(spectra: Array) -> Callable[[Array], Array]:
+    """Return what gives P(Σλ z² ≤ square) at each pose, (m,), of squares, (m,) or (1,); 1 where nothing varies."""
     largest = spectra.max(axis=1, initial=0.0)
     still, scale = largest == 0, np.where(largest > 0, largest, 1.0)
     relative = np.where(still[:, None], 1.0, spectra / scale[:, None])
     first, second, third = (np.sum(relative**n, axis=1) for n in (1, 2, 3))
-    return np.where(still, 1.0, _by_moments(first, second, third, squares / scale))
+    return lambda squares: np.where(still, 1.0, _by_moments(first, second, third, squares / scale))
 
 
 def within_one(covariance: Array, squares: Array) -> Array:

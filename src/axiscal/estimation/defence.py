@@ -16,7 +16,7 @@ from itertools import groupby, takewhile
 
 import numpy as np
 
-from axiscal.accuracy.damage import Harm, bearable, hidden
+from axiscal.accuracy.damage import KAPPA, Harm, bearable, hidden
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.error_model.model import ErrorModel
@@ -48,6 +48,10 @@ COUNTED: frozenset[Family] = frozenset(
 """Families that a promise must be defended against; the others are named, for the prior or the test holds them."""
 OPEN = 1.25
 """What readings vouch for may be larger than their promise by a quarter before the promise counts as unchecked."""
+RAISED = KAPPA / OPEN
+"""A promise that would be checked so many times as large is made so large: what readings vouch for is then no more than
+1.5 times what the model promises, and whether they hold does not hang on its last digit.
+"""
 _OF_SETUPS: frozenset[Family] = frozenset({"drift", "levelling", "excursion"})
 """Families whose size is what a zero moves by in the course of a set-up."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
@@ -98,9 +102,14 @@ class Departed:
         """The least promise that can be vouched for beside it, m."""
         return max(self.damage, self.bearable) if self.counted else 0.0
 
+    @property
+    def held_from(self) -> float:
+        """The least promise that is defended against it, m."""
+        return max(self.damage / OPEN, self.bearable) if self.counted else 0.0
+
     def exceeds(self, promise: float) -> bool:
         """Return whether a promise, m, is not defended against it."""
-        return self.counted and (self.damage > OPEN * promise or self.bearable > promise)
+        return self.held_from > promise
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +150,11 @@ class Defence:
         return max((each.bearable for each in (self.rests_on, self.scatter) if each is not None), default=0.0)
 
     @property
+    def held_from(self) -> float:
+        """The least promise that would not be `unchecked`, m."""
+        return max([self.promise, self._stated, *(each.held_from for each in self.departures)])
+
+    @property
     def hides(self) -> bool:
         """Whether there is room for what makes the truth 1.5 times the promise, unseen."""
         return any(each.counted and each.bearable > self.promise for each in self.departures)
@@ -159,7 +173,7 @@ class Defence:
     @property
     def leaves(self) -> bool:
         """Whether readings could not have shown a departure that would make the promise much too good."""
-        return self._shown > OPEN * self.promise or self.hides
+        return any(each.exceeds(self.promise) for each in self.departures)
 
     @property
     def unchecked(self) -> bool:

@@ -9,7 +9,8 @@ were twenty to one at any time, those with the stated scales against any too; `u
 for no less than 1.25 times the promise, or where a step, a detail or what two axes do together, as large as curves are
 and anywhere, would with more than 5 % spoil the promise unseen, or where so much of it rests on what is stated alone
 that more than 2 % of machines that are as stated are far worse, or where it is small beside a noise that nothing tells
-from the machine.
+from the machine. A promise of which none of that would be so were it up to a fifth larger is made so much larger, and
+holds.
 """
 
 from __future__ import annotations
@@ -20,11 +21,12 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.accuracy.expanded import Expanded, expanded
+from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.believed import plausible_with_sides, with_sides
 from axiscal.estimation.checks import checked
-from axiscal.estimation.defence import Defence
+from axiscal.estimation.defence import RAISED, Defence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.ruling import Ruling, VerdictWord
@@ -40,6 +42,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import ALIKE
 
 GROSS = 5.0
 """So many times as much as the model says: no band of it means anything."""
@@ -59,7 +62,7 @@ def ruling_of(known: Estimation) -> Ruling:
 @one_thread()
 @stage("whether the readings contradict the model")
 def ruled(known: Estimation) -> Estimation:
-    """Return what is known with the verdict, and where that is `widened` with means and bands of the mixture."""
+    """Return what is known with the verdict; means and bands are the mixture's where that is `widened`."""
     if known.ruling is not None:
         return known
     readings: Sequence[Reading] = with_sides(known)
@@ -70,20 +73,24 @@ def ruled(known: Estimation) -> Estimation:
     readings, comparison = _compared(known, readings)
     mixture = _average(known, readings)
     comparison = _beside_what_is_stated(known, readings, comparison, mixture)
-    verdict = _verdict(known, comparison, defence)
+    verdict, raised = _verdict(known, comparison, defence), 1.0
     factor = _inflation(known, comparison, mixture) if verdict in ("widened", "contradicted") else 1.0
     moved = mixture.moved + _brought_back(known, readings) if verdict == "widened" else None
-    own = _expanded(known.banded)
+    own, bands = _expanded(known.banded), known.banded
     wide, figures = _no_narrower(known, own, mixture, moved, factor)
-    accuracy = wide.case.yardstick.measure(wide.knowledge.belief)
+    if verdict == "holds" and defence.unchecked:
+        raised = (1 + ALIKE) * defence.held_from / defence.promise
+        bands = _raised(known.banded, raised)
+        wide, figures = max((wide, figures), (bands, _expanded(bands)), key=lambda each: each[1].space)
+    if verdict == "widened":
+        bands = wide
+    standard, accuracy = _accuracy(wide).rms, known.accuracy if bands is known.banded else _accuracy(bands)
+    vouched = defence.promising(accuracy.rms).at_least(standard)
     checks = checked(known.case, readings, own.space)
-    vouched = defence.promising(accuracy.rms) if verdict == "widened" else defence.at_least(accuracy.rms)
     ruling = Ruling(
-        verdict, comparison, figures, vouched, accuracy.rms, mixture.model, factor, checks, tuple(readings)
+        verdict, comparison, figures, vouched, standard, mixture.model, factor, raised, checks, tuple(readings)
     )  # fmt: skip
-    if verdict != "widened":
-        return replace(known, ruling=ruling)
-    return replace(known, ruling=ruling, banded=wide, accuracy=accuracy)
+    return replace(known, ruling=ruling, banded=bands, accuracy=accuracy)
 
 
 def _no_narrower(
@@ -151,7 +158,14 @@ def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> Ver
         return "contradicted"
     if comparison.contradicted:
         return "widened"
-    return "unchecked" if defence.unchecked else "holds"
+    return "unchecked" if defence.held_from > RAISED * defence.promise else "holds"
+
+
+def _raised(model: Banded, times: float) -> Banded:
+    """Return case and knowledge with the same means, and bands so many times as wide."""
+    wider = model.case.with_rests({term.name: times * term.rest for term in model.case.errors.terms})
+    observation, belief = replace(model.knowledge.observation, errors=wider.errors), model.knowledge.belief
+    return Banded(wider, Knowledge(observation, Belief(belief.mean, times**2 * belief.covariance)))
 
 
 def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
@@ -190,6 +204,10 @@ def _inflation(known: Estimation, comparison: Comparison, mixture: Average) -> f
     if believed > _BELIEVED or degrees < _TELLING:
         return 1.0
     return max(1.0, sum(each.chi_square for each in known.innovations) / degrees)
+
+
+def _accuracy(wide: Banded) -> Accuracy:
+    return wide.case.yardstick.measure(wide.knowledge.belief)
 
 
 def _expanded(wide: Banded) -> Expanded:

@@ -21,7 +21,8 @@ class Ruling:
         contradicted  the readings contradict every explanation that was tried: nothing is promised
         widened       they contradict the model; what explains them is averaged over, in means and bands
         unchecked     they could not have shown what would make the promise much too good
-        holds         they could have contradicted it, and did not
+        holds         they could have contradicted it, and did not; or could have, had it been a little larger, which it
+                      is made then
 
     comparison : of the departures with the model; expanded : what may be promised, never less than the model does
     defence : what the readings can vouch for, beside what is promised
@@ -29,6 +30,8 @@ class Ruling:
         mixture over scales and departures where that promises less
     model : the share of the belief that the model as it is holds, other scales among it, 0 to 1
     inflated : the factor on the variances of the last resort (Birge), 1 where it is not needed
+    raised : how many times as large as the model's bands and tables are, so that what readings would not show does not
+        spoil the promise; 1 where that is not needed
     readings : those that were compared; one that others contradict is among them where a shape explains that as well
     checks : what readings say that were predicted before they were used, None where there were too few
     """
@@ -40,6 +43,7 @@ class Ruling:
     standard: float
     model: float = 1.0
     inflated: float = 1.0
+    raised: float = 1.0
     checks: Checks | None = None
     readings: tuple[Reading, ...] = ()
 

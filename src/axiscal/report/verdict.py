@@ -8,6 +8,8 @@ from axiscal.estimation.ruling import Ruling
 from axiscal.language.spoken import later, put, said
 from axiscal.units import to_unit
 
+_NOTABLE = 1.005
+"""Times the uncertainties of the model, from which on it is told what is counted besides: it is printed in percent."""
 _CHANCE, _RARE = 0.05, 1e-12
 """What chance does less often than once in twenty is said, and no chance is said to be smaller than it can be known."""
 NOT_KNOWN = later("Not known: the readings contradict every explanation that was tried")
@@ -72,4 +74,10 @@ def _meant(ruling: Ruling, target: Target) -> str:
         alone = "{hardly} A target counts as reached by what they can vouch for alone."
         allowed = '{hardly} The target counts by the promise all the same: unchecked = "allow" is stated.'
         return said(allowed if target.unchecked else alone, hardly=hardly)
-    return said("The readings could have contradicted the model, and did not.")
+    held = said("The readings could have contradicted the model, and did not.")
+    if not ruling.raised > _NOTABLE:
+        return held
+    larger = (
+        "{held} What they would not have shown is counted by uncertainties {more:.0%} larger than those of the model."
+    )
+    return said(larger, held=held, more=ruling.raised - 1)
