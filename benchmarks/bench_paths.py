@@ -1,10 +1,12 @@
 """What the main paths ask of the processor, beside what they asked at the commit before and what is aimed at.
 
-    python benchmarks/bench_paths.py [--only plan] [--long] [--write]
+    python benchmarks/bench_paths.py [--only plan] [--long] [--write] [--beside ../checkout]
 
 Processor seconds of whole commands on one thread, the calls of functions that a second run takes, and the ratio to the
 figures kept in benchmarks/figures.csv. --write keeps today's there, under the commit that is checked out; --long adds
-the records of 2,000 readings, estimates of 2,001, and 1,000 unknowns with 10,000 readings.
+the records of 2,000 readings, estimates of 2,001, and 1,000 unknowns with 10,000 readings. --beside runs each path by
+the sources of another checkout as well, right after: how fast a machine is, and what else it does, is then the same
+for both, and the ratio is theirs.
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
 from benchmarks import bench_defence, bench_estimate
 
+ROOT = Path(__file__).resolve().parents[1]
 FIGURES = Path(__file__).with_name("figures.csv")
 COLUMNS = ("path", "commit", "seconds", "calls", "megabytes")
 COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
@@ -202,32 +205,36 @@ ROADS = (
 )
 
 
-def measured(road: Road, commit: str) -> Measured:
-    """Return what a path takes: one run for the processor's time, and another from the start that counts calls."""
+def measured(road: Road, checkout: Path) -> Measured:
+    """Return what a path takes: one run for the processor's time, and another from the start that counts calls.
+
+    checkout : whose sources are run
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         arguments = road.arguments(folder)
         if road.again:
-            run([sys.executable, "-c", COMMAND, *arguments])
-        used = run([sys.executable, "-c", COMMAND, *arguments])
-        calls = 0 if road.long else counted(road, folder / "again")
+            run([sys.executable, "-c", COMMAND, *arguments], checkout)
+        used = run([sys.executable, "-c", COMMAND, *arguments], checkout)
+        calls = 0 if road.long else counted(road, folder / "again", checkout)
     seconds, megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
-    return Measured(road.name, commit, round(seconds, 2), calls, round(megabytes))
+    return Measured(road.name, commit_of(checkout), round(seconds, 2), calls, round(megabytes))
 
 
-def counted(road: Road, folder: Path) -> int:
+def counted(road: Road, folder: Path, checkout: Path) -> int:
     """Return how many functions a path calls."""
     folder.mkdir()
     arguments, calls = road.arguments(folder), folder / "calls"
     if road.again:
-        run([sys.executable, "-c", COMMAND, *arguments])
-    run([sys.executable, "-c", PROFILED, *arguments, str(calls)])
+        run([sys.executable, "-c", COMMAND, *arguments], checkout)
+    run([sys.executable, "-c", PROFILED, *arguments, str(calls)], checkout)
     return int(pstats.Stats(str(calls)).total_calls)  # type: ignore[attr-defined]
 
 
-def run(command: list[str]) -> resource.struct_rusage:
-    """Run a command to its end, and return what it used; what it prints is not looked at."""
+def run(command: list[str], checkout: Path) -> resource.struct_rusage:
+    """Run a command of a checkout to its end, and return what it used; what it prints is not looked at."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPATH"] = str(checkout / "src")
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
     _, status, used = os.wait4(process.pid, 0)
     if status:
@@ -256,9 +263,9 @@ def write(found: dict[str, Measured]) -> None:
             writer.writerow([each.path, each.commit, each.seconds, each.calls, each.megabytes])
 
 
-def commit_now() -> str:
+def commit_of(checkout: Path) -> str:
     """Return the short name of the commit that is checked out, "" outside a repository."""
-    asked = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=FIGURES.parent)
+    asked = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=checkout)
     return asked.stdout.strip()
 
 
@@ -267,12 +274,15 @@ def line(road: Road, now: Measured, before: Measured | None) -> str:
     shown = (
         f"{road.name:38} {now.seconds:8.2f} s {now.calls / 1e6:7.2f} M {now.megabytes:6.0f} MB   (aim {road.target} s)"
     )
-    if before is None:
-        return shown
+    return shown if before is None else f"{shown}   {compared_with(now, before)}"
+
+
+def compared_with(now: Measured, before: Measured) -> str:
+    """Return how much of the time, and of the calls, of another state a path takes."""
     ratio = f"{now.seconds / before.seconds:5.2f} of the time"
     if now.calls and before.calls:
         ratio += f", {now.calls / before.calls:5.2f} of the calls"
-    return f"{shown}   {ratio} at {before.commit}"
+    return f"{ratio} at {before.commit}"
 
 
 def main() -> None:
@@ -281,13 +291,19 @@ def main() -> None:
     parser.add_argument("--only", default="", help="paths whose name begins so")
     parser.add_argument("--long", action="store_true", help="with those that take minutes")
     parser.add_argument("--write", action="store_true", help="keep the figures in benchmarks/figures.csv")
+    parser.add_argument("--beside", type=Path, help="folder of another checkout, by which each path is run as well")
     asked = parser.parse_args()
-    before, commit = kept(), commit_now()
+    before = kept()
     found = dict(before)
     for road in ROADS:
         if road.name.startswith(asked.only) and (asked.long or not road.long):
-            found[road.name] = measured(road, commit)
+            found[road.name] = measured(road, ROOT)
             print(line(road, found[road.name], before.get(road.name)), flush=True)
+            if asked.beside is not None:
+                other = measured(road, asked.beside.resolve())
+                print(
+                    f"{'':38} {other.seconds:8.2f} s   {compared_with(found[road.name], other)}, beside it", flush=True
+                )
             if asked.write:
                 write(found)
 
