@@ -288,6 +288,7 @@ def test_a_run_without_a_person(axiscal: Command) -> None:
 
 
 def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
+    Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 5"))
     outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d")
     vouched, first, second, *others = outcome.out.splitlines()
     result = json.loads(Path("d/result.json").read_text())
