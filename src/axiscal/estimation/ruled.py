@@ -10,11 +10,12 @@ for no less than 1.25 times the promise, or where a step, a detail or what two a
 and anywhere, would with more than 5 % spoil the promise unseen, or where so much of it rests on what is stated alone
 that more than 2 % of machines that are as stated are far worse, or where it is small beside a noise that nothing tells
 from the machine. A promise of which none of that would be so were it up to a fifth larger is made so much larger, and
-holds.
+holds, unless a target counts by the promise as it is (`unchecked = "allow"`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -158,12 +159,15 @@ def _verdict(known: Estimation, comparison: Comparison, defence: Defence) -> Ver
         return "contradicted"
     if comparison.contradicted:
         return "widened"
-    return "unchecked" if defence.held_from > RAISED * defence.promise else "holds"
+    target = known.stated.description.target
+    farthest = 1.0 if target.unchecked and target.accurate else RAISED
+    return "unchecked" if defence.held_from > farthest * defence.promise else "holds"
 
 
 def _raised(model: Banded, times: float) -> Banded:
-    """Return case and knowledge with the same means, and bands so many times as wide."""
-    wider = model.case.with_rests({term.name: times * term.rest for term in model.case.errors.terms})
+    """Return case and knowledge with the same means, and bands so many times as wide: what no reading sees as well."""
+    rests = {term.name: times * term.rest for term in model.case.errors.terms}
+    wider = model.case.with_rests(rests, times)
     observation, belief = replace(model.knowledge.observation, errors=wider.errors), model.knowledge.belief
     return Banded(wider, Knowledge(observation, Belief(belief.mean, times**2 * belief.covariance)))
 
@@ -175,7 +179,7 @@ def _average(known: Estimation, readings: Sequence[Reading]) -> Average:
 
 
 def _mixed(known: Estimation, mixture: Average, moved: Array | None, factor: float) -> Banded:
-    """Return case and knowledge with the moments of the mixture.
+    """Return case and knowledge with the moments of the mixture, all variances times a factor.
 
     moved : from the model's mean of errors and unknowns to the mixture's; None where the model's is believed
     """
@@ -184,16 +188,17 @@ def _mixed(known: Estimation, mixture: Average, moved: Array | None, factor: flo
     wider = case.with_rests(rests)
     added = mixture.about_model if moved is None else mixture.about_mixture
     observation = replace(known.banded.knowledge.observation, errors=wider.errors)
-    return Banded(wider, Knowledge(observation, _belief(known.whole, moved, added, factor)))
+    mixed = Banded(wider, Knowledge(observation, _belief(known.whole, moved, added)))
+    return mixed if factor == 1 else _raised(mixed, math.sqrt(factor))
 
 
-def _belief(belief: Belief, moved: Array | None, added: Array, factor: float) -> Belief:
-    """Return the belief with its first coefficients moved, E Eᵀ added, and all variances times a factor."""
+def _belief(belief: Belief, moved: Array | None, added: Array) -> Belief:
+    """Return the belief with its first coefficients moved, and E Eᵀ added."""
     mean, covariance, size = belief.mean.copy(), belief.covariance, len(added)
     covariance[:size, :size] += added @ added.T
     if moved is not None:
         mean[:size] += moved
-    return Belief(mean, factor * (covariance + covariance.T) / 2)
+    return Belief(mean, (covariance + covariance.T) / 2)
 
 
 def _inflation(known: Estimation, comparison: Comparison, mixture: Average) -> float:

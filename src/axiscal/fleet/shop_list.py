@@ -12,7 +12,7 @@ from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.ruled import ruling_of
+from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.exceptions import AxiscalError
 from axiscal.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
@@ -148,7 +148,7 @@ def _found(file: Path) -> Known:
     if not state.readings:
         return Known(*said, ended, None, None, "", "it has no readings")
     try:
-        known = concluded(case_of(description), state.readings)
+        known = ruled(concluded(case_of(description), state.readings))
         ruling = ruling_of(known)
     except AxiscalError as fault:
         return Known(*said, ended, None, None, "", why_not(fault))

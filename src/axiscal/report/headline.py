@@ -84,8 +84,8 @@ def mixed_lines(summary: Summary) -> Sequence[str]:
     if standard is None or standard <= _AS_GOOD * summary.rms_um:
         return []
     mixed = (
-        "U is of a standard uncertainty of {standard:.3g} um RMS: what else could explain the readings counts in it; "
-        "the model alone promises the other."
+        "U is of a standard uncertainty of {standard:.3g} um RMS: what else could explain the readings counts in it "
+        "and not in the other."
     )
     return [said(mixed, standard=standard)]
 

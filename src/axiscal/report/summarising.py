@@ -100,7 +100,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         beside = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
         rows = [*beside, *rows[len(beside) :]]
     ruling = ruling_of(estimation)
-    if ruling.verdict == "widened":
+    if ruling.verdict == "widened" or ruling.raised > 1:
         rows[-1] = _with_figures(rows[-1], estimation)
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)

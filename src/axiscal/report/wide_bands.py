@@ -25,12 +25,13 @@ def wide_bands(estimation: Estimation) -> Iterator[Finding]:
     """Yield a sentence for each curve whose band is wider than stated, and where bands rest on too few good draws."""
     if estimation.fit is None:
         return
+    raised = 1.0 if estimation.ruling is None else estimation.ruling.raised
     for stated, function in zip(
         estimation.stated.errors.functions, estimation.banded.case.errors.functions, strict=True
     ):
         before = float(np.sqrt(stated.covariance[0, 0] + stated.rest**2))
         after = _rms(estimation, function)
-        if function.kind == "motion" and after > _WIDER * before:
+        if function.kind == "motion" and after > _WIDER * raised * before:
             now, was = (said_quantity(BAND * each, value_unit(function), 2) for each in (after, before))
             text = said(
                 "The band of {name} ({words}) is ±{now}, wider than the ±{was} that were stated: {reason}.",
