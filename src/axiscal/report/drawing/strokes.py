@@ -51,21 +51,23 @@ def simplified(points: Sequence[Point]) -> list[Point]:
     keep, open_spans = {0, len(points) - 1}, [(0, len(points) - 1)]
     while open_spans:
         first, last = open_spans.pop()
-        off, far = max(((_distance(points[i], points[first], points[last]), i) for i in range(first + 1, last)),
-                       default=(0.0, first))  # fmt: skip
-        if off > _STRAIGHT:
+        off = _distances(points[first + 1 : last], points[first], points[last])
+        farthest = max(off, default=0.0)
+        if farthest > _STRAIGHT:
+            far = last - 1 - off[::-1].index(farthest)
             keep.add(far)
             open_spans += [(first, far), (far, last)]
     return [points[index] for index in sorted(keep)]
 
 
-def _distance(point: Point, start: Point, end: Point) -> float:
-    along = (end[0] - start[0], end[1] - start[1])
-    length = math.hypot(*along)
-    from_start = (point[0] - start[0], point[1] - start[1])
+def _distances(points: Sequence[Point], start: Point, end: Point) -> list[float]:
+    """Return how far points lie from the line from a start to an end, pixels; from both where these are one."""
+    x, y = start
+    across, down = end[0] - x, end[1] - y
+    length = math.hypot(across, down)
     if length == 0:
-        return math.hypot(*from_start)
-    return abs(along[0] * from_start[1] - along[1] * from_start[0]) / length
+        return [math.hypot(each[0] - x, each[1] - y) for each in points]
+    return [abs(across * (each[1] - y) - down * (each[0] - x)) / length for each in points]
 
 
 def line(d: str, colour: str, width: float, dash: str = "") -> str:
