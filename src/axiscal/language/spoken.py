@@ -33,6 +33,8 @@ DECIMALS = {"en": ".", "de": ","}
 _LONG = 1e6
 """Below it a person writes a number without an exponent."""
 _SPOKEN = ContextVar("language", default="en")
+_SILENT = frozenset({float, int, bool, str, type(None)})
+"""What most of the data are of: nothing in them was said."""
 _Thing = TypeVar("_Thing")
 
 
@@ -108,6 +110,8 @@ def again(text: str) -> str:
 
 def resaid(thing: _Thing) -> _Thing:
     """Return plain data with every text in it said in the language that is spoken now."""
+    if type(thing) in _SILENT:
+        return thing
     found: Any = thing
     if isinstance(thing, Said):
         found = again(thing)
