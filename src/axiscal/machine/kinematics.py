@@ -65,7 +65,7 @@ def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Mo
     """
     motion = rigid.identity(len(poses))
     for k, (axis, coordinate) in enumerate(zip(machine.axes, poses.T, strict=True)):
-        tilt = rigid.rotation(small.tilt[k])
+        tilt = rigid.rotation(small.tilt[k]) if small.tilt[k].any() else None
         turn = rigid.rotation(small.rotation[k])
         motion = to_frame(axis, motion, coordinate, tilt)
         if axis.workpiece_side:
@@ -88,9 +88,8 @@ class Deviation(NamedTuple):
 
 def actual_deviation(machine: Machine, poses: Array, small: SmallMotions) -> Deviation:
     """Return how the tool deviates with small motions, nothing linearised."""
-    still = SmallMotions(*(np.zeros_like(part) for part in small))
-    actual, nominal = tool_motion(machine, poses, small), tool_motion(machine, poses, still)
-    return Deviation(actual.translation - nominal.translation, turn_between(nominal.rotation, actual.rotation))
+    actual, nominal = tool_motion(machine, poses, small), frames(machine, poses)
+    return Deviation(actual.translation - nominal.tcp, turn_between(nominal.tool, actual.rotation))
 
 
 def turn_between(before: Array, after: Array) -> Array:
