@@ -16,6 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 from axiscal.units import format_quantity, said_quantity
 
 POSES = 1000
@@ -93,10 +94,10 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
         raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
     together = planes_left(estimate, draft.control, poses, approaches)
     if estimate.sample is not None:
-        poses, approaches = tour(estimate.sample[:POSES], estimate.box)
+        poses, _ = tour(estimate.sample[:POSES], estimate.box)
         tried = estimate.machine, estimate.deviation, draft.control, poses, estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    unknown = unknown_rms(estimate, poses, approaches)
+    unknown = _unknown(estimate)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
     readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
     return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
@@ -111,6 +112,14 @@ def _nothing_held(estimate: Estimate) -> str:
         "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "
         "klipper, marlin or reprapfirmware"
     )
+
+
+@remembered
+def _unknown(estimate: Estimate) -> float:
+    """Return what is not known over the part, or over the volume, m: the same whatever control files are for."""
+    sample = estimate.sample
+    tried = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
+    return unknown_rms(estimate, *tried)
 
 
 def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:

@@ -26,6 +26,7 @@ from axiscal.inference.implausible import objection
 from axiscal.inference.outliers import FEWEST, Doubt
 from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.remembered import remembered
 
 _TRIMMED = 0.1
 
@@ -84,6 +85,7 @@ class Estimation:
         met = any(limit is not None and value <= now.attainable(limit) for limit, value in limits)
         return Knowledge(self.knowledge.observation, self.whole) if met else self.knowledge
 
+    @remembered
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""
         description, wide = self.case.description, self.banded

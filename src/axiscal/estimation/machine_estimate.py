@@ -28,7 +28,7 @@ class Band(NamedTuple):
     std: Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Estimate:
     """A belief with what it is about.
 
