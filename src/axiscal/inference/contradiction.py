@@ -194,7 +194,10 @@ def _fit_with_other_scales(others: Evidence, possible: Sequence[Departure]) -> f
 def whitened(lower: Array, possible: Sequence[Departure]) -> Array:
     """Return L⁻¹ b of each departure, (m, h, 2).  lower : L (m, m)"""
     columns = np.stack([_two(each.columns) for each in possible], axis=1)
-    white: Array = solution(lower, columns.reshape(len(columns), -1)).reshape(columns.shape)
+    white, second = np.zeros_like(columns), columns[:, :, 1].any(axis=0)
+    white[:, :, 0] = solution(lower, columns[:, :, 0])
+    if second.any():
+        white[:, second, 1] = solution(lower, columns[:, second, 1])
     return white
 
 
@@ -233,7 +236,26 @@ def _log_ratios(parts: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> 
 
     parts : (m, h, 2) whitened b; y : (m,) whitened; M and u are sums over the readings so far
     """
-    one, other = parts[:, :, 0], parts[:, :, 1]
+    two = parts[:, :, 1].any(axis=0)
+    ratio = np.empty((len(ends), parts.shape[1]))
+    ratio[:, ~two] = _of_one(parts[:, ~two, 0], y, unit, ends)
+    ratio[:, two] = _of_two(parts[:, two, 0], parts[:, two, 1], y, unit, ends)
+    return ratio
+
+
+def _of_one(part: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Array:
+    """Return the same of departures with one column, (n, h).  part : (m, h)"""
+    own, pull = (np.cumsum(product, axis=0)[ends] for product in (part * part, part * y[:, None]))
+    ratio = np.full_like(own, -np.inf)
+    for size, weight in zip(unit * SIZES, SIZE_WEIGHTS, strict=True):
+        determinant = 1 + size**2 * own
+        gained = size**2 * pull**2 / determinant
+        ratio = np.logaddexp(ratio, np.log(weight) + 0.5 * (gained - np.log(determinant)))
+    return ratio
+
+
+def _of_two(one: Array, other: Array, y: Array, unit: float, ends: NDArray[np.intp]) -> Array:
+    """Return the same of departures with two, (n, h).  one, other : (m, h)"""
     own, across, others = (np.cumsum(product, axis=0)[ends] for product in (one * one, one * other, other * other))
     pull, second = (np.cumsum(part * y[:, None], axis=0)[ends] for part in (one, other))
     ratio = np.full_like(own, -np.inf)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.numerics.from_scipy import chi_square_tails
 
 _QUANTILE = 0.95
 _DRAWS, _FEWEST_DRAWS, _PRODUCTS = 4000, 1000, 1e9
@@ -48,7 +48,8 @@ NO_CONTRAST = Contrast(0.0, _FARTHEST)
 
 def contrast(parts: Array, y: Array) -> Contrast:
     """Return the largest contrast.  parts : (m, h, 2) whitened columns, the second one zero where there is one"""
-    return Contrast(float(contrasts(parts, y[None])[0]), threshold(parts))
+    bases = _bases(parts)
+    return Contrast(float(_largest(y[None], *bases)[0]), _threshold(parts, bases))
 
 
 def contrasts(parts: Array, draws: Array) -> Array:
@@ -58,7 +59,11 @@ def contrasts(parts: Array, draws: Array) -> Array:
 
 def threshold(parts: Array) -> float:
     """Return what T exceeds by chance in one campaign of twenty."""
-    bases = _bases(parts)
+    return _threshold(parts, _bases(parts))
+
+
+def _threshold(parts: Array, bases: tuple[Array, Array]) -> float:
+    """Return the same with the bases of the departures."""
     count = int(np.clip(_PRODUCTS / max(parts.size, 1), _FEWEST_DRAWS, _DRAWS))
     rng = np.random.default_rng(_SEED)
     blocks = [rng.standard_normal((min(_AT_ONCE, count - at), len(parts))) for at in range(0, count, _AT_ONCE)]
@@ -97,10 +102,12 @@ def _largest(draws: Array, single: Array, double: Array) -> Array:
     one = ((draws @ single) ** 2).max(axis=1, initial=0.0)
     two = np.sum((draws @ double.reshape(len(double), -1)).reshape(len(draws), -1, 2) ** 2, axis=2)
     both = two.max(axis=1, initial=0.0)
-    return np.array([max(_surprise(1, a), _surprise(2, b)) for a, b in zip(one, both, strict=True)])
+    surprise: Array = np.maximum(_surprise(1, one), _surprise(2, both))
+    return surprise
 
 
-def _surprise(degrees: int, square: float) -> float:
-    """Return −log₁₀ P(χ² ≥ square)."""
-    tail = chi_square_tail(degrees, square)
-    return -float(np.log10(tail)) if tail > 0 else _FARTHEST
+def _surprise(degrees: int, squares: Array) -> Array:
+    """Return −log₁₀ P(χ² ≥ square) of each square."""
+    tails = chi_square_tails(degrees, squares)
+    with np.errstate(divide="ignore"):
+        return np.where(tails > 0, -np.log10(tails), _FARTHEST)

@@ -25,6 +25,12 @@ def chi_square_tail(degrees: float, value: float) -> float:
     return float(_function("scipy.special", "chdtrc")(degrees, value))
 
 
+def chi_square_tails(degrees: float, values: Array) -> Array:
+    """Return the probability that a chi-square of these degrees of freedom is at least each of `values`, (m,)."""
+    tails: Array = _function("scipy.special", "chdtrc")(degrees, values)
+    return tails
+
+
 def chi_square_share(degrees: Array, values: Array) -> Array:
     """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
     share: Array = _function("scipy.special", "chdtr")(degrees, values)
