@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ROUGH, SMOOTH, ErrorEntry
@@ -66,15 +67,15 @@ def distances(spline: Spline) -> Array:
     return distance
 
 
-def between_knots(spacing: float, smoothness: float) -> float:
+def between_knots(spacing: ArrayLike, smoothness: float) -> Array:
     """Return what a spline through its own knots leaves of a curve between them, RMS as a share of the curve's std.
 
         r² = mean over t of 1 − 2 w(t)ᵀ k(t) + w(t)ᵀ K w(t),   w(t) the spline's row, k, K Matérn correlations
 
-    spacing : of the knots in correlation lengths. At half a length and ν = 2.5 it is 0.05.
+    spacing : (m,) or scalar, of the knots in correlation lengths. At half a length and ν = 2.5 it is 0.05.
     """
     spacings, shares = _table_between(smoothness)
-    return float(np.interp(np.log(spacing), spacings, shares))
+    return np.asarray(np.interp(np.log(spacing), spacings, shares))
 
 
 @cache

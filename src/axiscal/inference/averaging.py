@@ -21,7 +21,7 @@ from axiscal.inference.evidence import Evidence
 from axiscal.measurement.departures import Departure, Family, Followed, followed
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import lower_root, positive_root
+from axiscal.numerics.gaussian import positive_root
 
 _KEPT = 64
 """Departures that are averaged over, the likeliest: together they hold all but a thousandth of the weight."""
@@ -183,7 +183,7 @@ def _rests(parts: Sequence[tuple[_Told, Array]], left: Sequence[tuple[str, Array
 
 def _pulls(evidence: Evidence, possible: Sequence[Departure], logs: Array) -> tuple[Array, Array, Array]:
     """Return the lower root (m, m) of some scales, and columns (m, h, 2) and values (m,) that it has whitened."""
-    lower = lower_root(evidence.covariance(logs))
+    lower = evidence.root(logs)
     return lower, whitened(lower, possible), solution(lower, evidence.values)
 
 

@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorFunction, Term
+from axiscal.error_model.model import ErrorFunction
 from axiscal.error_model.prior import between_knots
-from axiscal.inference.error_priors import Entry, by_length, prior_of
+from axiscal.inference.error_priors import Entry
+from axiscal.inference.priors_at_once import PriorsAtOnce
 from axiscal.inference.reading_set import ErrorPart, ReadingSet
-from axiscal.inference.scales import Kind, Scale, length_owners
+from axiscal.inference.scales import Kind, Scale
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -36,6 +37,11 @@ _LENGTHS = 3
 
 _REMEMBERED = 16_000_000
 """Bytes of priors of errors at scales that were asked for: those of all draws of some hundreds of unknowns."""
+
+_ROOTS = 80_000_000
+"""Bytes of roots of the covariances of readings, kept for who weighs scales first and then asks what they make known:
+those of 96 draws of 300 numbers. What comes after them is found anew.
+"""
 
 
 class _Slopes(NamedTuple):
@@ -91,9 +97,15 @@ class Evidence:
         self.functions, self.axes = observation.errors.functions, machine.axes
         stds = {owner: i for (kind, owner), i in self._index.items() if kind == "std"}
         self._sizes = [stds[part.term.name] for part in self._parts if part.term.name in stds]
+        self._priors_at_once = PriorsAtOnce(self._terms, self._entries, self._index)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin with nothing that is kept for scales that come back."""
         self._of_lengths: dict[bytes, Array] = {}
-        self._known: dict[tuple[str, bytes], Array] = {}
-        self._known_bytes = 0
+        self._known: dict[bytes, dict[str, Array]] = {}
+        self._roots: dict[bytes, Array] = {}
+        self._known_bytes = self._roots_bytes = 0
 
     def log_density(self, logs: Array) -> tuple[float, Array]:
         """Return log p(y | θ) and its gradient (n,) at the logarithms of the factors (n,)."""
@@ -122,10 +134,21 @@ class Evidence:
 
     def log_likelihood(self, logs: Array) -> float:
         """Return log p(y | θ) alone."""
-        lower = lower_root(self.covariance(logs))
+        lower = self.root(logs)
         half = solution(lower, self.values)
         value = -0.5 * float(half @ half) - float(np.log(np.diag(lower)).sum())
         return value - 0.5 * len(lower) * float(np.log(2 * np.pi))
+
+    def root(self, logs: Array) -> Array:
+        """Return L (m, m), lower triangular, with L Lᵀ the covariance of the readings at some scales."""
+        key = logs.tobytes()
+        if (known := self._roots.get(key)) is not None:
+            return known
+        found = lower_root(self.covariance(logs))
+        if self._roots_bytes + found.nbytes <= _ROOTS:
+            self._roots[key] = found
+            self._roots_bytes += found.nbytes
+        return found
 
     def chi_square(self) -> float:
         """Return yᵀ K⁻¹ y as stated."""
@@ -143,21 +166,29 @@ class Evidence:
         other = copy(self)
         if smoothness is not None:
             other._entries = {name: _as_smooth(entry, smoothness) for name, entry in self._entries.items()}
-            other._of_lengths, other._known, other._known_bytes = {}, {}, 0
+            other._priors_at_once = PriorsAtOnce(other._terms, other._entries, other._index)
+            other._forget()
         return other
 
-    def unfollowed(self, function: ErrorFunction, logs: Array) -> float:
-        """Return what the spline of a curve leaves between its knots at some scales, m or rad; 0 of what is no curve.
+    def unfollowed(self, function: ErrorFunction, draws: Array) -> Array:
+        """Return what the spline of a curve leaves between its knots at some scales, (l,) m or rad; 0 of no curve.
 
-        logs : (n,) of the factors
+        draws : (l, n) of the logarithms of the factors
         """
-        entry, std, factors = self._scales_of(function.name, logs)
+        entry, none = self._entries[function.name], np.zeros(len(draws))
         if not isinstance(entry, ErrorEntry) or entry.length is None or function.stated_shape:
-            return 0.0
+            return none
         if function.basis.size == 1:
-            return 0.0
+            return none
+        std, factors = (self._factors(kind, function.name, draws) for kind in ("std", "length"))
         spacing = float(np.ptp(function.basis.knots)) / (len(function.basis.knots) - 1)
-        return std * between_knots(spacing / (entry.length * factors[0]), entry.smoothness)
+        left: Array = entry.std * std * between_knots(spacing / (entry.length * factors), entry.smoothness)
+        return left
+
+    def _factors(self, kind: Kind, owner: str, draws: Array) -> Array:
+        """Return the factor on one scale in each of many draws, (l,)."""
+        index = self._index.get((kind, owner))
+        return np.ones(len(draws)) if index is None else np.exp(draws[:, index])
 
     def multiplied(self, factor: float) -> Evidence:
         """Return the evidence of the same readings with all values times a factor."""
@@ -174,13 +205,10 @@ class Evidence:
         if self._inherited is not None:
             result[:errors, :errors] = self._inherited
             return result
+        priors = self._priors_of(logs)
         for term in self._terms:
-            result[term.columns, term.columns] = self._prior_of(term, logs)
+            result[term.columns, term.columns] = priors[term.name]
         return result
-
-    def _factor(self, kind: Kind, owner: str, logs: Array) -> float:
-        index = self._index.get((kind, owner))
-        return 1.0 if index is None else float(np.exp(logs[index]))
 
     def _scale(self, kind: Kind, owner: str, stated: float, logs: Array) -> float:
         index = self._index.get((kind, owner))
@@ -211,31 +239,26 @@ class Evidence:
 
     def _priors(self, logs: Array) -> Array:
         """s² R of every error that shows in the readings, along the diagonal."""
-        result, start = np.zeros((self._shown.shape[1],) * 2), 0
+        result, start, priors = np.zeros((self._shown.shape[1],) * 2), 0, self._priors_of(logs)
         for part in self._parts:
             stop = start + part.rows.shape[1]
-            result[start:stop, start:stop] = self._prior_of(part.term, logs)
+            result[start:stop, start:stop] = priors[part.term.name]
             start = stop
         return result
 
-    def _prior_of(self, term: Term, logs: Array) -> Array:
-        """s² R of one error: of a draw of scales it is asked for its weight, and again for what it adds to bands."""
-        key = term.name, logs.tobytes()
+    def _priors_of(self, logs: Array) -> dict[str, Array]:
+        """s² R of each error: of a draw of scales it is asked for its weight, and again for what it adds to bands."""
+        key = logs.tobytes()
         if (known := self._known.get(key)) is not None:
             return known
-        found = prior_of(term, *self._scales_of(term.name, logs))
-        self._known_bytes += found.nbytes
+        found = self._priors_at_once.at(logs)
+        size = sum(each.nbytes for each in found.values())
+        self._known_bytes += size
         if self._known_bytes > _REMEMBERED:
             self._known.clear()
-            self._known_bytes = found.nbytes
+            self._known_bytes = size
         self._known[key] = found
         return found
-
-    def _scales_of(self, name: str, logs: Array) -> tuple[Entry, float, tuple[float, float]]:
-        """Return an error's entry, its std, and the factors on its lengths."""
-        entry = self._entries[name]
-        first, second = (self._factor("length", owner, logs) for owner in length_owners(entry))
-        return entry, entry.std * self._factor("std", name, logs), (first, second)
 
     def _variances(self, logs: Array) -> Array:
         variances = self.noise.copy()
@@ -244,7 +267,8 @@ class Evidence:
         return variances
 
     def _slopes(self, logs: Array) -> _Slopes:
-        each = [list(self._by_scale(part, logs)) for part in self._parts]
+        priors, lengths = self._priors_of(logs), self._priors_at_once.by_length(logs)
+        each = [self._moved(part, priors, lengths) for part in self._parts]
         return _Slopes(self._variances(logs), each, [self._rest_square(part, logs) for part in self._parts])
 
     def _gradient(self, pull: Array, slopes: _Slopes) -> Array:
@@ -267,14 +291,18 @@ class Evidence:
         pulled = np.split(pull @ self._shown, cuts, axis=1)
         return [part.rows.T @ mine for part, mine in zip(self._parts, pulled, strict=True)]
 
-    def _by_scale(self, part: ErrorPart, logs: Array) -> Iterator[tuple[int, Array]]:
-        """Yield what size and lengths of an error do to its prior, ∂(s² R)/∂log θ (k, k), by the number of a scale."""
-        scales = self._scales_of(part.term.name, logs)
-        if (i := self._index.get(("std", part.term.name))) is not None:
-            yield i, 2 * self._prior_of(part.term, logs)
-        for number, owner in enumerate(dict.fromkeys(length_owners(scales[0]))):
-            if (i := self._index.get(("length", owner))) is not None:
-                yield i, by_length(part.term, *scales, number)
+    def _moved(
+        self, part: ErrorPart, priors: dict[str, Array], lengths: dict[str, list[tuple[int, Array]]]
+    ) -> list[tuple[int, Array]]:
+        """Return what size and lengths of an error do to its prior, ∂(s² R)/∂log θ (k, k), by the number of a scale."""
+        own = self._index.get(("std", part.term.name))
+        size = [] if own is None else [(own, 2 * priors[part.term.name])]
+        return [*size, *lengths[part.term.name]]
+
+    def _by_scale(self, part: ErrorPart, logs: Array) -> list[tuple[int, Array]]:
+        """Return the same at scales at which no other error is asked for."""
+        once, name = self._priors_at_once, part.term.name
+        return self._moved(part, {name: once.of(part.term, logs)}, {name: once.of_by_length(part.term, logs)})
 
     def _rest_square(self, part: ErrorPart, logs: Array) -> float:
         entry = self._entries[part.term.name]

@@ -49,9 +49,13 @@ class Mixture:
 
     def parts(self) -> Iterator[tuple[Array, float]]:
         """Yield the draws that count with their weights, which sum to 1."""
+        logs, weights = self.kept()
+        yield from zip(logs, weights.tolist(), strict=True)
+
+    def kept(self) -> tuple[Array, Array]:
+        """Return them at once, (k, n) and (k,)."""
         counts = self.weights > _NOTHING
-        kept = self.weights[counts] / self.weights[counts].sum()
-        yield from zip(self.logs[counts], kept.tolist(), strict=True)
+        return self.logs[counts], self.weights[counts] / self.weights[counts].sum()
 
     def mean_square(self, index: int) -> float:
         """Return the mean square of the factor of one scale."""

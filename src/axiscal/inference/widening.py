@@ -22,7 +22,7 @@ from axiscal.inference.mixture import Mixture
 from axiscal.inference.scales import Kind, Scale
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import lower_root, positive_root
+from axiscal.numerics.gaussian import positive_root
 
 _NOTHING = 1e-4
 """Share of a smoothness that moves no band."""
@@ -82,9 +82,11 @@ def rests_with_detail(possible: Sequence[Possible], scales: Sequence[Scale]) -> 
         square = 0.0
         for evidence, mixture, share in possible:
             function = next((f for f in evidence.functions if f.name == scale.owner and f.name in lengths), None)
-            for logs, weight in mixture.parts():
-                least = 0.0 if function is None else evidence.unfollowed(function, logs)
-                square += share * weight * max(scale.stated * float(np.exp(logs[index])), least) ** 2
+            draws, weights = mixture.kept()
+            learnt = scale.stated * np.exp(draws[:, index])
+            least = 0.0 if function is None else evidence.unfollowed(function, draws)
+            for rest, weight in zip(np.maximum(learnt, least).tolist(), weights.tolist(), strict=True):
+                square += share * weight * rest**2
         found[scale.owner] = float(np.sqrt(square))
     return found
 
@@ -102,6 +104,6 @@ def mean_squares(possible: Sequence[Possible], scales: Sequence[Scale], kind: Ki
 def posterior(evidence: Evidence, logs: Array) -> Posterior:
     """Return what readings make of errors and set-ups' unknowns at some scales."""
     prior, rows = evidence.prior(logs), evidence.rows
-    lower = lower_root(evidence.covariance(logs))
+    lower = evidence.root(logs)
     half = solution(lower, rows @ prior)
     return Posterior(half.T @ solution(lower, evidence.values), prior - half.T @ half)
