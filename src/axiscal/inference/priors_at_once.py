@@ -18,7 +18,7 @@ from axiscal.numerics import Array
 _OF_CURVES: tuple[Kind, Kind] = "std", "length"
 
 
-class _Alike(NamedTuple):
+class _CurvesAlike(NamedTuple):
     """Curves of one smoothness with as many knots.
 
     stds, lengths : (f,) as stated, m or rad; std_at, length_at : (f,) of the logarithms of their factors
@@ -65,13 +65,13 @@ class PriorsAtOnce:
                 self._others.append(term)
         self._alike = [self._of(smoothness, curves) for (_, smoothness), curves in groups.items()]
 
-    def _of(self, smoothness: float, curves: Sequence[ErrorFunction]) -> _Alike:
+    def _of(self, smoothness: float, curves: Sequence[ErrorFunction]) -> _CurvesAlike:
         names = tuple(curve.name for curve in curves)
         entries = [self._entries[name] for name in names]
         stated = ([e.std for e in entries], [e.length for e in entries if isinstance(e, ErrorEntry)])
         stds, lengths = (np.array(each, dtype=float) for each in stated)
         std_at, length_at = (np.array([self._index.get((kind, name), -1) for name in names]) for kind in _OF_CURVES)
-        return _Alike(
+        return _CurvesAlike(
             names, smoothness, stds, std_at, lengths, length_at, np.array([distances(c.basis) for c in curves])
         )
 
