@@ -33,7 +33,4 @@ def numbers(values: Sequence[float], what: str, size: int | None = None) -> list
     """Return values at six significant digits; raises SummaryError if one is not finite or their count is not size."""
     if size is not None and len(values) != size:
         raise SummaryError(f"{what} has {len(values)} values for {size} positions.")
-    if not all(map(math.isfinite, values)):
-        return [number(value, what) for value in values]
-    form = f".{_DIGITS}g"
-    return [float(format(value, form)) + 0.0 for value in values]
+    return [number(value, what) for value in values]
