@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -11,8 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from axiscal.accuracy.criterion import joint_root
+from axiscal.accuracy.damage import KAPPA, Harm, needed
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.gains.candidate_rows import Pool
+from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan import guarded as guarded_module
 from axiscal.design.plan.defended import DefendedScores
 from axiscal.design.plan.guarded import enough_readings, vouched_along, vouched_for
@@ -20,11 +23,11 @@ from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.plain_designs import evenly_spaced, space_filling
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits, Task
-from axiscal.design.plan.watch import Watch, retimed, watch, way_shares
+from axiscal.design.plan.watch import Watch, doubting, retimed, watch, way_shares
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import EffectMap
 from axiscal.machine import load_machine
-from axiscal.measurement.departures import IN_PLANS, departures
+from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.ties import ALIKE, first_best
@@ -46,9 +49,9 @@ def watched_in(task: Task) -> Watch:
     return watch(task.observation, task.yardstick, task.lattice, order, np.cumsum(seconds_each(task, order)))
 
 
-def begun(task: Task, seed: int, count: int = 12) -> DefendedScores:
-    """Return the scores after so many candidates at random."""
-    watched = watched_in(task)
+def begun(task: Task, seed: int, count: int = 12, doubted: int = 0) -> DefendedScores:
+    """Return the scores after so many candidates at random, of which the first may be bad, so many."""
+    watched = doubting(watched_in(task), doubted) if doubted else watched_in(task)
     scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick)
     for index in np.random.default_rng(seed).integers(0, len(task.lattice), count).tolist():
         scores.enter(index)
@@ -79,8 +82,9 @@ def test_rank_one_updates_are_the_plain_matrices_with_a_zero_open_by_a_millimetr
         assert np.mean(scores.standing.wrong[part]) / span**2 == pytest.approx(direct.wrong, rel=1e-9)
 
 
-def test_gains_losses_and_exchanges_are_differences_of_the_objective() -> None:
-    scores = begun(one_axis()[1], 1)
+@pytest.mark.parametrize("doubted", [0, 12, 13])
+def test_gains_losses_and_exchanges_are_differences_of_the_objective(doubted: int) -> None:
+    scores = begun(one_axis()[1], 1, doubted=doubted)
     scores.follow()
     before, gains, losses = scores.objective, scores.gains, scores.losses()
     entered, left = scores.fork(), scores.fork()
@@ -94,10 +98,40 @@ def test_gains_losses_and_exchanges_are_differences_of_the_objective() -> None:
     assert without - left.objective == pytest.approx(others[500], rel=1e-6)
 
 
+@pytest.mark.parametrize("task", [mixed(150), levered(150), one_axis()[1]], ids=["three values", "one value", "axis"])
+def test_what_a_bad_reading_does_is_what_the_plain_matrices_say_after_readings_come_and_go(task: Task) -> None:
+    scores = begun(task, 5, 9, doubted=9)
+    for slot, candidate in ((4, 90), (0, 17), (8, 120), (4, 33)):
+        scores.leave(slot)
+        scores.enter(candidate, slot)
+    state = task.state.opened(scores.places)
+    rows, variances, owner = state.rows(scores.places)
+    effects = EffectMap(task.yardstick, rows @ state.factor, np.sqrt(variances), state.weighted)
+    for slot in range(9):
+        column = (owner == slot).astype(float)[:, None]
+        (direct,) = effects.each([Departure("bad", "it", column, float(slot))])
+        assert scores.standing.own[slot] == pytest.approx(direct.information[0, 0], rel=1e-6)
+        assert scores.standing.wrong[slot] == pytest.approx(direct.wrong, rel=1e-6, abs=1e-18)
+
+
+def test_a_slip_of_one_number_does_what_its_reading_holds() -> None:
+    """D² = need L/(κ² − 1): what J rises by without the reading; of columns and of plain matrices."""
+    task = one_axis()[1]
+    scores, plain = begun(task, 6, 14, doubted=14), Scores(Pool(task.observation, task.lattice), task.state)
+    plain.enter_all(scores.places)
+    shown = zip(scores.standing.own[:14], scores.standing.wrong[:14], strict=True)
+    harms = [Harm(np.array([[own]]), wrong, most=math.inf) for own, wrong in shown]
+    damages = [math.sqrt(needed(1) / (KAPPA**2 - 1) * loss) for loss in plain.losses()]
+    assert [each.damage for each in harms] == pytest.approx(damages, rel=1e-6)
+
+
+@pytest.mark.parametrize("doubted", [0, 12])
 @pytest.mark.parametrize("squarings", [2, 4])
 @pytest.mark.parametrize("task", [mixed(150), levered(150)], ids=["three values", "one value"])
-def test_ruling_out_from_below_finds_the_candidate_that_looking_at_all_finds(task: Task, squarings: int) -> None:
-    watched = watched_in(task)
+def test_ruling_out_from_below_finds_the_candidate_that_looking_at_all_finds(
+    task: Task, squarings: int, doubted: int
+) -> None:
+    watched = doubting(watched_in(task), doubted) if doubted else watched_in(task)
     scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick, squarings)
     scores.enter_all(task.lattice.within(slice(0, None, 13)))
     allowed = np.random.default_rng(squarings).random(len(scores.pool)) < 0.8
@@ -159,7 +193,16 @@ def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: f
     assert found <= most
     assert found < 0.7 * vouched_for(task, plan(readings, False).places).u_def
     assert found < 0.7 * vouched_for(task, evenly_spaced(task, [(0, readings)])).u_def
-    assert made.accuracy.rms < 1.15 * plan(readings, False).accuracy.rms
+    assert made.accuracy.rms < 1.2 * plan(readings, False).accuracy.rms
+
+
+@pytest.mark.parametrize("readings", [14, 20, 24, 32])
+def test_no_single_reading_of_a_guarded_plan_is_believed_that_is_bad(readings: int) -> None:
+    """Where nobody asks, the others just show what does 2 to 5 µm of harm at the outermost one."""
+    task, places = one_axis()[1], plan(readings, True).places
+    whole = task.state.after_readings(places).value
+    rise = max(task.state.after_readings(places.without(slot)).value for slot in range(readings)) - whole
+    assert math.sqrt(needed(1) / (KAPPA**2 - 1) * rise) < 1.25 * vouched_for(task, places).u_def
 
 
 def test_a_guarded_plan_is_read_in_two_rounds_for_what_comes_and_goes() -> None:
@@ -225,10 +268,11 @@ def test_an_accuracy_that_cannot_be_vouched_for_within_the_time_is_planned_as_it
     assert made.places.same_as(plain.places)
 
 
+@pytest.mark.parametrize("doubted", [0, 9])
 @pytest.mark.parametrize("three", [(0,), (1,), (0, 1)])
-def test_readings_of_three_numbers_are_guarded_by_the_same_algebra(three: tuple[int, ...]) -> None:
+def test_readings_of_three_numbers_are_guarded_by_the_same_algebra(three: tuple[int, ...], doubted: int) -> None:
     task = mixed(150, three)
-    scores = begun(task, 3, 9)
+    scores = begun(task, 3, 9, doubted)
     scores.follow()
     before, gains, losses = scores.objective, scores.gains, scores.losses()
     for index in (3, 140):
@@ -275,13 +319,14 @@ def test_the_criterion_of_the_paper_plans_for_its_model_alone() -> None:
 
 @settings(max_examples=4, deadline=None, derandomize=True)
 @given(readings=st.integers(4, 18), noise=st.sampled_from([0.1e-6, 0.5e-6, 3e-6]))
-def test_no_guarded_plan_vouches_for_less_than_the_plain_ones(readings: int, noise: float) -> None:
+def test_no_guarded_plan_vouches_for_much_less_than_the_plain_ones(readings: int, noise: float) -> None:
     task = with_noise(noise)
     plain, made = (make_plan(task, Limits(readings=readings), bounded=False, guard=guard) for guard in (False, True))
     counts = [(0, readings)]
     simple = (plain.places, evenly_spaced(task, counts), space_filling(task, counts))
     assert len(made.places) == readings
-    assert vouched_for(task, made.places).u_def <= min(vouched_for(task, each).u_def for each in simple) * (1 + ALIKE)
+    least = min(vouched_for(task, each).u_def for each in simple)
+    assert vouched_for(task, made.places).u_def <= 1.25 * least * (1 + ALIKE)  # so that none is believed alone
 
 
 def with_noise(noise: float) -> Task:

@@ -58,9 +58,9 @@ _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
 """Families that may be anywhere, in a gap or off a line of readings too. What is narrower hides between any two."""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
 """Of few places a step between two readings is none."""
-_LARGEST_DRIFT = 20e-6
-"""m or rad over one set-up, straight or levelling off; as much of a zero that comes and goes in it, and of a growth
-over the travel: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md).
+LARGEST_SHIFT = 20e-6
+"""m or rad over one set-up, straight or levelling off; as much of a zero that comes and goes in it, of a growth over
+the travel, and of a bad reading: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md).
 """
 _LARGEST_PITCH = 5e-6
 """m or rad: a ground screw of usual make goes wrong by less in a turn (an assumption)."""
@@ -291,15 +291,13 @@ def _unresolved(each: Departure) -> Departed:
     mean is 1/8, of the straight line that an axis has grown by 1/12.
     """
     square = 8.0 if each.family == "excursion" else 12.0
-    return Departed(
-        each.family, each.owner, 0.0, math.inf, _LARGEST_DRIFT / math.sqrt(square), each.place, counted=True
-    )
+    return Departed(each.family, each.owner, 0.0, math.inf, LARGEST_SHIFT / math.sqrt(square), each.place, counted=True)
 
 
 def _unseen(observation: Observation) -> Iterator[Departed]:
     """Yield a drift of each set-up: with less than three readings nothing contradicts anything."""
     for setup in observation.setups:
-        yield Departed("drift", setup.name, 0.0, math.inf, _LARGEST_DRIFT / math.sqrt(12.0), 0.0, counted=True)
+        yield Departed("drift", setup.name, 0.0, math.inf, LARGEST_SHIFT / math.sqrt(12.0), 0.0, counted=True)
 
 
 class EffectMap:
@@ -371,7 +369,7 @@ def _of_size_one(departure: Departure) -> Array:
 def largest(errors: ErrorModel, departure: Departure) -> float:
     """Return the largest size that is considered, m or rad."""
     if departure.function is None:
-        return _LARGEST_DRIFT
+        return LARGEST_SHIFT
     entry = errors.machine.errors[departure.function]
     if departure.family == "reversal":
         return _REVERSALS * entry.std

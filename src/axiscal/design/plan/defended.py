@@ -48,6 +48,7 @@ class _Looked(NamedTuple):
     standing : before a candidate; above, below, joint : as of `Scores`
     cross, reach : (numbers, r) as of `LeftOver`; pulled, turned : (r, k)
     β is `beta` with cross times pulled added, π is `pi` with cross times turned and reach times pulled
+    slot : where a candidate would stand
     """
 
     standing: Standing
@@ -58,6 +59,7 @@ class _Looked(NamedTuple):
     reach: Array
     pulled: Array
     turned: Array
+    slot: int
 
 
 class _Counted(NamedTuple):
@@ -105,7 +107,8 @@ class DefendedScores(Scores):
     def gains(self) -> Array:
         """By how much every candidate would lower the objective, (M,)."""
         none = np.zeros((len(self.above), 0)), np.zeros((0, self.watched.count))
-        looked = _Looked(self.standing, self.above, self.below, self.joint, none[0], none[0], none[1], none[1])
+        tables, slot = (self.above, self.below, self.joint), len(self.members)
+        looked = _Looked(self.standing, *tables, none[0], none[0], none[1], none[1], slot)
         return self.objective - self._with_each(looked, np.arange(len(self.pool)))
 
     def losses(self) -> Array:
@@ -135,7 +138,8 @@ class DefendedScores(Scores):
         own = before - self.objective
         best = -np.inf if better is None else own * (1 + better)
         for count in _HEAVIEST:
-            floors = self._with_each(looked, those, self._goal.heaviest(looked.standing, count))
+            heaviest = self._goal.heaviest(looked.standing, count)
+            floors = self._with_each(looked, those, np.union1d(heaviest, self._doubted(slot)))
             most = before - floors + _ROUNDING * before
             able = ~(most < best - ALIKE * abs(best))
             those, most = those[able], most[able]
@@ -158,11 +162,14 @@ class DefendedScores(Scores):
         pulled = -left.eta @ self.beta[mine]
         turned = -left.eta @ (self.pi[mine] + left.omega @ pulled)
         standing = self._standing_without(slot, -left.eta, left.omega)
-        return _Looked(standing, left.above, left.below, left.joint, left.cross, left.reach, pulled, turned)
+        return _Looked(standing, left.above, left.below, left.joint, left.cross, left.reach, pulled, turned, slot)
 
     def _standing_without(self, slot: int, grown: Array, omega: Array) -> Standing:
         mine = self._numbers(slot)
-        return self._goal.after_several(self.standing, -grown, omega, self.beta[mine], self.pi[mine])
+        standing = self._goal.after_several(self.standing, -grown, omega, self.beta[mine], self.pi[mine])
+        gone = self._doubted(slot)
+        standing.own[gone] = standing.wrong[gone] = 0.0
+        return standing
 
     def _with_each(self, looked: _Looked, candidates: NDArray[np.intp], only: NDArray[np.intp] | None = None) -> Array:
         """Return the objective with each of some candidates, (m,), or a floor of it, by some departures only."""
@@ -204,15 +211,41 @@ class DefendedScores(Scores):
             at = numbers[:, None] * self.watched.count + part.columns
             beta, pi = (table.reshape(-1).take(at) for table in (self.beta, self.pi))
             pulled, turned = pulled[:, part.columns], turned[:, part.columns]
-        return beta + cross @ pulled, pi + cross @ turned + reach @ pulled
+        beta, pi = beta + cross @ pulled, pi + cross @ turned + reach @ pulled
+        own = self._doubted(looked.slot)
+        if part.columns is not None:
+            own = np.flatnonzero(np.isin(part.columns, own))
+        beta[:, own], pi[:, own] = 1.0, 0.0
+        return beta, pi
+
+    def _doubted(self, slot: int) -> NDArray[np.intp]:
+        """Return the column of a slot whose reading may be bad, none of another."""
+        return np.flatnonzero(np.arange(self.watched.doubted) == slot)
 
     def _taken(self, places: Places, rows: Array, here: slice, variances: float | Array) -> float:
         """Take numbers in, and with them what departures do to them; arguments as of `Scores`."""
         self._pad()
         h = self.state.factor @ (rows @ self.state.factor).T
         self.beta[here] = self.watched.columns(places) - rows @ self.x
+        self._doubt(here)
         self.pi[here] = self.state.root.of(h).T @ self.left
         return super()._taken(places, rows, here, variances)
+
+    def _doubt(self, here: slice) -> None:
+        """Let readings that enter be bad ones, perhaps.  here : their numbers"""
+        for slot in range(min(len(self.members), self.watched.doubted)):
+            mine = self._numbers(slot)
+            if here.start <= mine.start < here.stop:
+                self.beta[mine, slot] = 1.0
+
+    def leave(self, slot: int) -> float:
+        """Take a reading out of the plan, which is no bad one then; as of `Scores`."""
+        risen = super().leave(slot)
+        gone = self._doubted(slot)
+        for table in (self.beta, self.pi, self.x, self.left):
+            table[:, gone] = 0.0
+        self.standing.own[gone] = self.standing.wrong[gone] = 0.0
+        return risen
 
     def _pad(self) -> None:
         """Give the unknowns that came with cells a row of nothing in x."""

@@ -2,16 +2,20 @@
 
 From the plan that is the best for its model, from that with as many readings evenly spaced, and from that exchanged:
 of all of them, and of the two plain ones, the one whose readings, taken when their way takes them, vouch for least.
+Where a bad reading of it would be believed, and harm, it is exchanged such that others contradict that one.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, get_args
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.accuracy.damage import KAPPA, needed
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Allowed, Scores
@@ -21,8 +25,8 @@ from axiscal.design.plan.greedy import Trial, affordable
 from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.plain_designs import plain_designs
 from axiscal.design.plan.task import Clock, Limits, Task, clock
-from axiscal.design.plan.watch import Humps, Watch, retimed, watch
-from axiscal.estimation.defence import Defence, EffectMap, vouched, with_gaps
+from axiscal.design.plan.watch import Humps, Watch, doubting, retimed, watch
+from axiscal.estimation.defence import OPEN, Defence, EffectMap, vouched, with_gaps
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -66,15 +70,15 @@ def guarded(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     takes, or none where `_MORE` times as many could not.
     """
     plain = _tried(task, limits, trial.scores.places)
-    if plain.vouched <= _NEARLY * plain.promise:
-        return trial
-    search = _Guarding(task, limits, trial, affordable(times, trial.setups, limits.slack), plain)
-    best = search.best(search.tried())
-    if limits.rms is not None:
-        best = _enough(search, times, best)
-    if limits.accurate and not (best.met and best.checked):
-        best = plain
-    return replace(trial, scores=search.scored(best.order), met=best.met)
+    search, best = _Guarding(task, limits, trial, affordable(times, trial.setups, limits.slack), plain), plain
+    if plain.vouched > _NEARLY * plain.promise:
+        best = search.best(search.tried())
+        if limits.rms is not None:
+            best = _enough(search, times, best)
+        if limits.accurate and not (best.met and best.checked):
+            best = plain
+    best = search.contradicted(best)
+    return trial if best is plain else replace(trial, scores=search.scored(best.order), met=best.met)
 
 
 class Enough(NamedTuple):
@@ -129,6 +133,11 @@ class _Tried(NamedTuple):
     met: bool
     checked: bool
 
+    @property
+    def can_hold(self) -> bool:
+        """Whether what they vouch for is near enough to what they promise."""
+        return self.vouched <= KAPPA * self.promise
+
 
 def _tried(task: Task, limits: Limits, places: Places) -> _Tried:
     order = in_order(task, places)
@@ -158,14 +167,14 @@ class _Guarding:
     def __init__(self, task: Task, limits: Limits, trial: Trial, allowed: Allowed, first: _Tried) -> None:
         self._task, self.limits, self._trial, self._allowed, self._first = task, limits, trial, allowed, first
         seen = task.observation, task.yardstick, task.lattice, first.order, first.ends
-        self._watched = {each: watch(*seen, each) for each in get_args(Humps)}
+        self._watched = cache(lambda humps: watch(*seen, humps))
 
     def tried(self) -> list[_Tried]:
         """Return plans with as many readings of each set-up as the first one, that among them."""
         few, plain = self._task.observation.size <= _MANY, self.plain()
         tried = starts = [self._first, *(self._tried(places) for places in plain if few)]
         for how in (_ROUGHLY, _FINELY)[: 1 + few]:
-            roughly = [self._tried(self.exchanged(each.order, self._watched[how.humps], how)) for each in starts]
+            roughly = [self._tried(self.exchanged(each.order, self._watched(how.humps), how)) for each in starts]
             tried = [*tried, *roughly, self._closely(self.best([self._first, *roughly]))]
         if not few:
             return tried + [self._tried(places) for places in plain if self._could_be(places, self.best(tried))]
@@ -180,7 +189,7 @@ class _Guarding:
     def grown(self, before: _Tried, more: int, times: Clock) -> _Tried:
         """Return a plan with so many readings more, of those that lower the objective most for their time."""
         scores = self._entered(
-            before.order, retimed(self._watched[_ROUGHLY.humps], before.order, before.ends), _ROUGHLY
+            before.order, retimed(self._watched(_ROUGHLY.humps), before.order, before.ends), _ROUGHLY
         )
         cost = times.reading[scores.pool.lattice.setups]
         for _ in range(more):
@@ -189,6 +198,38 @@ class _Guarding:
         found = self._tried(scores.places)
         many = self._task.observation.size > _MANY
         return found if many else self.best([found, self._closely(found)])
+
+    def contradicted(self, found: _Tried) -> _Tried:
+        """Return readings of which the others contradict each that is bad, where these vouch for hardly more.
+
+        With more than `_MANY` unknowns it is the same plan, of time.
+        """
+        if self._task.observation.size > _MANY or (begun := self._slip(found)) <= OPEN * found.vouched:
+            return found
+        tried, worst = [found], [max(found.vouched, begun)]
+        for how in (_ROUGHLY, _FINELY, _CLOSELY):
+            watched = retimed(self._watched(how.humps), found.order, found.ends)
+            places = self.exchanged(found.order, doubting(watched, len(found.order)), how)
+            each = self._tried(places)
+            if self._as_good(each, found):
+                slip = self._slip(each)
+                tried.append(each)
+                worst.append(max(each.vouched, slip))
+                if slip <= OPEN * each.vouched <= OPEN * _NEARLY * found.vouched:
+                    break
+        return tried[first_best(-np.array(worst), ALIKE)]
+
+    def _as_good(self, each: _Tried, found: _Tried) -> bool:
+        """Whether readings keep what others do: the time, the accuracy that is asked for, what can hold."""
+        near = each.vouched <= OPEN * found.vouched and each.can_hold >= found.can_hold
+        return near and each.met >= found.met and each.checked >= found.checked and each.ends[-1] <= self._longest
+
+    def _slip(self, found: _Tried) -> float:
+        """Return the most that one bad reading of a plan does when the others just show it, m.
+
+        Without it J would rise by L = N/v, so that I = 1/v and |e|² = N/v² make D² = need L/(κ² − 1).
+        """
+        return math.sqrt(needed(1) / (KAPPA**2 - 1) * max(float(self.scored(found.order).losses().max()), 0.0))
 
     def _could_be(self, places: Places, best: _Tried) -> bool:
         """Whether readings may vouch for as much as the best: for no more than they promise."""
@@ -203,7 +244,7 @@ class _Guarding:
 
     def _exchanged_in_time(self, before: _Tried, how: _How) -> _Tried:
         """Return what exchange makes of a plan, with the times of its own way."""
-        watched = retimed(self._watched[how.humps], before.order, before.ends)
+        watched = retimed(self._watched(how.humps), before.order, before.ends)
         return self._tried(self.exchanged(before.order, watched, how))
 
     def best(self, tried: Sequence[_Tried]) -> _Tried:

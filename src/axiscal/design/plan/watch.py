@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.plan.out_and_back import returns
-from axiscal.estimation.defence import COUNTED, largest
+from axiscal.estimation.defence import COUNTED, LARGEST_SHIFT, largest
 from axiscal.estimation.departed_volume import field
 from axiscal.measurement.departures import (
     IN_PLANS,
@@ -76,6 +76,7 @@ class Watch:
     fields : (w, k) V φ; beside : (k,) mean squares that no spline follows, m²; most : (h,) largest sizes
     weights : (h,) one over the number of places of its family
     times : by set-up of which they are known
+    doubted : so many readings of a plan may be bad, one of them; theirs are the first columns, 1 at that reading alone
     """
 
     observation: Observation
@@ -86,6 +87,7 @@ class Watch:
     most: Array
     weights: Array
     times: Times
+    doubted: int = 0
 
     @property
     def count(self) -> int:
@@ -93,8 +95,9 @@ class Watch:
         return len(self.beside)
 
     def columns(self, places: Places) -> Array:
-        """Return b of all numbers at places, those of one place beside each other, (numbers, k)."""
-        parts, numbers, effects = [], self._numbers(places), self._effects(places)
+        """Return b of all numbers at places not read yet, those of one place beside each other, (numbers, k)."""
+        numbers, effects = self._numbers(places), self._effects(places)
+        parts = [np.zeros((len(numbers.owner), self.doubted))]
         poses, shares = places.poses[numbers.owner], way_shares(self.observation, places, self.times)[numbers.owner]
         for each in self.departures:
             if each.family == "growth":
@@ -151,6 +154,20 @@ def retimed(watched: Watch, order: Places, ends: Array) -> Watch:
     """Return the same with the times of a plan.  order : its readings; ends : (m,) when each ends, s"""
     times = {**watched.times, **_on_ways(watched.observation, order, ends)}
     return replace(watched, times=MappingProxyType(times))
+
+
+def doubting(watched: Watch, readings: int) -> Watch:
+    """Return the same, and any one of so many readings of a plan may be bad besides."""
+    ones, none = np.ones(readings), np.zeros(readings)
+    return replace(
+        watched,
+        single=watched.single + readings,
+        fields=np.hstack([np.zeros((len(watched.fields), readings)), watched.fields]),
+        beside=np.concatenate([none, watched.beside]),
+        most=np.concatenate([ones * LARGEST_SHIFT, watched.most]),
+        weights=np.concatenate([ones / readings, watched.weights]),
+        doubted=readings,
+    )
 
 
 def at_share(watched: Watch, share: float) -> Watch:
