@@ -93,21 +93,21 @@ def test_readings_taken_as_planned_leave_one_plan(start: Start) -> None:
 
 def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start) -> None:
     campaign, source = start()
-    read(campaign, source, 11)
+    read(campaign, source, 9)
     known = campaign.known().accuracy.rms
     asked = question(campaign)
     campaign.record(source.read(campaign.request(asked)).value + OFF)
     assert campaign.known().accuracy.rms > (1 - 1e-4) * known  # it makes nothing better known
     left = len(campaign.state.plan)
     question(campaign)
-    deciding = "12 rejected, to decide between bad of laser and detail of EXX after 12"
+    deciding = "10 rejected, to decide between bad of laser and detail of EXX after 10"
     assert [plan.basis for plan in plans(campaign)] == ["", deciding]
-    assert (len(plans(campaign)[-1].places), left) == (5, 4)  # the reading that decides comes before them
+    assert (len(plans(campaign)[-1].places), left) == (7, 6)  # the reading that decides comes before them
 
 
 def test_the_plan_follows_from_the_record(start: Start) -> None:
     campaign, source = start()
-    read(campaign, source, 11)
+    read(campaign, source, 9)
     campaign.record(source.read(campaign.request(question(campaign))).value + OFF)
     following = question(campaign)
     renewed = campaign.state.plan
@@ -115,9 +115,9 @@ def test_the_plan_follows_from_the_record(start: Start) -> None:
         assert (again.next(), again.state.plan) == (following, renewed)
         again.record(source.read(again.request(following)).value)
         question(again)
-        assert [plan.basis for plan in plans(again)][2:] == ["12 rejected"]  # that one has decided
+        assert [plan.basis for plan in plans(again)][2:] == ["10 rejected"]  # that one has decided
     known = estimated(Case(campaign.description), campaign.state.readings)
-    left = plans(campaign)[0].places[12:]
+    left = plans(campaign)[0].places[10:]
     found = next_places(known.case, known.knowledge, known.readings, known.outliers, (), left)
     assert (following.place, *found) == plans(campaign)[1].places
 
