@@ -25,7 +25,7 @@ from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits, Task
 from axiscal.design.plan.watch import Watch, doubting, retimed, watch, way_shares
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import EffectMap
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.machine import load_machine
 from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.place import Places

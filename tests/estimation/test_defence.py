@@ -13,8 +13,9 @@ from scipy import stats
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, EffectMap, defence, largest, vouched
+from axiscal.estimation.defence import Defence, defence, vouched
 from axiscal.estimation.departed_volume import field
+from axiscal.estimation.effect_map import EffectMap, largest
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.estimation.vouching import defended

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from axiscal.accuracy.damage import KAPPA
-from axiscal.estimation.defence import Defence, Departed, EffectMap, defence, vouched
+from axiscal.estimation.defence import Defence, Departed, defence, vouched
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting
 from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures

@@ -10,7 +10,8 @@ import pytest
 from axiscal.accuracy.damage import KAPPA
 from axiscal.estimation import statements
 from axiscal.estimation.case import Case, Inherited
-from axiscal.estimation.defence import Defence, EffectMap, defence
+from axiscal.estimation.defence import Defence, defence
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.estimation.statements import LeftOpen, Resting, Single, singles
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.deciding import _decided
-from axiscal.estimation.defence import Departed, EffectMap
+from axiscal.estimation.defence import Departed
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.inference.contradiction import SIZES, Comparison, Explanation, compared, watched
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import IN_PLANS, Departure, departures

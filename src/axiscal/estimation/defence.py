@@ -18,12 +18,10 @@ import numpy as np
 
 from axiscal.accuracy.damage import KAPPA, Harm, bearable, hidden
 from axiscal.accuracy.expanded import LEVEL
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.departed_volume import field
+from axiscal.estimation.effect_map import LARGEST_SHIFT, TOGETHER, EffectMap, prior_root
 from axiscal.estimation.scatter import Scatter, open_rests, scattered
-from axiscal.estimation.statements import LeftOpen, Resting, resting, singles
+from axiscal.estimation.statements import Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.machine.description import Machine
@@ -38,8 +36,6 @@ from axiscal.measurement.departures import (
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import transposed_solution
-from axiscal.numerics.gaussian import eigen_root
 from axiscal.numerics.threads import one_thread
 
 COUNTED: frozenset[Family] = frozenset(
@@ -52,22 +48,10 @@ RAISED = KAPPA / OPEN
 """A promise that would be checked so many times as large is made so large: what readings vouch for is then no more than
 1.5 times what the model promises, and whether they hold does not hang on its last digit.
 """
-_OF_SETUPS: frozenset[Family] = frozenset({"drift", "levelling", "excursion"})
-"""Families whose size is what a zero moves by in the course of a set-up."""
 _ANYWHERE: frozenset[Family] = frozenset({"step", "bump", "together"})
 """Families that may be anywhere, in a gap or off a line of readings too. What is narrower hides between any two."""
 _BETWEEN = replace(IN_PLANS, steps=EVERYWHERE.steps)
 """Of few places a step between two readings is none."""
-LARGEST_SHIFT = 20e-6
-"""m or rad over one set-up, straight or levelling off; as much of a zero that comes and goes in it, of a growth over
-the travel, and of a bad reading: means of runs of ISO tests at hand move by 6, 44 and 50 um (docs/conventions.md).
-"""
-_LARGEST_PITCH = 5e-6
-"""m or rad: a ground screw of usual make goes wrong by less in a turn (an assumption)."""
-_REVERSALS = 2.0
-"""Standard deviations of a reversal by which it may vary along its axis."""
-_TOGETHER = 0.5
-"""Standard deviations of the curves of two axes by which they may act together where no error of both is described."""
 _MOST = 400
 """Readings that are looked at, spread over all: fewer show less, so that nothing is promised that is not held."""
 _FEWEST = 3
@@ -196,7 +180,7 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
     chosen = drawn(readings, _MOST)
     if len(chosen) < _FEWEST:
         return vouched(case.observation, chosen, None, promise)
-    numbers, root = ReadingSet(case.observation, chosen), _prior_root(case)
+    numbers, root = ReadingSet(case.observation, chosen), prior_root(case)
     made = EffectMap.of_numbers(case, numbers, root)
     found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
@@ -239,7 +223,7 @@ def with_gaps(
         assert index is not None
         own = observation.errors.functions[index].name
         std = max(entry.std for machine in entries for entry in machine if entry.name == own)
-        std *= _TOGETHER if key[0] == "together" else 1.0
+        std *= TOGETHER if key[0] == "together" else 1.0
         open_ones[key] = hidden(harms, std, found.promise), bearable(harms, std, 1 - LEVEL)
     seen = []
     for each in found.departures:
@@ -298,86 +282,3 @@ def _unseen(observation: Observation) -> Iterator[Departed]:
     """Yield a drift of each set-up: with less than three readings nothing contradicts anything."""
     for setup in observation.setups:
         yield Departed("drift", setup.name, 0.0, math.inf, LARGEST_SHIFT / math.sqrt(12.0), 0.0, counted=True)
-
-
-class EffectMap:
-    """How readings become curves: what one column b, and one shape φ, leave over the volume.
-
-    The covariance K of the readings is kept as R with RᵀR = K, by QR of what K is the square of: a zero that is open by
-    a millimetre beside noise of half a micrometre costs no digits.
-
-    features : (m, k) Φ, the covariance of the numbers without noise as Φ Φᵀ; std : (m,) of their noise
-    weighted : (w, k) V F, what the same k independent unknowns do over the volume
-    remaining : J = tr(V C Vᵀ) after these readings, m²
-    """
-
-    def __init__(self, yardstick: Yardstick, features: Array, std: Array, weighted: Array) -> None:
-        self._yardstick = yardstick
-        self._upper: Array = np.asarray(np.linalg.qr(np.vstack([np.diag(std), features.T]), mode="r"))
-        self._white: Array = transposed_solution(self._upper, features)  # R⁻ᵀ Φ
-        self._kept = weighted @ self._white.T  # V C Gᵀ R⁻¹
-        self.remaining = float(np.sum(weighted**2) - np.sum(self._kept**2))
-
-    @classmethod
-    def of(cls, case: Case, readings: Sequence[Reading]) -> EffectMap:
-        """Return the effects of readings of a case, on what is known before the first of them."""
-        return cls.of_numbers(case, ReadingSet(case.observation, readings), _prior_root(case))
-
-    @classmethod
-    def of_numbers(cls, case: Case, numbers: ReadingSet, root: Array) -> EffectMap:
-        """Return the same of their numbers.  root : (size, r) of the errors before the first reading"""
-        features = numbers.features(root)
-        weighted = np.zeros((len(case.yardstick.root.matrix), features.shape[1]))
-        weighted[:, : root.shape[1]] = case.yardstick.root.of(root)
-        return cls(case.yardstick, features, np.sqrt(numbers.noise + numbers.extra_variance), weighted)
-
-    def each(self, several: Sequence[Departure]) -> list[Harm]:
-        """Return what departures of size 1 do, of drifts over the whole set-up, from one solution with all columns."""
-        white = transposed_solution(self._upper, np.hstack([_of_size_one(each) for each in several]))
-        cuts = np.cumsum([each.columns.shape[1] for each in several])[:-1]
-        seen, left = np.split(white, cuts, axis=1), np.split(-(self._kept @ white), cuts, axis=1)
-        return [self._harm(*part) for part in zip(several, seen, left, strict=True)]
-
-    def _harm(self, departure: Departure, white: Array, left: Array) -> Harm:
-        """Return what a departure does.  white : (m, r) R⁻ᵀ b; left : (w, r) −V x, x what the estimate makes of b"""
-        beside = 0.0
-        if departure.function is not None:
-            followed, beside = field(self._yardstick, departure)
-            left = left + followed
-        wrong = (float(np.sum(left**2)) + beside) / departure.columns.shape[1]
-        return Harm(white.T @ white, wrong, largest(self._yardstick.errors, departure))
-
-    def left_open(self, columns: Array, root: Array, own: Array) -> LeftOpen:
-        """Return what readings leave of unknowns and of all else, over the volume but for a constant shift.
-
-        columns : (m, s) what one standard deviation of each adds to the numbers; own : (size, s) to the errors
-        root : (size, r) of the errors before the first reading, with which the features begin
-        """
-        white, followed = transposed_solution(self._upper, columns), self._white[:, : root.shape[1]]
-        steady = self._yardstick.steady
-        over = steady.of(root)
-        kept, fields = over @ followed.T, steady.of(own) - over @ (followed.T @ white)
-        return LeftOpen(fields, over @ over.T - kept @ kept.T - fields @ fields.T, white.T @ white)
-
-
-def _of_size_one(departure: Departure) -> Array:
-    """Return b of a departure of size 1, (m, r): of a zero that moves by 1 over its set-up, 0 of what no time shows."""
-    moved = float(np.ptp(departure.columns)) if departure.family in _OF_SETUPS else 1.0
-    return departure.columns / (moved or 1.0)
-
-
-def largest(errors: ErrorModel, departure: Departure) -> float:
-    """Return the largest size that is considered, m or rad."""
-    if departure.function is None:
-        return LARGEST_SHIFT
-    entry = errors.machine.errors[departure.function]
-    if departure.family == "reversal":
-        return _REVERSALS * entry.std
-    if departure.family == "together":
-        return _TOGETHER * entry.std
-    return min(entry.std, _LARGEST_PITCH) if departure.family == "pitch" else entry.std
-
-
-def _prior_root(case: Case) -> Array:
-    """Return F (size, r) with F Fᵀ the covariance of the errors before the first reading."""
-    return case.errors.prior_root() if case.inherited is None else eigen_root(case.inherited.covariance)

@@ -26,7 +26,8 @@ from axiscal.design.plan.order import in_order, seconds_each
 from axiscal.design.plan.plain_designs import plain_designs
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.watch import Humps, Watch, doubting, retimed, watch
-from axiscal.estimation.defence import OPEN, Defence, EffectMap, vouched, with_gaps
+from axiscal.estimation.defence import OPEN, Defence, vouched, with_gaps
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

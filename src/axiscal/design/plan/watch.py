@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from axiscal.accuracy.yardstick import Yardstick
 from axiscal.design.plan.out_and_back import returns
-from axiscal.estimation.defence import COUNTED, LARGEST_SHIFT, largest
+from axiscal.estimation.defence import COUNTED
 from axiscal.estimation.departed_volume import field
+from axiscal.estimation.effect_map import LARGEST_SHIFT, largest
 from axiscal.measurement.departures import (
     IN_PLANS,
     Departure,
