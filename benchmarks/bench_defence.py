@@ -3,17 +3,20 @@
     python benchmarks/bench_defence.py          one axis, a few minutes of one core
     python benchmarks/bench_defence.py mill     three axes and three probes as well
 
-RMS promise and what the readings vouch for (U_def), um; the departure that does most damage; seconds of the processor.
+RMS promise and what the readings vouch for (U_def), um; the most that one bad reading of them does when the others just
+show it, um; the departure that does most damage; seconds of the processor.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterator
 
 import numpy as np
 
+from axiscal.accuracy.damage import KAPPA, needed
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.design.plan.guarded import vouched_along, vouched_for
 from axiscal.design.plan.order import seconds_each
@@ -63,6 +66,12 @@ def in_one_round(task: Task, places: Places) -> Defence:
     return vouched_along(task, once, np.cumsum(seconds_each(task, once)))
 
 
+def slip(task: Task, places: Places) -> float:
+    """Return the most that one bad reading does when the others just show it, of any size, m."""
+    left = max(task.state.after_readings(places.without(slot)).value for slot in range(len(places)))
+    return math.sqrt(needed(1) / (KAPPA**2 - 1) * (left - task.state.after_readings(places).value))
+
+
 def rows(task: Task, readings: int) -> Iterator[str]:
     """Yield a line for each way to choose so many readings."""
     seconds, plans = [], list[tuple[str, Places]]()
@@ -73,19 +82,21 @@ def rows(task: Task, readings: int) -> Iterator[str]:
     counts = [(setup, len(mine)) for setup, mine in plans[0][1].by_setup()]
     plans.append(("evenly spaced", evenly_spaced(task, counts)))
     found = [(name, vouched_for(task, places)) for name, places in plans]
+    slips = [slip(task, places) for _, places in plans]
     seconds.append(0.0)
     if len(counts) == 1:
         found.append(("guarded, its places in one round", in_one_round(task, plans[1][1])))
+        slips.append(slips[1])
         seconds.append(0.0)
-    for (name, of), took in zip(found, seconds, strict=True):
+    for (name, of), bad, took in zip(found, slips, seconds, strict=True):
         worst = next(each for each in of.departures if each.counted)
         promise, vouched = to_unit(of.promise, "um"), to_unit(of.u_def, "um")
         weakest = f"{worst.family} {worst.owner}, power {worst.power:.0%}"
-        yield f"| {readings} | {name} | {promise:.3f} | {vouched:.3f} | {weakest} | {took:.1f} |"
+        yield f"| {readings} | {name} | {promise:.3f} | {vouched:.3f} | {to_unit(bad, 'um'):.2f} | {weakest} | {took:.1f} |"
 
 
 if __name__ == "__main__":
-    print("| readings | plan | RMS um | U_def um | weakest | s |\n|---|---|---|---|---|---|")
+    print("| readings | plan | RMS um | U_def um | one bad reading um | weakest | s |\n|---|---|---|---|---|---|---|")
     cases = [(AXIS, each) for each in (10, 14, 20, 24, 28, 32, 40)] + [(MILL, 60), (MILL, 66)] * ("mill" in sys.argv)
     for text, count in cases:
         for row in rows(task_of(text), count):

@@ -21,6 +21,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.effect_map import LARGEST_SHIFT, TOGETHER, EffectMap, prior_root
 from axiscal.estimation.scatter import Scatter, open_rests, scattered
+from axiscal.estimation.slips import Slip, slipped
 from axiscal.estimation.statements import Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
@@ -31,6 +32,7 @@ from axiscal.measurement.departures import (
     IN_PLANS,
     Departure,
     Family,
+    bad_readings,
     departures,
 )
 from axiscal.measurement.observation import Observation
@@ -103,6 +105,7 @@ class Defence:
     u_def : m; promise : RMS over the volume as it is promised, m; readings : how many
     departures : the most damaging first; rests_on : statements that no reading shows, None where nothing rests on any
     scatter : a noise that they do not tell from the machine, None where they tell
+    slip : what one bad reading does, None where that was not asked
     """
 
     u_def: float
@@ -111,6 +114,7 @@ class Defence:
     departures: tuple[Departed, ...]
     rests_on: Resting | None = None
     scatter: Scatter | None = None
+    slip: Slip | None = None
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
@@ -160,6 +164,11 @@ class Defence:
         return any(each.exceeds(self.promise) for each in self.departures)
 
     @property
+    def believed(self) -> int:
+        """How many readings would be believed though they are bad, and make the promise much too good."""
+        return 0 if self.slip is None else self.slip.believed(OPEN * self.promise)
+
+    @property
     def unchecked(self) -> bool:
         """Whether readings could not have shown what would make the promise much too good."""
         return self.leaves or self.rests
@@ -182,10 +191,15 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
         return vouched(case.observation, chosen, None, promise)
     numbers, root = ReadingSet(case.observation, chosen), prior_root(case)
     made = EffectMap.of_numbers(case, numbers, root)
-    found = with_gaps(vouched(case.observation, chosen, made, promise), case.observation, chosen, made, stated)
+    bad = list(bad_readings(chosen))
+    slip = slipped(chosen, harms := made.each(bad))
+    found = vouched(case.observation, chosen, made, promise)
+    found = replace(found, departures=(*found.departures, *_of_setups(bad, harms, promise)))
+    found = with_gaps(found, case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
     scatter = scattered(case.observation, readings, numbers, case.yardstick, open_rests(case, stated))
-    return replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter).promising(promise)
+    whole = replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter, slip=slip)
+    return whole.promising(promise)
 
 
 def _rests_on(
@@ -253,6 +267,13 @@ def _departed(
             yield _unresolved(group[0])
         else:
             yield _family(group, effects.each(group), promise)
+
+
+def _of_setups(bad: Sequence[Departure], harms: Sequence[Harm], promise: float) -> Iterator[Departed]:
+    """Yield bad readings set-up by set-up.  harms : of each of them"""
+    for owner in dict.fromkeys(each.owner for each in bad):
+        mine = [index for index, each in enumerate(bad) if each.owner == owner]
+        yield _family([bad[index] for index in mine], [harms[index] for index in mine], promise)
 
 
 def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float) -> Departed:

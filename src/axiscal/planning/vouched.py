@@ -19,6 +19,7 @@ from axiscal.estimation.statements import Resting, Statement
 from axiscal.language.spoken import capital, counted, later, listed, put, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
+from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.planning.next_readings import guarding
@@ -105,6 +106,8 @@ def vouched_words(case: Case, found: Defence) -> str:
         parts.append(_statements_words(case, found, rests_on, "" if parts else size))
     if scatter is not None:
         parts.append(_scatter_words(case, found, scatter, "" if parts else size))
+    if found.believed:
+        parts.append(_slip_words(case, found))
     return listed(" ", parts)
 
 
@@ -140,6 +143,22 @@ def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> s
         size=size,
     )
     return put("{what} {remedy}", what=what, remedy=remedy)
+
+
+def _slip_words(case: Case, found: Defence) -> str:
+    """Return how many bad readings nothing would contradict, and what would."""
+    slip = found.slip
+    assert slip is not None
+    setup = next(each for each in case.description.setups if each.name == slip.reading.setup)
+    return counted(
+        "{count} of them would be believed if it were bad: {reading}, off by {size} or less. A reading close to it, "
+        "or the same once more, would contradict it.",
+        "{count} of them would be believed if they were bad, {reading} most of all, off by {size} or less. Readings "
+        "close to these, or the same once more, would contradict them.",
+        found.believed,
+        reading=reading_text(case.observation.machine.axes, setup, slip.reading, slip.index),
+        size=said_quantity(slip.size, _unit_read(setup), 2),
+    )
 
 
 def _statements_words(case: Case, found: Defence, rests_on: Resting, size: str) -> str:
@@ -328,7 +347,7 @@ def _limit(case: Case, each: Departed) -> str:
 def _unit(case: Case, each: Departed) -> str:
     """Return the unit of the size of a departure."""
     setups = {setup.name: setup for setup in case.description.setups}
-    if each.owner in setups and each.family in ("drift", "levelling", "excursion"):
+    if each.owner in setups and each.family in ("drift", "levelling", "excursion", "bad"):
         return _unit_read(setups[each.owner])
     if each.family == "together":
         return "um"

@@ -226,9 +226,9 @@ class _Guarding:
         return near and each.met >= found.met and each.checked >= found.checked and each.ends[-1] <= self._longest
 
     def _slip(self, found: _Tried) -> float:
-        """Return the most that one bad reading of a plan does when the others just show it, m.
+        """Return the most that one bad reading of a plan, of any size, does when the others just show it, m.
 
-        Without it J would rise by L = N/v, so that I = 1/v and |e|² = N/v² make D² = need L/(κ² − 1).
+        Of `estimation.slips`: without it J rises by L = N/v, so that I = 1/v and |e|² = N/v² make need L/(κ² − 1).
         """
         return math.sqrt(needed(1) / (KAPPA**2 - 1) * max(float(self.scored(found.order).losses().max()), 0.0))
 
