@@ -92,7 +92,8 @@ def rows(task: Task, readings: int) -> Iterator[str]:
         worst = next(each for each in of.departures if each.counted)
         promise, vouched = to_unit(of.promise, "um"), to_unit(of.u_def, "um")
         weakest = f"{worst.family} {worst.owner}, power {worst.power:.0%}"
-        yield f"| {readings} | {name} | {promise:.3f} | {vouched:.3f} | {to_unit(bad, 'um'):.2f} | {weakest} | {took:.1f} |"
+        figures = f"{promise:.3f} | {vouched:.3f} | {to_unit(bad, 'um'):.2f}"
+        yield f"| {readings} | {name} | {figures} | {weakest} | {took:.1f} |"
 
 
 if __name__ == "__main__":
