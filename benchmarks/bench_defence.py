@@ -9,16 +9,14 @@ show it, um; the departure that does most damage; seconds of the processor.
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections.abc import Iterator
 
 import numpy as np
 
-from axiscal.accuracy.damage import KAPPA, needed
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.plan.guarded import vouched_along, vouched_for
+from axiscal.design.plan.guarded import vouched_along, vouched_for, worst_slip
 from axiscal.design.plan.order import seconds_each
 from axiscal.design.plan.plain_designs import evenly_spaced
 from axiscal.design.plan.plan import make_plan
@@ -66,12 +64,6 @@ def in_one_round(task: Task, places: Places) -> Defence:
     return vouched_along(task, once, np.cumsum(seconds_each(task, once)))
 
 
-def slip(task: Task, places: Places) -> float:
-    """Return the most that one bad reading does when the others just show it, of any size, m."""
-    left = max(task.state.after_readings(places.without(slot)).value for slot in range(len(places)))
-    return math.sqrt(needed(1) / (KAPPA**2 - 1) * (left - task.state.after_readings(places).value))
-
-
 def rows(task: Task, readings: int) -> Iterator[str]:
     """Yield a line for each way to choose so many readings."""
     seconds, plans = [], list[tuple[str, Places]]()
@@ -82,7 +74,7 @@ def rows(task: Task, readings: int) -> Iterator[str]:
     counts = [(setup, len(mine)) for setup, mine in plans[0][1].by_setup()]
     plans.append(("evenly spaced", evenly_spaced(task, counts)))
     found = [(name, vouched_for(task, places)) for name, places in plans]
-    slips = [slip(task, places) for _, places in plans]
+    slips = [worst_slip(task, places) for _, places in plans]
     seconds.append(0.0)
     if len(counts) == 1:
         found.append(("guarded, its places in one round", in_one_round(task, plans[1][1])))

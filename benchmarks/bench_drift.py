@@ -62,6 +62,7 @@ DRIFTS: dict[str, Shape] = {
     "3 um, straight": lambda along: 3.0 * along,
     "10 um, straight": lambda along: 10.0 * along,
     "10 um, levelling off": lambda along: 10.0 * (1 - np.exp(-3 * along)),
+    "10 um to and fro, one and a half times": lambda along: 10.0 * np.sin(3 * np.pi * along),
 }
 
 

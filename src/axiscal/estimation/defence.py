@@ -21,7 +21,7 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.effect_map import LARGEST_SHIFT, TOGETHER, EffectMap, prior_root
 from axiscal.estimation.scatter import Scatter, open_rests, scattered
-from axiscal.estimation.slips import Slip, slipped
+from axiscal.estimation.slips import Slip, slips
 from axiscal.estimation.statements import Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
@@ -32,7 +32,6 @@ from axiscal.measurement.departures import (
     IN_PLANS,
     Departure,
     Family,
-    bad_readings,
     departures,
 )
 from axiscal.measurement.observation import Observation
@@ -105,7 +104,7 @@ class Defence:
     u_def : m; promise : RMS over the volume as it is promised, m; readings : how many
     departures : the most damaging first; rests_on : statements that no reading shows, None where nothing rests on any
     scatter : a noise that they do not tell from the machine, None where they tell
-    slip : what one bad reading does, None where that was not asked
+    slips : what each reading does where it alone is bad, the most harmful first; none of more than can be looked at
     """
 
     u_def: float
@@ -114,7 +113,7 @@ class Defence:
     departures: tuple[Departed, ...]
     rests_on: Resting | None = None
     scatter: Scatter | None = None
-    slip: Slip | None = None
+    slips: tuple[Slip, ...] = ()
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
@@ -164,9 +163,9 @@ class Defence:
         return any(each.exceeds(self.promise) for each in self.departures)
 
     @property
-    def believed(self) -> int:
-        """How many readings would be believed though they are bad, and make the promise much too good."""
-        return 0 if self.slip is None else self.slip.believed(OPEN * self.promise)
+    def believed(self) -> Sequence[Slip]:
+        """The readings that would be believed though they are bad, and do much more than can be vouched for."""
+        return [each for each in self.slips if each.harm.damage > OPEN * self.u_def]
 
     @property
     def unchecked(self) -> bool:
@@ -191,15 +190,13 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
         return vouched(case.observation, chosen, None, promise)
     numbers, root = ReadingSet(case.observation, chosen), prior_root(case)
     made = EffectMap.of_numbers(case, numbers, root)
-    bad = list(bad_readings(chosen))
-    slip = slipped(chosen, harms := made.each(bad))
+    bad = slips(readings, made) if len(chosen) == len(readings) else ()
     found = vouched(case.observation, chosen, made, promise)
-    found = replace(found, departures=(*found.departures, *_of_setups(bad, harms, promise)))
+    found = replace(found, departures=(*found.departures, *_each_setup(bad, promise)), slips=bad)
     found = with_gaps(found, case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
     scatter = scattered(case.observation, readings, numbers, case.yardstick, open_rests(case, stated))
-    whole = replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter, slip=slip)
-    return whole.promising(promise)
+    return replace(found, readings=len(readings), rests_on=rests_on, scatter=scatter).promising(promise)
 
 
 def _rests_on(
@@ -269,11 +266,13 @@ def _departed(
             yield _family(group, effects.each(group), promise)
 
 
-def _of_setups(bad: Sequence[Departure], harms: Sequence[Harm], promise: float) -> Iterator[Departed]:
-    """Yield bad readings set-up by set-up.  harms : of each of them"""
-    for owner in dict.fromkeys(each.owner for each in bad):
-        mine = [index for index, each in enumerate(bad) if each.owner == owner]
-        yield _family([bad[index] for index in mine], [harms[index] for index in mine], promise)
+def _each_setup(found: Sequence[Slip], promise: float) -> Iterator[Departed]:
+    """Yield the most harmful of the bad readings of each set-up.  found : the most harmful first"""
+    worst = dict[str, Harm]()
+    for each in found:
+        worst.setdefault(each.reading.setup, each.harm)
+    for owner, harm in worst.items():
+        yield Departed("bad", owner, harm.power(promise), harm.seen_from, harm.damage, 0.0, counted=False)
 
 
 def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float) -> Departed:

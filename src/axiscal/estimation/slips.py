@@ -1,12 +1,12 @@
 """What a bad reading does that the others do not contradict: it is believed, and the curve bends to it.
 
-A bad reading is a departure like any other, b = 1 at its numbers and φ = 0. With v the variance of its number where all
-others say what to expect, I = 1/v, and J rises by L = |e|² v without it:
+A bad reading is a departure like any other, b = 1 at one number and φ = 0. With v the variance of that number where all
+others say what to expect, I = 1/v, and without it J rises by L = |e|² v:
 
     D² = need L/(κ² − 1)
 
-No promise is held against it, for readings are rarely bad, and any one of many would have to be: where it does much, it
-is said which reading has nothing beside it that contradicts it.
+Of several numbers it is bad in the direction that makes D largest. No promise is held against it, for readings are
+rarely bad, and any one of many would have to be: where it does much, it is said which of them would be believed.
 """
 
 from __future__ import annotations
@@ -17,29 +17,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.accuracy.damage import Harm
+from axiscal.estimation.effect_map import EffectMap
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.ties import ALIKE, ranked
 
 
 @dataclass(frozen=True, slots=True)
 class Slip:
-    """What one bad reading may do.
-
-    reading, index : which does most; size : m or rad, up to which it may not be shown; no more than is considered
-    damages : (m,) what each of them does when it is just seen, m
-    """
+    """What a reading does where it alone is bad.  harm : in the direction that harms most"""
 
     reading: Reading
-    index: int
-    size: float
-    damages: Sequence[float]
-
-    def believed(self, least: float) -> int:
-        """Return how many of them do more than so much, m."""
-        return sum(each > least for each in self.damages)
+    harm: Harm
 
 
-def slipped(readings: Sequence[Reading], harms: Sequence[Harm]) -> Slip:
-    """Return what one bad reading may do.  harms : of each reading as a bad one"""
-    damages = [each.damage for each in harms]
-    index = int(np.argmax(damages))
-    return Slip(readings[index], index, min(harms[index].seen_from, harms[index].most), damages)
+def slips(readings: Sequence[Reading], effects: EffectMap) -> tuple[Slip, ...]:
+    """Return what each of the readings with these effects does where it is bad, the most harmful first."""
+    harms = effects.alone(np.repeat(np.arange(len(readings)), [len(each.values) for each in readings]))
+    order = ranked(np.array([each.damage for each in harms]), ALIKE)
+    return tuple(Slip(readings[index], harms[index]) for index in order.tolist())

@@ -166,14 +166,8 @@ def departures(
         if np.any(np.abs(seen.effects[index]) > _FELT):
             yield from _of_error(observation, seen, index, search)
     yield from _together(observation, seen)
-    yield from bad_readings(readings)
-
-
-def bad_readings(readings: Sequence[Reading]) -> Iterator[Departure]:
-    """Yield each reading as a bad one; numbers in the order of the readings."""
-    owner = np.repeat(np.arange(len(readings)), [len(each.values) for each in readings])
-    for index, reading in enumerate(readings):
-        yield Departure("bad", reading.setup, (owner == index).astype(float)[:, None], float(index))
+    for index in range(len(readings)):
+        yield Departure("bad", readings[index].setup, (seen.reading == index).astype(float)[:, None], float(index))
 
 
 @remembered_lately

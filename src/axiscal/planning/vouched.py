@@ -19,7 +19,7 @@ from axiscal.estimation.statements import Resting, Statement
 from axiscal.language.spoken import capital, counted, later, listed, put, said
 from axiscal.measurement.departures import Family
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.place_texts import reading_text
+from axiscal.measurement.place_texts import place_read
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.planning.next_readings import guarding
@@ -107,7 +107,7 @@ def vouched_words(case: Case, found: Defence) -> str:
     if scatter is not None:
         parts.append(_scatter_words(case, found, scatter, "" if parts else size))
     if found.believed:
-        parts.append(_slip_words(case, found))
+        parts.append(_believed_words(case, found))
     return listed(" ", parts)
 
 
@@ -145,19 +145,22 @@ def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> s
     return put("{what} {remedy}", what=what, remedy=remedy)
 
 
-def _slip_words(case: Case, found: Defence) -> str:
-    """Return how many bad readings nothing would contradict, and what would."""
-    slip = found.slip
-    assert slip is not None
-    setup = next(each for each in case.description.setups if each.name == slip.reading.setup)
+def _believed_words(case: Case, found: Defence) -> str:
+    """Return how many readings would be believed though they are bad, the worst of them, and what would show it."""
+    reading, harm = found.believed[0].reading, found.believed[0].harm
+    setup = case.description.setup(reading.setup)
+    size = harm.seen_from if math.isfinite(harm.seen_from) else harm.most
     return counted(
-        "{count} of them would be believed if it were bad: {reading}, off by {size} or less. A reading close to it, "
-        "or the same once more, would contradict it.",
-        "{count} of them would be believed if they were bad, {reading} most of all, off by {size} or less. Readings "
-        "close to these, or the same once more, would contradict them.",
-        found.believed,
-        reading=reading_text(case.observation.machine.axes, setup, slip.reading, slip.index),
-        size=said_quantity(slip.size, _unit_read(setup), 2),
+        "{count} of the {readings} readings would be believed if it were bad, the one at {place}: it is surely shown "
+        "only where it is off by more than {size}. One beside it, or the same once more, would show that one of both "
+        "is wrong.",
+        "{count} of the {readings} readings would be believed if they were bad. The one at {place} would do most harm: "
+        "it is surely shown only where it is off by more than {size}. One beside it, or the same once more, would show "
+        "that one of both is wrong.",
+        len(found.believed),
+        readings=found.readings,
+        place=place_read(case.observation.machine.axes, setup, reading),
+        size=said_quantity(size, _unit_read(setup), 2),
     )
 
 

@@ -74,6 +74,7 @@ class DefendedScores(Scores):
     """Scores whose gains are those of the objective.
 
     beta, pi : (numbers, k) of the candidates, then of the readings of the plan; x : (n, k); left : (w, k) e
+    The first `doubted` columns are not those of a place but of a slot, for whatever reading stands there; none closes.
     squarings : p of the objective is two to this power
     """
 

@@ -2,20 +2,20 @@
 
 From the plan that is the best for its model, from that with as many readings evenly spaced, and from that exchanged:
 of all of them, and of the two plain ones, the one whose readings, taken when their way takes them, vouch for least.
-Where a bad reading of it would be believed, and harm, it is exchanged such that others contradict that one.
+Where one bad reading of it does much more than that, it is exchanged such that others contradict that one.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.accuracy.damage import KAPPA, needed
+from axiscal.accuracy.damage import KAPPA
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.running_accuracy import RunningAccuracy
 from axiscal.design.gains.running_gains import Allowed, Scores
@@ -59,7 +59,7 @@ _MANY = 120
 _FEWEST = 3
 """Two readings contradict nothing, wherever they are, and more of them are another plan."""
 _NEARLY = 1.02
-"""A plan that vouches for nearly what it promises needs no search."""
+"""A plan that vouches for nearly what it promises needs no search, unless for a bad reading."""
 _MORE, _A_FEW, _MOST = 1.5, 8, 1000
 """Times as many readings, and so many, that an accuracy may take beyond those that promise it: a limit of time."""
 
@@ -201,19 +201,20 @@ class _Guarding:
         return found if many else self.best([found, self._closely(found)])
 
     def contradicted(self, found: _Tried) -> _Tried:
-        """Return readings of which the others contradict each that is bad, where these vouch for hardly more.
+        """Return readings a bad one of which does less, where these vouch for no more than a quarter more.
 
-        With more than `_MANY` unknowns it is the same plan, of time.
+        The same where it does no more than a quarter above what they vouch for, or where more than `_MANY` unknowns
+        take long. One of several numbers is exchanged as if these were off alike, and judged in its worst direction.
         """
-        if self._task.observation.size > _MANY or (begun := self._slip(found)) <= OPEN * found.vouched:
+        if self._task.observation.size > _MANY or (slip := worst_slip(self._task, found.order)) <= OPEN * found.vouched:
             return found
-        tried, worst = [found], [max(found.vouched, begun)]
+        tried, worst = [found], [max(found.vouched, slip)]
         for how in (_ROUGHLY, _FINELY, _CLOSELY):
             watched = retimed(self._watched(how.humps), found.order, found.ends)
             places = self.exchanged(found.order, doubting(watched, len(found.order)), how)
             each = self._tried(places)
             if self._as_good(each, found):
-                slip = self._slip(each)
+                slip = worst_slip(self._task, each.order)
                 tried.append(each)
                 worst.append(max(each.vouched, slip))
                 if slip <= OPEN * each.vouched <= OPEN * _NEARLY * found.vouched:
@@ -224,13 +225,6 @@ class _Guarding:
         """Whether readings keep what others do: the time, the accuracy that is asked for, what can hold."""
         near = each.vouched <= OPEN * found.vouched and each.can_hold >= found.can_hold
         return near and each.met >= found.met and each.checked >= found.checked and each.ends[-1] <= self._longest
-
-    def _slip(self, found: _Tried) -> float:
-        """Return the most that one bad reading of a plan, of any size, does when the others just show it, m.
-
-        Of `estimation.slips`: without it J rises by L = N/v, so that I = 1/v and |e|² = N/v² make need L/(κ² − 1).
-        """
-        return math.sqrt(needed(1) / (KAPPA**2 - 1) * max(float(self.scored(found.order).losses().max()), 0.0))
 
     def _could_be(self, places: Places, best: _Tried) -> bool:
         """Whether readings may vouch for as much as the best: for no more than they promise."""
@@ -295,15 +289,26 @@ def vouched_along(task: Task, order: Places, ends: Array, gaps: bool = False) ->
 
     ends : (m,) when each ends, s; gaps : whether with what may stay hidden between them, which takes longer
     """
-    state = task.state.opened(order)
-    rows, variances, owner = state.rows(order)
+    effects, owner = _effects(task, order)
     others = np.bincount(owner) - 1
     setups, columns = task.observation.setups, (order.setups, order.poses, order.approaches, ends, others)
     readings = [
         Reading(setups[setup].name, tuple(pose), tuple(int(s) for s in sides), 0.0, others=(0.0,) * more, time=end)
         for setup, pose, sides, end, more in zip(*(column.tolist() for column in columns), strict=True)
     ]
-    effects = EffectMap(task.yardstick, rows @ state.factor, np.sqrt(variances), state.weighted)
-    promise = task.yardstick.rms_of(state.after_readings(order).value)
+    promise = task.yardstick.rms_of(task.state.after_readings(order).value)
     found = vouched(task.observation, readings, effects, promise)
     return with_gaps(found, task.observation, readings, effects, task.observation.errors.machine) if gaps else found
+
+
+def worst_slip(task: Task, places: Places) -> float:
+    """Return the most that one bad reading of these does when the others just show it, m."""
+    effects, owner = _effects(task, places)
+    return max((each.damage for each in effects.alone(owner)), default=0.0)
+
+
+def _effects(task: Task, places: Places) -> tuple[EffectMap, NDArray[np.intp]]:
+    """Return the effects of readings, and the reading of each of their numbers, (m,)."""
+    state = task.state.opened(places)
+    rows, variances, owner = state.rows(places)
+    return EffectMap(task.yardstick, rows @ state.factor, np.sqrt(variances), state.weighted), owner
