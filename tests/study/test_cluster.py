@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -75,6 +76,29 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_nothing(address: str, tmp_pa
     found = list(Cluster(address, "killed")(ending_once, questions))
     assert (tmp_path / "killed").exists()
     assert {done.key: done.result for done in found} == {str(n): {"twice": 2 * n} for n in range(COUNT)}
+
+
+class Waiting:
+    """A future whose answer went with its worker, and comes from another after so many looks; a client of it."""
+
+    def __init__(self, looks: int, status: str) -> None:
+        self.looks, self.status = looks, status
+
+    def result(self, timeout: float) -> Done:
+        """Return the answer, if it is there after so many seconds."""
+        assert timeout > 0
+        self.looks -= 1
+        if self.looks >= 0:
+            raise TimeoutError
+        return Done("1", {"twice": 2})
+
+
+def test_an_answer_that_went_with_its_worker_is_waited_for_while_the_scheduler_is_there() -> None:
+    waiting: Any = Waiting(3, "running")
+    assert cluster._result(waiting, waiting, WorkItem("1", 1), "tcp://here:1").result == {"twice": 2}
+    gone: Any = Waiting(3, "connecting")
+    with pytest.raises(SchedulerError, match="went away"):
+        cluster._result(gone, gone, WorkItem("1", 1), "tcp://here:1")
 
 
 def test_workers_of_another_version_are_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:

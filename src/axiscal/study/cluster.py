@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import queue
 import re
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -64,7 +64,7 @@ class Cluster:
                 send(question)
             while asked:
                 future = _next(client, come, self.address)
-                found = _result(future, asked.pop(future.key), self.address)
+                found = _result(client, future, asked.pop(future.key), self.address)
                 future.release()
                 for question in islice(waiting, 1):
                     send(question)
@@ -84,29 +84,34 @@ def same_version(version: str, solve: Solve, question: WorkItem) -> Done | str:
 
 def _next(client: Client, come: queue.Queue[Any], address: str) -> Future:
     """Return the next future that has ended; raises SchedulerError where the scheduler is gone for too long."""
+    return _patiently(client, lambda: come.get(timeout=_LOOK), _LOOK, address)
+
+
+def _patiently(client: Client, look: Callable[[], Any], seconds: float, address: str) -> Any:
+    """Return what is found by looking for so many seconds, again and again while the scheduler is there."""
     lost = 0.0
     while True:
         try:
-            return come.get(timeout=_LOOK)
-        except queue.Empty:
-            lost = 0.0 if client.status == "running" else lost + _LOOK
+            return look()
+        except (queue.Empty, TimeoutError):
+            lost = 0.0 if client.status == "running" else lost + seconds
             if lost >= _LOST or client.status in ("closed", "closing"):
                 raise _gone(address) from None
 
 
-def _result(future: Future, question: WorkItem, address: str) -> Done:
+def _result(client: Client, future: Future, question: WorkItem, address: str) -> Done:
+    """Return what came of a question: of one whose worker was killed with the answer, once another has found it."""
+    from distributed import CancelledError
     from distributed.scheduler import KilledWorker
 
-    if future.status in ("cancelled", "lost"):
-        raise _gone(address)
     try:
-        found = future.result(timeout=_LOST)
+        found = _patiently(client, lambda: future.result(timeout=_LOST), _LOST, address)
     except KilledWorker:
         return given_up(question)
     except ModuleNotFoundError as fault:
         what = f"a worker of {address} lacks {fault.name}"
         raise SchedulerError(what, "Install the same axiscal wherever a worker runs") from None
-    except (OSError, TimeoutError):
+    except (OSError, CancelledError):
         raise _gone(address) from None
     if isinstance(found, str):
         what = f"a worker of {address} has axiscal {found}, and this is {versions()['axiscal']}"
