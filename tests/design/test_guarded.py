@@ -51,7 +51,7 @@ def watched_in(task: Task) -> Watch:
 
 def begun(task: Task, seed: int, count: int = 12, doubted: int = 0) -> DefendedScores:
     """Return the scores after so many candidates at random, of which the first may be bad, so many."""
-    watched = doubting(watched_in(task), doubted) if doubted else watched_in(task)
+    watched = doubting(watched_in(task), doubted)
     scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick)
     for index in np.random.default_rng(seed).integers(0, len(task.lattice), count).tolist():
         scores.enter(index)
@@ -131,7 +131,7 @@ def test_a_slip_of_one_number_does_what_its_reading_holds() -> None:
 def test_ruling_out_from_below_finds_the_candidate_that_looking_at_all_finds(
     task: Task, squarings: int, doubted: int
 ) -> None:
-    watched = doubting(watched_in(task), doubted) if doubted else watched_in(task)
+    watched = doubting(watched_in(task), doubted)
     scores = DefendedScores(Pool(task.observation, task.lattice), task.state, watched, task.yardstick, squarings)
     scores.enter_all(task.lattice.within(slice(0, None, 13)))
     allowed = np.random.default_rng(squarings).random(len(scores.pool)) < 0.8

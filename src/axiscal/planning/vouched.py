@@ -15,6 +15,7 @@ from axiscal.error_model.gauge_words import reading_that_shows
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, Departed, defence
 from axiscal.estimation.scatter import Scatter
+from axiscal.estimation.slips import Slip
 from axiscal.estimation.statements import Resting, Statement
 from axiscal.language.spoken import capital, counted, later, listed, put, said
 from axiscal.measurement.departures import Family
@@ -106,8 +107,8 @@ def vouched_words(case: Case, found: Defence) -> str:
         parts.append(_statements_words(case, found, rests_on, "" if parts else size))
     if scatter is not None:
         parts.append(_scatter_words(case, found, scatter, "" if parts else size))
-    if found.believed:
-        parts.append(_believed_words(case, found))
+    if believed := found.believed:
+        parts.append(_believed_words(case, found.readings, believed))
     return listed(" ", parts)
 
 
@@ -145,9 +146,9 @@ def _scatter_words(case: Case, found: Defence, scatter: Scatter, size: str) -> s
     return put("{what} {remedy}", what=what, remedy=remedy)
 
 
-def _believed_words(case: Case, found: Defence) -> str:
+def _believed_words(case: Case, readings: int, believed: Sequence[Slip]) -> str:
     """Return how many readings would be believed though they are bad, the worst of them, and what would show it."""
-    reading, harm = found.believed[0].reading, found.believed[0].harm
+    reading, harm = believed[0].reading, believed[0].harm
     setup = case.description.setup(reading.setup)
     size = harm.seen_from if math.isfinite(harm.seen_from) else harm.most
     return counted(
@@ -157,8 +158,8 @@ def _believed_words(case: Case, found: Defence) -> str:
         "{count} of the {readings} readings would be believed if they were bad. The one at {place} would do most harm: "
         "it is surely shown only where it is off by more than {size}. One beside it, or the same once more, would show "
         "that one of both is wrong.",
-        len(found.believed),
-        readings=found.readings,
+        len(believed),
+        readings=readings,
         place=place_read(case.observation.machine.axes, setup, reading),
         size=said_quantity(size, _unit_read(setup), 2),
     )
