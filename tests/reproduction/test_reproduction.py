@@ -14,7 +14,7 @@ from axiscal.numerics import Array
 from axiscal.reproduction.experiment import Experiment, document, run, table
 from axiscal.reproduction.paper_page import render
 from axiscal.reproduction.stack import GreedyPlan
-from tests.report.test_page import _chromium as chromium
+from tests.web.browser import Browser
 
 SEQUENCE = [8.435996, 6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404]
 """J, computed independently of this project."""
@@ -119,9 +119,9 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.chromium
-def test_a_browser_draws_every_figure(experiment: Experiment, tmp_path: Path) -> None:
+def test_a_browser_draws_every_figure(browser: Browser, experiment: Experiment, tmp_path: Path) -> None:
     page = tmp_path / "reproduce.html"
     page.write_text(render(experiment), encoding="utf-8")
-    drawn, errors = chromium(page.as_uri(), tmp_path)
+    drawn, errors = browser.drawn(page.as_uri())
     assert errors == []
     assert drawn.count('class="picture"') == 3 + 2 + 12 + 2 + 2

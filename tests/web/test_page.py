@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -60,13 +59,6 @@ PALE = """(() => {
   return found;
 })()"""
 """Texts with less contrast than 4.5 to 1 (WCAG 2.2, 1.4.3)."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """Chromium."""
-    with Browser(tmp_path_factory.mktemp("chromium")) as running:
-        yield running
 
 
 def kept(record: Path) -> list[float]:
