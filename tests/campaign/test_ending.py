@@ -85,6 +85,7 @@ def test_whether_it_is_reached_is_the_same_before_and_after_the_verdict(gapped: 
         assert standing(target, before) == standing(target, gapped)
 
 
+@pytest.mark.long
 def test_what_rests_on_statements_alone_ends_where_more_readings_would_not_mend_it() -> None:
     """A tool that nobody measured: 4 um are promised, 5.3 counted, and the last ten readings took 4 % off that."""
     case, rng = case_of("five axes", "stated", (("TOOL", "100 um"),)), np.random.default_rng(0)

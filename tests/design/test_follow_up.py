@@ -23,6 +23,7 @@ def after(task: Task, taken: Places, ends: Array, coming: Places) -> float:
     return vouched_along(task, Places.joined([taken, coming]), np.concatenate([ends, later])).u_def
 
 
+@pytest.mark.long
 def test_what_comes_after_a_plan_that_nobody_guarded_vouches_for_more_than_the_sharpest_readings() -> None:
     places = make_plan(TASK, Limits(readings=14), guard=False).places
     ends = np.cumsum(seconds_each(TASK, places))

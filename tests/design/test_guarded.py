@@ -163,6 +163,7 @@ def test_a_machine_with_levers_and_rests_keeps_its_damages() -> None:
     assert scores.objective == pytest.approx(fresh.objective, rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_plan_is_timed_by_its_own_way() -> None:
     task = one_axis()[1]
     order = in_order(task, plan(20, True).places)
@@ -185,6 +186,7 @@ def test_where_several_axes_move_a_place_is_read_when_the_nearest_of_the_plan_is
     assert way_shares(task.observation, beside, watched.times) == pytest.approx(shares)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("readings", "most"), [(20, 0.98e-6), (24, 0.70e-6)])
 def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: float) -> None:
     task, made = one_axis()[1], plan(readings, True)
@@ -196,6 +198,7 @@ def test_guarded_plans_vouch_for_nearly_what_they_promise(readings: int, most: f
     assert made.accuracy.rms < 1.2 * plan(readings, False).accuracy.rms
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("readings", [14, 20, 32])
 def test_one_bad_reading_of_a_guarded_plan_does_little_more_than_is_vouched_for(
     readings: int, monkeypatch: pytest.MonkeyPatch
@@ -213,6 +216,7 @@ def test_one_bad_reading_of_a_guarded_plan_does_little_more_than_is_vouched_for(
     assert slips[1] < 1.25 * vouched_for(task, places).u_def <= 1.25**2 * vouched_for(task, before).u_def
 
 
+@pytest.mark.long
 def test_what_an_accuracy_asks_for_is_kept_by_readings_that_contradict_a_bad_one() -> None:
     task, target = one_axis()[1], 0.9e-6
     made = make_plan(task, Limits(rms=target), bounded=False, guard=True)
@@ -238,10 +242,12 @@ def test_a_budget_is_kept_by_the_way_in_two_rounds() -> None:
     assert np.sum(np.diff(np.sign(np.diff(in_order(task, made.places).poses[:, 0]))) != 0) == 3
 
 
+@pytest.mark.long
 def test_a_guarded_plan_takes_hardly_more_time() -> None:
     assert plan(20, True).seconds < 1.02 * plan(20, False).seconds
 
 
+@pytest.mark.long
 def test_it_is_said_how_many_readings_could_vouch_for_their_promise() -> None:
     task, few = one_axis()[1], plan(14, True).places
     found = enough_readings(task, few, 1.25)
@@ -332,6 +338,7 @@ def test_the_criterion_of_the_paper_plans_for_its_model_alone() -> None:
     assert same.places.same_as(plain.places)
 
 
+@pytest.mark.long
 @settings(max_examples=4, deadline=None, derandomize=True)
 @given(readings=st.integers(4, 18), noise=st.sampled_from([0.1e-6, 0.5e-6, 3e-6]))
 def test_no_guarded_plan_vouches_for_much_less_than_the_plain_ones(readings: int, noise: float) -> None:

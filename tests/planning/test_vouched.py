@@ -133,6 +133,7 @@ def test_a_row_says_what_a_promise_rests_on() -> None:
     }
 
 
+@pytest.mark.long
 def test_no_number_of_readings_is_said_to_do_for_what_is_only_stated(tmp_path: Path) -> None:
     machine = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["0 mm", "1 m"]\n[errors]\n'
     (tmp_path / "m.toml").write_text(machine + 'EXX = { std = "3 um", knots = 9 }\nEXX_reversal = { std = "20 um" }\n')
@@ -175,6 +176,7 @@ def test_a_plan_says_what_its_readings_can_vouch_for(tmp_path: Path) -> None:
     assert f"{document['enough_readings']} readings could vouch for {document['enough_defended_um']:.3g} um." in printed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("criterion", ["joint", "worst"])
 def test_a_plan_by_another_criterion_says_that_nothing_guards_it(criterion: str, tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text(
@@ -190,6 +192,7 @@ def test_a_plan_by_another_criterion_says_that_nothing_guards_it(criterion: str,
     assert f'Mind: criterion = "{criterion}" chooses readings by the model alone' in printed
 
 
+@pytest.mark.long
 def test_a_plan_that_is_to_teach_what_two_axes_do_together_says_that_nothing_guards_it(tmp_path: Path) -> None:
     travel = 'travel = ["0 mm", "400 mm"]\n'
     curve = '{ std = "10 um", length = "200 mm", knots = 5 }\n'
