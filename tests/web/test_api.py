@@ -221,3 +221,12 @@ def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
         line.request("GET", "/api/1/outlook", headers={"Authorization": f"Bearer {running.token}"})
         time.sleep(0.1)  # the request is there, its answer takes longer than the server waits
     line.close()
+
+
+@pytest.mark.parametrize(("step", "key"), [("notes", "text"), ("skips", "reason")])
+def test_half_a_character_and_a_book_are_refused(page: Served, step: str, key: str) -> None:
+    after = {"after": page.state()["last"]} if step == "skips" else {}
+    for text in ("half \ud800", "a" * 2001):
+        assert 400 <= page.call(step, **after, **{key: text}).status < 500
+    assert page.state()["notes"] == []
+    assert page.state()["question"]["number"] == 1
