@@ -173,6 +173,7 @@ def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(page: Se
     assert squares**0.5 == pytest.approx(state["progress"]["now"]["rms_um"], rel=0.05)  # the same volume, evenly
 
 
+@pytest.mark.long
 def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -> None:
     for text in ("1.5", "-1", "0.5", "2"):
         page.call("readings", after=page.state()["last"], text=text)
