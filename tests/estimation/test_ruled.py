@@ -122,7 +122,7 @@ def test_nonsense_contradicts_every_explanation_and_reaches_no_target() -> None:
     known = concluded(CASE, nonsense)
     assert ruling_of(ruled(known)).verdict == "contradicted"
     assert known.accuracy.rms < 3e-6
-    assert standing(CASE.description.target, known).reached == DOES_NOT_FIT
+    assert standing(CASE.description.target, known) == DOES_NOT_FIT
 
 
 def test_the_verdict_is_the_same_every_time() -> None:

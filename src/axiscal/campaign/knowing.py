@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Sequence
 from functools import cached_property
 from typing import TypeVar, cast
 
-from axiscal.campaign.ending import Attained, standing
+from axiscal.campaign.ending import standing
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
@@ -24,10 +24,9 @@ from axiscal.estimation.timed import Timed, timed
 from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
 from axiscal.inference.contradiction import Watched
-from axiscal.language.spoken import put, said, spoken_now
+from axiscal.language.spoken import said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
-from axiscal.planning.vouched import vouched_words
 from axiscal.record.events import Gap
 
 Readings = tuple[Reading, ...]
@@ -71,31 +70,15 @@ class Knowing:
         """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
         return basis_words(self.known(readings), self.contest(readings, skipped))
 
-    def standing(self, readings: Readings, ended: bool = False) -> Attained:
-        """Return whether an accuracy is reached, by the verdict on the readings.  ended : no others are to follow"""
+    def standing(self, readings: Readings, ended: bool = False) -> str | None:
+        """Return why an accuracy asks for no more readings, by the verdict.  ended : no others are to follow"""
         target = self._description.target
         return self._once(("standing", ended), readings, lambda: standing(target, self.so_far(readings, ended)))
 
-    def unvouched(self, readings: Readings) -> str:
-        """Return in the words of a report what readings that promise an accuracy could not show, "" of others."""
-        found = self.standing(readings).found
-        if found is None:
-            return ""
-        return self._once(("unvouched", spoken_now()), readings, lambda: str(vouched_words(self.case, found)))
-
     def verdict(self, readings: Readings) -> tuple[str, str]:
-        """Return the verdict of a report on all readings as its word in `result.json`, and as a sentence.
-
-        The sentence, in the language that is spoken, has what readings could not show where it is that.
-        """
-        known = self.so_far(readings, ended=True)
-        if known.ruling is None:
-            return "", ""
-        word = known.ruling.verdict
-        if word != "unchecked":
-            return word, said(word)
-        why = vouched_words(known.case, known.ruling.defence)
-        return word, put("{verdict}. {why}", verdict=said(word), why=why)
+        """Return the verdict of a report on all readings as its word in `result.json`, and in the language spoken."""
+        ruling = self.so_far(readings, ended=True).ruling
+        return ("", "") if ruling is None else (ruling.verdict, said(ruling.verdict))
 
     def watched(self, readings: Readings, ended: bool = False) -> Watched:
         """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""
