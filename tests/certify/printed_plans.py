@@ -41,7 +41,7 @@ def campaigns(folder: Path) -> list[Path]:
     """Return the campaigns of examples, demo and tests, and those that pages print, written into a folder."""
     found = [
         path
-        for part in ("src/axiscal/demo", "examples", "tests/scenarios/campaigns")
+        for part in ("src/axiscal/demo", "examples", "tests/golden/campaigns")
         for path in sorted((ROOT / part).rglob("*.toml"))
         if "[[setups]]" in path.read_text(encoding="utf-8") and path.parent.name != "refusals"
     ]

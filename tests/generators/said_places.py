@@ -39,8 +39,12 @@ class Said:
     def __init__(self, text: str, machine: Chain) -> None:
         self.machine = machine
         campaign = tomllib.loads(text)
-        self.setups = {table["name"]: table for table in campaign["setups"]}
-        self.artefacts = {table["name"]: table for table in campaign.get("artefacts", [])}
+        with_balls = (table for table in campaign.get("artefacts", []) if table.keys() & {"balls", "grid"})
+        self.artefacts = {table["name"]: table for table in with_balls}
+        self.setups = {table["name"]: dict(table) for table in campaign["setups"]}
+        for table in self.setups.values():
+            if table.get("artefact") not in self.artefacts:
+                table.pop("artefact", None)  # a leg of a square: read where its axes are
 
     def holds(self, place: Place) -> str:
         """Assert that a reading can be taken where it is asked for; return by which rule it is held."""

@@ -31,7 +31,7 @@ from tests.generators.ways_said import WaysSaid
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted(
     path
-    for folder in ("src/axiscal/demo", "tests/scenarios/campaigns", "examples")
+    for folder in ("src/axiscal/demo", "tests/golden/campaigns", "examples")
     for path in (ROOT / folder).rglob("*.toml")
     if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE) and path.parent.name != "refusals"
 )
@@ -52,8 +52,8 @@ _FEW = 4
 """Readings of a plan: every one of more would be held to the same rules."""
 CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks()
 _AT_ONCE = (
-    "tests/scenarios/campaigns/rtest/campaign.toml",
-    "tests/scenarios/campaigns/printer/campaign.toml",
+    "tests/golden/campaigns/rotary/campaign.toml",
+    "tests/golden/campaigns/printer/campaign.toml",
     "campaign.md 0",
 )
 """Machines of five axes, of a printer and of one axis; the others are left to `make test-long`."""

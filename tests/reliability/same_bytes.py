@@ -12,9 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from axiscal.record.payload import encode
+from axiscal.record.store import Record
+from tests.golden.given import Given, given
+from tests.golden.playing import FIXED
 from tests.reliability.trial import Trial
-from tests.scenarios.playing import Outcome, played
-from tests.scenarios.scenario import scenario
 
 CAMPAIGNS = ("iso_test", "printer", "learnt")
 SOURCES = Path(__file__).resolve().parents[2] / "src"
@@ -90,10 +92,29 @@ def installed(name: str, folder: Path) -> bool:
 
 def _texts(place: Surroundings) -> list[Mapping[str, str]]:
     """Return files and answers of all campaigns, by name; without the seconds that the work took."""
-    outcomes = (played(scenario(name), str(SOURCES), place.variables, place.python) for name in CAMPAIGNS)
-    return [_all(outcome) for outcome in outcomes]
+    return [_played(given(name), place) for name in CAMPAIGNS]
 
 
-def _all(outcome: Outcome) -> Mapping[str, str]:
-    answers = {f"answer {i}": _SPENT.sub("<spent>", f"{s.status}{s.out}{s.err}") for i, s in enumerate(outcome.said)}
-    return dict(outcome.files) | answers
+def _played(campaign: Given, place: Surroundings) -> Mapping[str, str]:
+    usual = {"PYTHONPATH": str(SOURCES), "PYTHONDONTWRITEBYTECODE": ""}  # compiled once, not with every command
+    env = {**os.environ, **FIXED, **usual, **place.variables}
+    with TemporaryDirectory() as parent:
+        folder = Path(parent, campaign.name)
+        shutil.copytree(campaign.folder, folder)
+        answers = {}
+        for number, command in enumerate(campaign.commands):
+            words = [place.python, "-m", "axiscal.cli", *command.words]
+            run = subprocess.run(words, cwd=folder, env=env, capture_output=True, encoding="utf-8", check=False)
+            answers[f"answer {number}"] = _SPENT.sub("<spent>", f"{run.returncode}{run.stdout}{run.stderr}")
+        return answers | dict(_files(folder))
+
+
+def _files(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield what was written, by name; a record as its events without the time of writing."""
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.suffix == ".axiscal":
+            with Record.open(path, write=False) as record:
+                yield name, repr([encode(stored.event) for stored in record.events()])
+        elif path.is_file() and path.suffix not in (".axiscal-wal", ".axiscal-shm"):
+            yield name, path.read_bytes().decode("utf-8", "backslashreplace")

@@ -25,9 +25,9 @@ from axiscal.report.summary import Summary
 from tests.docs.languages import SOURCES
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
-CAMPAIGNS = Path(__file__).resolve().parents[1] / "scenarios" / "campaigns"
+CAMPAIGNS = Path(__file__).resolve().parents[1] / "golden" / "campaigns"
 GIVEN = {"outlier": "readings.csv", "drift": "readings.csv", "learnt": "equally-spaced.csv"}
-"""Campaigns of the scenarios whose readings say something that a person has to be told."""
+"""Campaigns whose readings say something that a person has to be told."""
 PROSE = re.compile(r"(?:\b[a-z]+\b[ ,;:]*){4,}")
 """Four small words in a row: a sentence of some language."""
 

@@ -1,0 +1,107 @@
+"""What a campaign gave, as texts that are kept: documents with fewer digits and points, pages as their words."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from tests.golden.given import Given
+from tests.golden.playing import Said
+
+MASKED = (
+    (re.compile(r'("(?:axiscal|numpy|python|scipy)": )"[^"]*"'), r'\1"<version>"'),
+    (re.compile(r"\b(axiscal|numpy|python|scipy) \d+\.\d+\.\d[\w.+]*"), r"\1 <version>"),
+    (re.compile(r"\b[0-9a-f]{64}\b"), "<hash>"),
+    (re.compile(r"\b\d(?:[.,]\d+)?e-1\d\b(?= um| µm)"), "0"),
+)
+"""What differs from one installation to another, hashes of it, and roundings of zero; clock and paths never do."""
+LEFT_AWAY = (
+    *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite", "*.type.json"),
+    *("report.html", "report.pdf", "where.html", "*.svg", "*.xml", "data/*", "tables/*/README.txt"),
+)
+"""Records and what is kept beside them; the report in its forms; the words beside tables."""
+DIGITS = 12
+MOST = 16
+"""Entries of a list of numbers that is kept whole; of a longer one so many at most."""
+_UNSEEN = re.compile(r"<(script|style|svg)\b.*?</\1>", re.DOTALL)
+
+
+def shown(campaign: Given, said: Sequence[Said], folder: Path) -> dict[str, str]:
+    """Return the texts of a campaign by name: its screens, the documents it printed, the files it wrote.
+
+    folder : where it was played
+    """
+    texts = {"screens.txt": "".join(_screen(number, one) for number, one in enumerate(said, start=1))}
+    for number, one in enumerate(said, start=1):
+        if _is_document(one.out):
+            texts[_document_name(number, one)] = _document(one.out)
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file() and name not in campaign.inputs and not any(map(path.match, LEFT_AWAY)):
+            texts |= dict([_file(path, name)])
+    return {name: _masked(text) for name, text in texts.items()}
+
+
+def _screen(number: int, said: Said) -> str:
+    shown = f"see {_document_name(number, said)}\n" if _is_document(said.out) else said.out
+    line = shlex.join(["axiscal", *said.command.words])
+    streams = (("stdout", shown), ("stderr", said.err))
+    told = "".join(f"--- {name}\n{text.rstrip()}\n" for name, text in streams if text.strip())
+    return f"$ {line}\n{told}status {said.status}\n\n"
+
+
+def _document_name(number: int, said: Said) -> str:
+    return f"{number:02}-{said.command.words[0]}.json"
+
+
+def _is_document(text: str) -> bool:
+    try:
+        return isinstance(json.loads(text), dict)
+    except ValueError:
+        return False
+
+
+def _file(path: Path, name: str) -> tuple[str, str]:
+    text = path.read_bytes().decode("utf-8", "backslashreplace").replace("\r\n", "\n")
+    if path.suffix == ".html":
+        return f"{name}.txt", "\n".join(_words(text)) + "\n"
+    return name, _document(text) if path.suffix == ".json" else text
+
+
+def _words(page: str) -> Iterator[str]:
+    """Yield what a page says, a line for each part."""
+    for part in re.split(r"<(?:p|li|tr|h\d|div|section|figure|dt|dd|summary)\b[^>]*>", _UNSEEN.sub("", page)):
+        if line := " ".join(html.unescape(re.sub(r"<[^>]*>", " ", part)).split()):
+            yield line
+
+
+def _document(text: str) -> str:
+    """Return a JSON document with fewer digits and points, each list of numbers in one line."""
+    written = json.dumps(_less(json.loads(text)), indent=1, ensure_ascii=False)
+    in_one_line = re.sub(r"\[[^][{}\"]*\]", lambda found: " ".join(found.group().split()), written)
+    return f"{in_one_line}\n"
+
+
+def _less(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: _less(each) for key, each in value.items()}
+    if isinstance(value, list):
+        numbers = not any(isinstance(each, dict | str) for each in value)
+        every = max(1, math.ceil(len(value) / MOST)) if numbers else 1
+        kept = [_less(each) for each in value[::every]]
+        return kept if every == 1 else {"length": len(value), "every": every, "values": kept}
+    return value
+
+
+def _masked(text: str) -> str:
+    for pattern, word in MASKED:
+        text = pattern.sub(word, text)
+    return text
