@@ -27,7 +27,11 @@ FIXED: Mapping[str, str] = {"COLUMNS": "120", "NO_COLOR": "1", "TERM": "dumb", "
 """One width of the page, and nothing that hangs on how fast the computer is."""
 _BEGUN = datetime(2026, 1, 5, 8, tzinfo=UTC)
 """When each campaign begins: a zero that wanders does so by the clock."""
-_ALIKE = {"OPENBLAS_NUM_THREADS": "1", "OPENBLAS_CORETYPE": "Prescott"}
+_ALIKE = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OPENBLAS_CORETYPE": "Prescott",
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
+}
 """A process with one thread can be forked; sums in the order that every processor can do, so that none breaks a tie."""
 _LATE = ("scipy.linalg.lapack", "scipy.optimize", "scipy.sparse", "scipy.special", "typst", "sqlite3", "xmlschema")
 """What the package loads when it is used."""
