@@ -17,6 +17,7 @@ from axiscal.cli.app import run
 from axiscal.compensation.controllers.klipper import plain_profile, write_mesh
 from axiscal.compensation.surface import Mesh
 from axiscal.numerics import Array
+from tests.generators.begun import begun
 
 AXES = {"X": 300.0, "Y": 240.0, "Z": 100.0}
 PRIORS = (
@@ -93,12 +94,13 @@ def estimated(folder: Path, readings: str, name: str, axes: str = "XYZ", more: s
     travel = "".join(f'[axes.{a}]\ntravel = ["0 mm", "{AXES[a]:g} mm"]\n' for a in axes)
     chain = "w-Y'-b-X-t" if axes == "XY" else "w-Y'-b-Z-X-t"
     errors = PRIORS + planes + (SQUARES if axes == "XYZ" else "")
-    (folder / "machine.toml").write_text(f'chain = "{chain}"\n{travel}[errors]\n{errors}')
-    (folder / "campaign.toml").write_text(f'machine = "machine.toml"\n{PROBE}{more}')
-    (folder / name).write_text(readings)
-    out = folder / "out"
-    assert run(["estimate", str(folder / "campaign.toml"), str(folder / name), "--out", str(out)]) == 0
-    return out / "campaign.axiscal"
+    files = {
+        "machine.toml": f'chain = "{chain}"\n{travel}[errors]\n{errors}',
+        "campaign.toml": f'machine = "machine.toml"\n{PROBE}{more}',
+        name: readings,
+    }
+    begun(folder, files, ("estimate", "campaign.toml", name, "--out", "out"))
+    return folder / "out" / "campaign.axiscal"
 
 
 def exported(record: Path, controller: str, *options: str) -> dict[str, str]:

@@ -290,11 +290,15 @@ CAMPAIGN = (
 )
 
 
-def recorded(folder: Path, active: str = "") -> Path:
+def described(folder: Path, active: str = "") -> None:
     (folder / "machine.toml").write_text(MACHINE)
     (folder / "campaign.toml").write_text(CAMPAIGN.format(active=active))
     rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
     (folder / "readings.csv").write_text(f"setup,X_mm,approach,value_um\n{rows}")
+
+
+def recorded(folder: Path, active: str = "") -> Path:
+    described(folder, active)
     out = folder / "out"
     assert run(["estimate", str(folder / "campaign.toml"), str(folder / "readings.csv"), "--out", str(out)]) == 0
     return out / "campaign.axiscal"
@@ -338,7 +342,7 @@ def test_a_person_at_a_terminal_is_asked_and_the_record_keeps_the_answer(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    recorded(tmp_path)
+    described(tmp_path)
     (tmp_path / "X.comp").write_text(comp(0))
     monkeypatch.chdir(tmp_path)
     capsys.readouterr()
@@ -353,14 +357,14 @@ def test_a_person_at_a_terminal_is_asked_and_the_record_keeps_the_answer(
 
 def test_nobody_is_asked_by_a_script(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither without a terminal nor where a document is asked for."""
-    recorded(tmp_path)
+    described(tmp_path)
     at_a_terminal(monkeypatch, "true\n")
     assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal"), "--json"]) == 0
     assert said_in(tmp_path / "a.axiscal") is None
 
 
 def test_what_is_active_can_be_an_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    recorded(tmp_path)
+    described(tmp_path)
     (tmp_path / "X.comp").write_text(comp(0))
     capsys.readouterr()
     command = ["estimate", str(tmp_path / "campaign.toml"), str(tmp_path / "readings.csv"), "--out"]
