@@ -15,6 +15,7 @@ from axiscal.fleet.quick_check import QuickCheck
 from axiscal.fleet.rehearsal import measured
 from axiscal.machine import load_machine
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.threads import one_thread
 from axiscal.simulation import Simulator
 
@@ -84,8 +85,7 @@ def _crashes(errors: ErrorModel) -> dict[str, Array]:
 
 
 def _drawn(covariance: Array, rng: np.random.Generator) -> Array:
-    values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
-    drawn: Array = vectors @ (np.sqrt(np.maximum(values, 0.0)) * rng.standard_normal(len(values)))
+    drawn: Array = unique_root((covariance + covariance.T) / 2) @ rng.standard_normal(len(covariance))
     return drawn
 
 

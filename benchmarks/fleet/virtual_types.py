@@ -20,6 +20,7 @@ from axiscal.inference.sisters.prior_units import PriorUnits, prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 
 NAME = "three-axis-mill"
 _SETUP = """[[setups]]
@@ -136,8 +137,7 @@ class VirtualType:
 
 def _factor(term: Term, size: int, rng: np.random.Generator) -> Array:
     """Return F (size, k) with the stated variance of an error: of a curve half is a lead or a sag, half is random."""
-    values, vectors = np.linalg.eigh(term.covariance)
-    free = vectors * np.sqrt(np.maximum(values, 0.0))
+    free = unique_root(term.covariance)
     if term.kind != "motion":
         return _placed(free, term, size)
     along = np.linspace(-1, 1, len(free))

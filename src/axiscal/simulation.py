@@ -29,6 +29,7 @@ from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import belongs
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 
 _SHORTEST = 1e-4
 """Stands for a base without length, m: the slope of so short a chord is that of the curve."""
@@ -226,8 +227,7 @@ def _through(curve: TruthCurve) -> Curve:
 
 
 def _drawn(function: Term, rng: np.random.Generator) -> Curve:
-    values, vectors = np.linalg.eigh(function.covariance)
-    return _rough(function, vectors @ (np.sqrt(np.maximum(values, 0)) * rng.standard_normal(len(values))), rng)
+    return _rough(function, unique_root(function.covariance) @ rng.standard_normal(len(function.covariance)), rng)
 
 
 def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:

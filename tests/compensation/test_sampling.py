@@ -51,8 +51,7 @@ def machine(chain: str) -> Machine:
 
 def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    prior = model.prior_covariance()
-    mean = np.random.default_rng(seed).multivariate_normal(np.zeros(model.size), prior, method="eigh")
+    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size)
     curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
     estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
     return estimate, VirtualMachine(model, curves, {})

@@ -140,3 +140,10 @@ def test_where_a_table_turns_or_nothing_was_found_there_are_no_products() -> Non
     model = ErrorModel(machine_from_text(text.rstrip() + "\n" + PLANES))
     turning = Estimate(model, Belief(np.ones(model.size) * 1e-5, np.eye(model.size)), whole_travel(model))
     assert products(turning, options, 1000, 1e-6) == ()
+
+
+def test_which_factor_is_turned_over_is_settled() -> None:
+    """F G and (−F)(−G) are the same product: the largest number of the first factor is positive on every computer."""
+    for product in products(known(), ExportOptions(), 1000, 1e-6):
+        values = product.first.values
+        assert values[np.argmax(np.abs(values))] > 0

@@ -9,6 +9,7 @@ from scipy.special import gamma, kv
 
 from axiscal.error_model.prior import between_knots
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 
 KNOTS, POINTS, CURVES = 21, 12, 4000
 
@@ -25,9 +26,8 @@ def correlation(distance: Array, smoothness: float) -> Array:
 def test_it_is_what_a_natural_spline_through_drawn_curves_leaves(spacing: float, smoothness: float) -> None:
     at = np.arange((KNOTS - 1) * POINTS + 1) / POINTS
     covariance = correlation(spacing * np.abs(at[:, None] - at), smoothness)
-    values, vectors = np.linalg.eigh(covariance)
     draws = np.random.default_rng(1).standard_normal((CURVES, len(at)))
-    curves = draws @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    curves = draws @ unique_root(covariance).T
     spline = CubicSpline(at[::POINTS], curves[:, ::POINTS], axis=1, bc_type="natural")
     left = float(np.sqrt(np.mean((curves - spline(at)) ** 2)))
     assert between_knots(spacing, smoothness) == pytest.approx(left, rel=0.03)

@@ -29,6 +29,7 @@ from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.data_equation import DataEquation, data_equation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 DAY = date(2030, 1, 1)
@@ -122,8 +123,7 @@ def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tup
     normal = rng.standard_normal
 
     def drawn(covariance: Array) -> Array:
-        values, vectors = np.linalg.eigh(covariance)
-        result: Array = vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * normal((size, count)))
+        result: Array = unique_root(covariance) @ normal((size, count))
         return result
 
     common, mine = prior.mean[:, None] + drawn(prior.covariance - own), drawn(own)

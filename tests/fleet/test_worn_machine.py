@@ -17,6 +17,7 @@ from axiscal.inference.sisters.data_equation import data_equation
 from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
 from axiscal.simulation import Simulator
 
 TABLE = """name = "Table"
@@ -61,7 +62,7 @@ def _spread(size: Array, seed: int) -> Array:
 
 
 def _drawn(mean: Array, covariance: Array, rng: np.random.Generator, count: int) -> Array:
-    return rng.multivariate_normal(mean, covariance, count, method="eigh").T
+    return mean[:, None] + unique_root(covariance) @ rng.standard_normal((len(mean), count))
 
 
 class Twin:
@@ -78,7 +79,7 @@ class Twin:
         taught = TypePrior(machine.text, records, {}, 0, 1e-9, self.mean, self.common + self.own, self.own)
         described = _described(taught.text())
         places = [Place("laser", (x, y), (s, s)) for x in (0.05, 0.3) for y in (0.1, 0.35) for s in (1, -1)]
-        truth = self.mean + rng.multivariate_normal(np.zeros(len(std)), self.common + self.own)
+        truth = _drawn(self.mean, self.common + self.own, rng, 1)[:, 0]
         virtual = Simulator(described.machine, described.setups).with_coefficients(truth, 5)
         readings = measured(virtual, described, places, 5)
         self.known, self.rng = concluded(case_of(described), readings), rng

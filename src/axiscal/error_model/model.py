@@ -27,6 +27,7 @@ from axiscal.machine.kinematics import Frames, SmallMotions, frames
 from axiscal.machine.names import Kind
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
+from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.repeated import Repeated, Segments
 from axiscal.numerics.rigid import cross
 
@@ -149,8 +150,7 @@ class ErrorModel:
         """Return F with the prior covariance of A = F Fᵀ, term by term, (size, size)."""
         result = np.zeros((self.size, self.size))
         for function in self.terms:
-            values, vectors = np.linalg.eigh(function.covariance)
-            result[function.columns, function.columns] = vectors * np.sqrt(np.maximum(values, 0.0))
+            result[function.columns, function.columns] = unique_root(function.covariance)
         return result
 
     @cached_property

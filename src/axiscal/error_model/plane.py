@@ -24,6 +24,7 @@ from axiscal.machine.names import Kind
 from axiscal.machine.plane_entry import PlaneEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
+from axiscal.numerics.gaussian import settled
 
 _CUT = 1e-4
 """Share of the variance that the products left out may hold together."""
@@ -224,7 +225,7 @@ def _side(entry: ErrorEntry, axis: Axis) -> Side:
     values, vectors = np.linalg.eigh(centred(prior.covariance(entry, spline)))
     large = values > _NOUGHT * values[-1]
     values, vectors = values[large][::-1], vectors[:, large][:, ::-1]
-    return Side(spline, vectors * np.sqrt(values), values)
+    return Side(spline, settled(values, vectors) * np.sqrt(values), values)
 
 
 def _correlation(side: Side, entry: ErrorEntry, stretch: float) -> Array:

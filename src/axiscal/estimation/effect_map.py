@@ -17,7 +17,7 @@ from axiscal.measurement.departures import Departure, Family
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import transposed_solution
-from axiscal.numerics.gaussian import eigen_root
+from axiscal.numerics.gaussian import unique_root
 
 _OF_SETUPS: frozenset[Family] = frozenset({"drift", "levelling", "excursion"})
 """Families whose size is what a zero moves by in the course of a set-up."""
@@ -113,4 +113,4 @@ def largest(errors: ErrorModel, departure: Departure) -> float:
 
 def prior_root(case: Case) -> Array:
     """Return F (size, r) with F Fᵀ the covariance of the errors before the first reading."""
-    return case.errors.prior_root() if case.inherited is None else eigen_root(case.inherited.covariance)
+    return case.errors.prior_root() if case.inherited is None else unique_root(case.inherited.covariance)

@@ -20,7 +20,7 @@ from axiscal.fleet.aging import Aging
 from axiscal.fleet.tables_left import control_of, left_at, products_left
 from axiscal.fleet.wearing import Wearing, Worn, found_by
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import positive_root
+from axiscal.numerics.gaussian import unique_root
 
 _DRAWN, _AT_ONCE = 2000, 200
 """Machines: 5 % of them are known to ± 0.5 %. So many at once keep their tool points within 10 MB."""
@@ -92,8 +92,7 @@ class WornMachine:
     @cached_property
     def _rests(self) -> NDArray[np.float32]:
         """What the rests of each machine do at each pose of the yardstick, (m, 3, k) m: 20 MB, drawn once."""
-        values, vectors = np.linalg.eigh(self._known.case.yardstick.rests)
-        roots = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]).astype(np.float32)
+        roots = unique_root(self._known.case.yardstick.rests).astype(np.float32)
         drawn = np.random.default_rng(23).standard_normal((len(roots), 3, _DRAWN), dtype=np.float32)
         rests: NDArray[np.float32] = roots @ drawn
         return rests
@@ -130,6 +129,5 @@ class _Drawn:
 
 def _scattered(covariance: Array, rng: np.random.Generator) -> Array:
     """Return draws of a normal about nought, (n, k)."""
-    root = positive_root(covariance, np.diagonal(covariance))
-    drawn: Array = root @ rng.standard_normal((root.shape[1], _DRAWN))
+    drawn: Array = unique_root(covariance) @ rng.standard_normal((len(covariance), _DRAWN))
     return drawn

@@ -25,7 +25,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
-from axiscal.numerics.gaussian import eigen_root, lower_root
+from axiscal.numerics.gaussian import lower_root, unique_root
 
 
 class _TakenOut(NamedTuple):
@@ -72,7 +72,7 @@ class Fitted:
     ) -> Fitted:
         """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
         numbers, size = ReadingSet(observation, readings), observation.errors.size
-        values, root = numbers.values, observation.errors.prior_root() if prior is None else eigen_root(prior[1])
+        values, root = numbers.values, observation.errors.prior_root() if prior is None else unique_root(prior[1])
         if prior is not None:
             values = values - numbers.rows[:, :size] @ prior[0]
         return cls(numbers.features(root), numbers.noise + numbers.extra_variance, values, numbers.reading)

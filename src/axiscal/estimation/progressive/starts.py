@@ -14,6 +14,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import settled
 
 _SOUND = 1e-6
 """Share of the largest singular value below which points are as good as in a plane."""
@@ -67,7 +68,8 @@ def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) 
         return []
     places = tips(case, seen_by)
     middle = places.mean(axis=0)
-    normal = np.linalg.svd(places - middle)[2][-1]
+    _, sizes, turn = np.linalg.svd(places - middle)
+    normal = settled(sizes**2, turn.T)[:, -1]
     for columns, stated in zip(case.station_columns(index), setup.standing, strict=False):
         station = np.array(stated) + point[list(columns)]
         image = station - 2 * float((station - middle) @ normal) * normal

@@ -11,6 +11,7 @@ from axiscal.error_model.model import ErrorModel, Term
 from axiscal.error_model.plane import PlaneError
 from axiscal.inference.sisters.hierarchy import ErrorBlock, blocks_of
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import settled
 
 _CUT = 1e-4
 """Share of the variance of an error that the directions left out hold together: no reading would show it."""
@@ -36,7 +37,7 @@ def prior_units(errors: ErrorModel) -> PriorUnits:
     roots, cut, sizes = list[Array](), np.zeros((errors.size, errors.size)), list[tuple[str, str, int, float]]()
     for term in errors.terms:
         values, vectors = np.linalg.eigh(term.covariance)
-        values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
+        values, vectors = np.maximum(values[::-1], 0.0), settled(values, vectors)[:, ::-1]
         kept = 1 + int(np.searchsorted(np.cumsum(values), (1 - _CUT) * values.sum()))
         column = np.zeros((errors.size, kept))
         column[term.columns] = vectors[:, :kept] * np.sqrt(values[:kept])

@@ -22,6 +22,7 @@ from axiscal.error_model.plane import PlaneError
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import settled
 
 PER_METRE = 1e3
 """The control multiplies numbers in mm."""
@@ -106,18 +107,19 @@ def _of_plane(
     if most_high < _NOTHING:
         return []
     left, names = surface, [axes[axis].name for axis in plane.axes]
-    for first, size, second in islice(zip(*_terms(surface), strict=True), _TERMS):
+    for first in islice(_directions(surface), _TERMS):
         if np.max(np.abs(left)) < _LEFT * most_high:
             continue
-        balance = np.sqrt(np.max(np.abs(second)) / np.max(np.abs(first)))
-        root = np.sqrt(size / (2 * PER_METRE))
-        one = Factor(names[0], sides[0].points, root * balance * first)
-        other = Factor(names[1], sides[1].points, root / balance * second)
+        second = first @ surface
+        balance = np.sqrt(np.max(np.abs(second)) / np.max(np.abs(first)) / (2 * PER_METRE))
+        one = Factor(names[0], sides[0].points, balance * first)
+        other = Factor(names[1], sides[1].points, second / (2 * PER_METRE * balance))
         found.append(Product(mover, one, other))
-        left = left - size * np.outer(first, second)
+        left = left - np.outer(first, second)
     return found
 
 
-def _terms(surface: Array) -> tuple[Array, Array, Array]:
-    first, sizes, second = np.linalg.svd(surface, full_matrices=False)
-    return first.T, sizes, second
+def _directions(surface: Array) -> Array:
+    """Return the left singular vectors, the largest singular value first: (k, n)."""
+    first, sizes, _ = np.linalg.svd(surface, full_matrices=False)
+    return settled(sizes**2, first).T
