@@ -239,7 +239,7 @@ def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixtur
 
 
 def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> None:
-    shop = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6)).machines
+    shop = due_dates([folder / "b.axiscal"], DAY, Wanted(12e-6)).machines
     other = replace(shop[0], record=shop[0].record.with_name("c.axiscal"), minutes=75.0)
     assert titles(shop) == [shop[0].name]
     assert titles([*shop, other]) == [f"{shop[0].name} (b.axiscal)", f"{shop[0].name} (c.axiscal)"]

@@ -113,7 +113,7 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
 
 def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: str) -> None:
     """A scale off by 90 um over the travel, read where a sister is read."""
-    case, readings = case_of(slide(prior=taught)), read_on(20)[::3]
+    case, readings = case_of(slide(prior=taught)), read_on(22)[::3]
     hit = [replace(each, value=each.value + 90e-6 * (each.pose[0] - 0.25) / 0.5) for each in readings]
     for read, likeliest in ((readings, "like its sisters"), (hit, "like its sisters but for X")):
         found = concluded(case, read).membership
