@@ -24,7 +24,7 @@ def test_the_interval_is_that_of_a_chi_square_and_counts_every_fifth_reading() -
 
 def test_the_square_is_that_of_the_four_readings_that_cost_least_predicted_from_the_others() -> None:
     """Each that is kept out costs least of those that are left: found by estimating without each."""
-    readings = read(machine(2), 20)
+    readings = read(machine(3), 20)
     found = checked(CASE, readings, 1.0)
     assert found is not None
     numbers = Fitted.of(CASE.observation, readings)

@@ -49,7 +49,7 @@ def until_rivals(name: str, seed: int) -> tuple[list[Reading], Contest]:
     raise AssertionError("no two causes competed")
 
 
-@pytest.mark.parametrize(("name", "seed"), [("drift", 0), ("pitch", 0), ("step", 3)])
+@pytest.mark.parametrize(("name", "seed"), [("drift", 0), ("pitch", 0), ("step", 2)])
 def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int) -> None:
     readings, found = until_rivals(name, seed)
     after = readings[-1].time or 0.0
@@ -73,7 +73,7 @@ def test_predictions_are_those_of_joint_normals_written_out(name: str, seed: int
     assert found.apart == pytest.approx(abs(first - second) / np.sqrt(wide + broad), rel=1e-4)
 
 
-@pytest.mark.parametrize(("name", "seed"), [("drift", 1), ("drift", 3), ("pitch", 0), ("step", 3), ("step", 4)])
+@pytest.mark.parametrize(("name", "seed"), [("drift", 1), ("drift", 3), ("pitch", 0), ("step", 0), ("step", 2)])
 def test_the_right_cause_is_left_after_the_readings_that_decide(name: str, seed: int) -> None:
     readings, found = until_rivals(name, seed)
     drawn, rng, taken = machine(seed), np.random.default_rng((seed, 1)), 0
@@ -90,7 +90,7 @@ def test_the_right_cause_is_left_after_the_readings_that_decide(name: str, seed:
 def test_what_an_earlier_campaign_knew_is_part_of_what_is_predicted() -> None:
     readings, found = until_rivals("drift", 0)
     covariance = CASE.errors.prior_covariance()
-    knew = Inherited(CASE.errors.prior_root() @ np.random.default_rng(2).normal(size=CASE.errors.size), covariance)
+    knew = Inherited(CASE.errors.prior_root() @ np.random.default_rng(3).normal(size=CASE.errors.size), covariance)
     coming = Reading("laser", found.place.pose, found.place.approach, 0.0, time=readings[-1].time)
     together, observation = [*readings, coming], CASE.observation
     plain, less = (Fitted.of(observation, together, prior).values for prior in (None, (knew.mean, covariance)))

@@ -54,7 +54,7 @@ def test_a_reading_that_cannot_be_is_judged_by_those_before_it_however_they_come
 
 
 def test_one_that_somebody_insists_on_is_believed() -> None:
-    readings = with_slips(20, {7: 1e-3})
+    readings = with_slips(20, {7: 8e-4})
     readings[7] = replace(readings[7], accepted=True)
     assert judged(readings, Judged.none(CASE)).implausible == {}
     assert judged_at_once(CASE, readings).implausible == {}

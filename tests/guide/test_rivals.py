@@ -17,8 +17,8 @@ from tests.generators.laser_axis import CASE
 
 
 def test_next_asks_for_the_reading_that_decides_and_says_between_what(tmp_path: Path) -> None:
-    description, rng = CASE.description, np.random.default_rng(3)
-    drawn, ways = Simulator(description.machine, description.setups).drawn(3), np.linspace(0.013, 0.987, 12)
+    description, rng = CASE.description, np.random.default_rng(0)
+    drawn, ways = Simulator(description.machine, description.setups).drawn(0), np.linspace(0.013, 0.987, 12)
     with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
         for x in ways.tolist():
             value = drawn.read(description.setups[0], (x,), (1,), rng) + 15e-6 * (x > 0.43)
@@ -54,8 +54,8 @@ def test_a_reading_that_is_taken_back_and_vouched_for_competes_anew(tmp_path: Pa
 
     The judge is the same record opened by somebody who did not look before.
     """
-    description, rng, path = CASE.description, np.random.default_rng(3), tmp_path / "c.axiscal"
-    drawn, setup = Simulator(description.machine, description.setups).drawn(3), description.setups[0]
+    description, rng, path = CASE.description, np.random.default_rng(0), tmp_path / "c.axiscal"
+    drawn, setup = Simulator(description.machine, description.setups).drawn(0), description.setups[0]
 
     def fresh() -> Contest | None:
         with Campaign.open(path, write=False) as other:
