@@ -202,7 +202,7 @@ def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array
     other = _hats(estimate, over, closest(shown @ hats.carried(at).T, at, _knots(estimate, over), hats.points))
     carried = hats.carried(other.nodes)
     even, found = (_line(estimate, axis, over, *each) for each in ((hats, shown), (other, shown @ carried.T)))
-    nearer = found.departure < even.departure
+    nearer = found.departure < even.departure - _NOTHING  # along a straight line any points are as near
     return _fitted(estimate, axis, over, *((other, carried @ curves) if nearer else (hats, curves)))
 
 
