@@ -97,7 +97,7 @@ def _posterior(prior: Array, rows: Array, noise: Array, values: Array) -> tuple[
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_drift_that_was_put_in_is_taken_off_the_curve(seed: int) -> None:
-    """The mixture moves the curve to where it would be without drift, to 0.3 of what that did: 0.06 to 0.27 in ten machines."""
+    """The mixture moves the curve to where it would be without drift, to 0.3 of what that did: 0.06 to 0.27 in ten."""
     observation = axis()
     plain, drifted = (attacked(observation, seed, 24, attack) for attack in ("none", "drift"))
     bent = _curve(observation, drifted)[0] - _curve(observation, plain)[0]
