@@ -202,7 +202,7 @@ def test_a_height_map_has_its_ends_spacings_counts_and_statistics() -> None:
 
 
 def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_printers_do() -> None:
-    estimate = drawn_machine(ErrorModel(linear_machine("w-b-X-Y-Z-t")), 2)[0]
+    estimate = drawn_machine(ErrorModel(linear_machine("w-b-X-Y-Z-t")), 8)[0]
     found, (low, high) = skew_of(estimate), np.array(estimate.box).T
     poses = np.random.default_rng(1).uniform(low, high, (40_000, 3))
     deviation = estimate.deviation(poses, np.zeros_like(poses))
