@@ -10,7 +10,8 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Case
 from axiscal.fleet.quick_check import QuickCheck
 from axiscal.fleet.rehearsal import measured
 from axiscal.machine import load_machine

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Inherited, Rival
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Rival
 from axiscal.estimation.type_prior import TypePrior, rivals
 from axiscal.fleet.type_learning import Lesson
 from axiscal.inference.sisters.data_equation import DataEquation

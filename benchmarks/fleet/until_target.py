@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Inherited, Rival
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Rival
 from axiscal.inference.sisters.belonging import Moments, moments_of
 from axiscal.numerics import Array
 from benchmarks.fleet.virtual_types import Bench

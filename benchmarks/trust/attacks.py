@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.accuracy.expanded import expanded
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import ruled, ruling_of
@@ -19,7 +20,7 @@ from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.simulation import Simulator
+from axiscal.simulation import Simulator, VirtualMachine
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
 _WORSE = 1.5
@@ -183,16 +184,48 @@ class Outcome:
         return self.silent and self.ratio > self.rare
 
 
-@one_thread()
-def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
-    """Return what one machine's readings promise, and what is true."""
+@dataclass(frozen=True, eq=False)
+class Attacked:
+    """A machine that is not as stated, and its readings.
+
+    attack : how it is not; stated : the case; machine : the truth; own : a place of the machine's own, share of a metre
+    """
+
+    attack: Attack
+    stated: Case
+    machine: VirtualMachine
+    own: float
+    readings: tuple[Reading, ...]
+
+    @property
+    def column(self) -> int:
+        """The direction along which the attack acts."""
+        return 2 if self.attack.bench == "plate" else 0
+
+    @property
+    def places(self) -> tuple[Array, Array]:
+        """Poses of the volume and the sides from which the axes come, (p, q) each."""
+        low, high = np.array(self.stated.description.target.volume).T
+        where = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
+        return where, np.where(np.arange(_POSES)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(where)
+
+    def sizes_left(self, estimated: Array) -> Array:
+        """Return how far the tool is from what an estimate says, the mean taken off, (p,) m.  estimated : (p, 3) m"""
+        where, ways = self.places
+        left = self.machine.deviation(where, ways) - estimated
+        left[:, self.column] += 1e-6 * self.attack.field(where, ways[:, 0], self.own)
+        left += _aside(self.stated.description.machine, (self.attack.chain,), where)
+        size: Array = np.linalg.norm(left - left.mean(axis=0), axis=1)
+        return size
+
+
+def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:
+    """Return a machine and what is read of it."""
     stated = case_of(attack.bench, scales, attack.stated)
     actual = case_of(attack.bench, scales, (*attack.truth, *attack.stated)).description
     machine, rng = Simulator(actual.machine, actual.setups).drawn(seed), np.random.default_rng((seed, 4))
-    machine = replace(machine, offsets=_with_tool(attack, machine.offsets))
-    own, column = float(rng.uniform(0.2, 0.8)), 2 if attack.bench == "plate" else 0
-    count = attack.count or BENCHES[attack.bench].readings
-    taken = visits(attack.bench, scales, places, count, seed)
+    machine, own = replace(machine, offsets=_with_tool(attack, machine.offsets)), float(rng.uniform(0.2, 0.8))
+    taken = visits(attack.bench, scales, places, attack.count or BENCHES[attack.bench].readings, seed)
     poses, sides = (np.array([visit[part] for visit in taken], dtype=float) for part in (0, 1))
     read = np.array([machine.read_all(actual.setups[0], *visit, rng) for visit in taken]) * 1e6
     read[:, 0] += attack.field(poses, sides[:, 0], own)
@@ -200,25 +233,25 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
     along = np.linspace(0, 1, len(read))
     read[:, 0] += attack.passing(poses, along)
     values = attack.shown(read, along[:, None], rng) * 1e-6
-    readings = [
+    readings = tuple(
         Reading("it", *visit, float(value[0]), others=tuple(value[1:].tolist()), time=_MINUTE * index)
         for index, (visit, value) in enumerate(zip(taken, values, strict=True))
-    ]
+    )
+    return Attacked(attack, stated, machine, own, readings)
+
+
+@one_thread()
+def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
+    """Return what one machine's readings promise, and what is true."""
+    met = attacked(attack, places, scales, seed)
     try:
-        refuse_implausible([replace(each, line=1) for each in readings], stated.description, "readings")
+        refuse_implausible([replace(each, line=1) for each in met.readings], met.stated.description, "readings")
     except ReadingError:
         return Outcome(np.nan, np.nan, "refused", np.nan)
-    known = ruled(concluded(stated, readings))
+    known = ruled(concluded(met.stated, met.readings))
     ruling, alone = ruling_of(known), expanded(known.banded.case.yardstick, known.banded.knowledge.belief)
     promised = known.accuracy.rms * max(ruling.expanded.space / alone.space, 1.0)
-    low, high = np.array(stated.description.target.volume).T
-    where = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
-    ways = np.where(np.arange(_POSES)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(where)
-    left = machine.deviation(where, ways) - known.estimate().deviation(where, ways)
-    left[:, column] += 1e-6 * attack.field(where, ways[:, 0], own)
-    left += _aside(stated.description.machine, (attack.chain,), where)
-    left -= left.mean(axis=0)
-    size = np.linalg.norm(left, axis=1)
+    size = met.sizes_left(known.estimate().deviation(*met.places))
     inside = float(np.mean(size <= ruling.expanded.space))
     return Outcome(float(np.sqrt(np.mean(size**2))) / promised, inside, ruling.verdict, _rare(known))
 

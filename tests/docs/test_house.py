@@ -30,6 +30,8 @@ CLASSES_THAT_MAY = {
 }
 FILES_THAT_MAY = {
     "campaign.py": "a campaign as it is described, and as it runs",
+    "dense.py": "the plain equations beside a fast path: of gains, and of the posterior",
+    "model.py": "the errors of a machine, and the table of what usually goes wrong",
     "exporting.py": "the files for a control, in a folder for each control",
     "importing.py": "the tables that were active in a control, in a folder for each control",
     "heidenhain.py": "one control: its tables, and its programs",

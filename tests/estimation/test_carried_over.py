@@ -10,9 +10,10 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.bands import banded
 from axiscal.estimation.carried_over import carried_over
-from axiscal.estimation.case import Inherited, Rival
+from axiscal.estimation.case import Rival
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.membership import Membership

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case, Inherited, Rival
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Case, Rival
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.deciding import Contest, _rivals, contest
 from axiscal.estimation.estimate import estimated
 from axiscal.inference.contradiction import SIZES, Explanation, Watched, watched

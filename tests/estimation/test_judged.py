@@ -11,8 +11,9 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.absorbed import Absorbed, absorbed
-from axiscal.estimation.case import Case, Inherited, Rival
+from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.judged import Judged, judged, judged_at_once

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from axiscal.accuracy.damage import KAPPA
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation import statements
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.effect_map import EffectMap
 from axiscal.estimation.statements import LeftOpen, Resting, Single, singles

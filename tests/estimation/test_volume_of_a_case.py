@@ -10,8 +10,9 @@ import pytest
 
 from axiscal.accuracy.part import POSES
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.budget import budget
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.case import Case
 from axiscal.estimation.checks import checked
 from axiscal.estimation.estimate import concluded
 from axiscal.inference.reading_set import ReadingSet

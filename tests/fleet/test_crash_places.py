@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Case
 from axiscal.fleet.crash_places import _CrashRows, crashes, showing_crashes
 from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Places

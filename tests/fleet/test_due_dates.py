@@ -13,7 +13,8 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of

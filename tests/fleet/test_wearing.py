@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.fleet.wearing import Wearing
 from axiscal.numerics import Array
 

@@ -20,6 +20,7 @@ from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import of_rests, volume_moments
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
@@ -45,13 +46,6 @@ _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
 _MOSTLY = 0.5
 Columns = tuple[int, int, int]
-
-
-class Inherited(NamedTuple):
-    """What an earlier campaign leaves as the prior of the errors: mean (size,), covariance (size, size)."""
-
-    mean: Array
-    covariance: Array
 
 
 class Rival(NamedTuple):

@@ -40,7 +40,7 @@ class Widening:
     size: float
 
 
-class Posterior(NamedTuple):
+class AtScales(NamedTuple):
     mean: Array
     covariance: Array
 
@@ -101,9 +101,9 @@ def mean_squares(possible: Sequence[Possible], scales: Sequence[Scale], kind: Ki
     return found
 
 
-def posterior(evidence: Evidence, logs: Array) -> Posterior:
+def posterior(evidence: Evidence, logs: Array) -> AtScales:
     """Return what readings make of errors and set-ups' unknowns at some scales."""
     prior, rows = evidence.prior(logs), evidence.rows
     lower = evidence.root(logs)
     half = solution(lower, rows @ prior)
-    return Posterior(half.T @ solution(lower, evidence.values), prior - half.T @ half)
+    return AtScales(half.T @ solution(lower, evidence.values), prior - half.T @ half)

@@ -43,7 +43,7 @@ class Boxes(NamedTuple):
         return Boxes(self.middles[which], self.halves[which])
 
 
-class Sizes(NamedTuple):
+class RowSizes(NamedTuple):
     """How large |f|, |Df|, |D²f|, |D³f| are at most over boxes, (functions, m) or (m,) each."""
 
     value: Array
@@ -51,9 +51,9 @@ class Sizes(NamedTuple):
     second: Array
     third: Array
 
-    def of(self, which: int | slice) -> Sizes:
+    def of(self, which: int | slice) -> RowSizes:
         """Return those of some functions."""
-        return Sizes(*(each[which] for each in self))
+        return RowSizes(*(each[which] for each in self))
 
 
 class TravellingWaves:
@@ -78,7 +78,7 @@ class TravellingWaves:
             return values + self._onward @ places.T
         return values + self._onward[:, along[0], None] if len(along) == 1 else values
 
-    def sizes(self, boxes: Boxes) -> Sizes:
+    def sizes(self, boxes: Boxes) -> RowSizes:
         """Return how large they and their derivatives along the way from the middle can be over boxes."""
         halves = boxes.halves.T
         third, second = np.zeros((2, len(self._onward), len(boxes.middles)))
@@ -87,7 +87,7 @@ class TravellingWaves:
         for along in product(self._every, repeat=2):
             second += np.outer(self._most[along], np.prod(halves[list(along)], axis=0))
         first = second + sum(np.abs(self.at(boxes.middles, i)) * halves[i] for i in self._every)
-        return Sizes(np.abs(self.at(boxes.middles)) + first, first, second, third)
+        return RowSizes(np.abs(self.at(boxes.middles)) + first, first, second, third)
 
     @cached_property
     def _most(self) -> dict[tuple[int, ...], Array]:
@@ -104,13 +104,13 @@ class _Lever:
     reach: Array
     reversal: bool
 
-    def sizes(self, rows: Sequence[Array], t: Array, off: Array) -> Sizes:
+    def sizes(self, rows: Sequence[Array], t: Array, off: Array) -> RowSizes:
         """Return how large |S|, |S'|, |S''|, |S'''| are within t ± off.  rows : of orders 0 to 2 at t, (m, size)"""
         third = self._bend(t - off, t + off)
         each = [np.sqrt(np.maximum(np.einsum("mi,ij,mj->m", row, self._gram, row), 0.0)) for row in rows]
         second = each[2] + third * off
         first = each[1] + second * off
-        return Sizes(each[0] + first * off, first, second, third)
+        return RowSizes(each[0] + first * off, first, second, third)
 
     def _bend(self, low: Array, high: Array) -> Array:
         """Return the largest |S'''| from low to high: it is constant between knots, and nothing beyond the last."""
@@ -193,14 +193,14 @@ class ChartRows:
                 bent = own[()] * way[(i,)] * way[(j,)] * s2
                 rows[at, :, :, part.columns] += own[(i, j)] * s0 + turned * s1 + bent
             mine = sizes.of(slice(f * self._numbers, (f + 1) * self._numbers))
-            lever = Sizes(*(np.linalg.norm(each, axis=0) * np.abs(sign) for each in mine))
+            lever = RowSizes(*(np.linalg.norm(each, axis=0) * np.abs(sign) for each in mine))
             spline = part.sizes((s0[:, 0], s1[:, 0], s2[:, 0]), axes[()][part.axis], ways.first[part.axis])
             third += _third(lever, spline, ways.of(part.axis))
         seen = rows.reshape(-1, len(self._reach)) @ self._reach
         return list(seen.reshape(len(orders), len(middles), -1)), third
 
 
-def _third(lever: Sizes, s: Sizes, t: Sizes) -> Array:
+def _third(lever: RowSizes, s: RowSizes, t: RowSizes) -> Array:
     """Return |D³(L S(t))| at most, (m,)."""
     turning = lever.value * (s.third * t.first**3 + 3 * s.second * t.first * t.second + s.first * t.third)
     mixed = 3 * lever.second * s.first * t.first + 3 * lever.first * (s.second * t.first**2 + s.first * t.second)
