@@ -60,10 +60,6 @@ REST = Cause(
 )  # fmt: skip
 REVERSAL = Cause("reversal", "machine", "constant", 1.0, "std as stated", 3.0, "as the errors' own factor")
 """The factor is that of errors; nobody has measured another."""
-REVERSAL_VARIES = Cause(
-    "reversal that varies", "machine", "side times Matérn-5/2, 0.2 of the travel", 0.27, "std of the reversal", 3.0,
-    "0.21, 0.24, 0.35 of measured reversals",
-)  # fmt: skip
 PITCH = Cause("pitch", "machine", "one sine for each stated period", 0.02, "std of the error", 4.0, "assumption")
 """Assumption: a fiftieth of the error."""
 TOGETHER = Cause(
@@ -87,5 +83,5 @@ BAD = Cause(
 )  # fmt: skip
 
 CAUSES = (
-    SMOOTH, LENGTH, ROUGH, REST, REVERSAL, REVERSAL_VARIES, PITCH, TOGETHER, DRIFT, CYCLE, GROWTH, NOISE, BAD
+    SMOOTH, LENGTH, ROUGH, REST, REVERSAL, PITCH, TOGETHER, DRIFT, CYCLE, GROWTH, NOISE, BAD
 )  # fmt: skip

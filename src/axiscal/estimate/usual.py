@@ -196,8 +196,3 @@ def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], fl
         knots=knots,
         spacing=None,
     )
-
-
-def rescaled_setups(setups: Sequence[Setup], sizes: Mapping[tuple[Kind, str], float]) -> tuple[Setup, ...]:
-    """Return the set-ups with their noise at other sizes."""
-    return tuple(replace(setup, noise=setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in setups)
