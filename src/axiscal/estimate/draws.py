@@ -19,6 +19,7 @@ from axiscal.estimate.sizes import Sizes
 from axiscal.estimate.spaces import Given, Space
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
+from axiscal.numerics.gaussian import settled
 from axiscal.numerics.spread import even_points
 
 COUNT = 64
@@ -137,8 +138,8 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     k = len(best.x)
     if k == 0:
         return Draws(space.problem.sizes, np.zeros((1, 0)), np.zeros(1))
-    values, axes = np.linalg.eigh(best.covariance)
-    axes = axes * np.sign(axes[np.argmax(np.abs(axes), axis=0), np.arange(k)])
+    values, vectors = np.linalg.eigh(best.covariance)
+    axes = settled(values, vectors)
     widths = np.sqrt(np.maximum(values, 0.0))
     wings = _WIDE * _wings(space, best, widths, axes)
     # one in so many is of the prior: the first ones would all lie on one side, of a single size

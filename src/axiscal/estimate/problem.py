@@ -25,7 +25,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import eigen_root, lower_root
+from axiscal.numerics.gaussian import lower_root, unique_root
 
 _NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""
@@ -274,7 +274,7 @@ class _Builder:
         own, size_at, roots = rows[:, :count].copy(), np.full(count, -1, dtype=np.intp), list[tuple[int, Array]]()
         by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Bent]()
         if self.inherited is not None:
-            roots.append((0, eigen_root(self.inherited.covariance)))
+            roots.append((0, unique_root(self.inherited.covariance)))
         else:
             entries = {entry.name: entry for entry in self._model.machine.errors}
             for term in self._model.terms:
@@ -286,7 +286,7 @@ class _Builder:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
                     curves.append(PlaneUnknowns(columns, term, np.array([length])))
                 else:
-                    roots.append((term.columns.start, eigen_root(term.covariance)))
+                    roots.append((term.columns.start, unique_root(term.covariance)))
         stds = [unknown.std for unknown in self.observation.unknowns]
         roots += [(self._model.size + i, np.array([[std]])) for i, std in enumerate(stds)]
         for at, root in roots:
