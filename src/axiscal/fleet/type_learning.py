@@ -133,14 +133,3 @@ def _nothing(records: Iterable[SisterRecord]) -> RecordError:
     whys = "; ".join(f"{record.file}: {record.left_out}" for record in records if record.left_out)
     what = f"No record teaches anything of this type: {whys}" if whys else "There are no records to learn from"
     return RecordError(what, "Name records of measured machines of this type")
-
-
-def standard_deviations(prior: TypePrior, errors: ErrorModel) -> dict[str, tuple[float, float]]:
-    """Return the RMS std of each error's unknowns as stated and as the type knows it, m or rad."""
-    return {
-        term.name: (
-            float(np.sqrt(np.mean(np.diagonal(term.covariance)))),
-            float(np.sqrt(np.mean(np.diagonal(prior.covariance)[term.columns]))),
-        )
-        for term in errors.terms
-    }
