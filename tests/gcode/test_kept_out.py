@@ -100,7 +100,8 @@ def hits(instrument: str, box: str, machine: str, places: list[Place], text: str
 
 
 @pytest.mark.parametrize(
-    ("machine", "instrument"), [("dmu60", "rtest"), ("machine.toml", "rtest"), ("machine.toml", "sphere")]
+    ("machine", "instrument"),
+    [("dmu60", "rtest"), pytest.param("machine.toml", "rtest", marks=pytest.mark.long), ("machine.toml", "sphere")],
 )
 def test_programs_beside_boxes_keep_out_are_routed_or_refused(machine: str, instrument: str) -> None:
     found = set()
