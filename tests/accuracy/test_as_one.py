@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,8 +25,14 @@ def with_setups(*numbers: int, aligned: bool = True) -> CampaignDescription:
     return replace(campaign, setups=tuple(campaign.setups[n] for n in numbers), target=target)
 
 
+@cache
+def case_of(*numbers: int, aligned: bool = True) -> Case:
+    """Return the case of that campaign, which takes a second."""
+    return Case(with_setups(*numbers, aligned=aligned))
+
+
 def test_spheres_do_not_see_how_long_a_metre_is() -> None:
-    case = Case(with_setups(0))
+    case = case_of(0)
     first = case.hidden[0]
     assert SCALE in first.text
     assert "1.9 um of the 2.6 um" in first.text
@@ -43,21 +50,21 @@ def test_an_aligned_part_fills_the_volume_and_no_more() -> None:
 
 
 def test_a_laser_shows_it_and_a_bar_whose_length_nobody_knows_does_not() -> None:
-    lasered, barred = Case(with_setups(0, 2)), Case(with_setups(0, 1))
+    lasered, barred = case_of(0, 2), case_of(0, 1)
     assert not any(SCALE in hidden.text for hidden in lasered.hidden)
     assert uniform_parts(lasered.yardstick)[0] < 0.1e-6
     assert any(SCALE in hidden.text for hidden in barred.hidden)
 
 
 def test_how_a_part_lies_is_said_where_it_counts() -> None:
-    counted, aligned = (Case(with_setups(0, aligned=each)) for each in (False, True))
+    counted, aligned = case_of(0, aligned=False), case_of(0)
     assert any(LIES in hidden.text for hidden in counted.hidden)
     assert not any(LIES in hidden.text for hidden in aligned.hidden)
 
 
 def test_it_is_as_much_as_a_fit_of_seven_takes_off() -> None:
     """Three shifts, three turns and one strain fitted to what is not seen, one direction of it after the other."""
-    yardstick = Case(with_setups(0, aligned=False)).yardstick
+    yardstick = case_of(0, aligned=False).yardstick
     assert yardstick.sample is not None
     poses = yardstick.sample[:500]
     hidden = yardstick.errors.rows(poses, np.zeros_like(poses)) @ yardstick.unseen

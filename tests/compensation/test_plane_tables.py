@@ -11,7 +11,11 @@ from axiscal.machine import Machine
 from tests.generators.planes import bed, table
 
 
-@pytest.mark.parametrize(("machine", "over"), [(bed(), 2), (bed(), 0), (table(), 1)], ids=["X", "Y'", "X of a table"])
+@pytest.mark.parametrize(
+    ("machine", "over"),
+    [pytest.param(bed(), 2, marks=pytest.mark.long), (bed(), 0), (table(), 1)],
+    ids=["X", "Y'", "X of a table"],
+)
 def test_a_table_holds_the_mean_over_the_other_axes(machine: Machine, over: int) -> None:
     """Over a part of the travel, where the mean of what two axes do together is not nought."""
     model = ErrorModel(machine)

@@ -156,7 +156,7 @@ def test_rotary_axes_come_to_a_reading_from_the_side_that_was_planned(controller
     assert checked >= 12
 
 
-@pytest.mark.parametrize("controller", ["linuxcnc", "heidenhain"])
+@pytest.mark.parametrize("controller", ["linuxcnc", pytest.param("heidenhain", marks=pytest.mark.long)])
 def test_slides_come_to_a_reading_in_touch_from_the_side_that_was_planned(controller: str) -> None:
     """On the last degree to it: a straight way from afar comes at another slant than one from an overrun away."""
     campaign = described(NEST.replace("15 deg", "5 deg"))
@@ -232,7 +232,9 @@ def test_a_bar_keeps_its_length_while_the_table_turns_in_step(controller: str) -
                 assert abs(short) <= rounded + 1e-9
 
 
-@pytest.mark.parametrize("controller", ["linuxcnc", "sinumerik", "fanuc"])
+@pytest.mark.parametrize(
+    "controller", ["fanuc", *(pytest.param(name, marks=pytest.mark.long) for name in ("linuxcnc", "sinumerik"))]
+)
 def test_without_that_mode_short_pieces_keep_a_nest_within_a_tenth_of_its_stroke(controller: str) -> None:
     campaign = described(NEST)
     (setup,) = campaign.setups
@@ -296,7 +298,7 @@ def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
 
 
 @pytest.mark.parametrize("controller", ["sinumerik", "heidenhain", "linuxcnc"])
-@pytest.mark.parametrize("kind", ["nest", "bar"])
+@pytest.mark.parametrize("kind", [pytest.param("nest", marks=pytest.mark.long), "bar"])
 def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
     kind: str, controller: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

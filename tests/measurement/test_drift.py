@@ -116,6 +116,7 @@ def _covered(estimation: Estimation, machine: VirtualMachine) -> float:
     return float(np.mean(np.concatenate(held)))
 
 
+@pytest.mark.long
 def test_a_stated_drift_is_found_and_the_bands_hold_which_they_do_not_without() -> None:
     drifting, shares, silent, beyond = _description(), [], [], []
     for seed in range(30):
@@ -227,6 +228,7 @@ def test_a_marker_is_read_again_every_twenty_minutes() -> None:
     assert without_markers(problem, [first], marked) == tuple(places[1:])
 
 
+@pytest.mark.long
 def test_the_loop_reads_markers_within_its_readings_and_finds_the_drift_of_a_virtual_machine(tmp_path: Path) -> None:
     description = _description(readings=30)
     simulator = Simulator(description.machine, description.setups)
@@ -243,7 +245,7 @@ def test_the_loop_reads_markers_within_its_readings_and_finds_the_drift_of_a_vir
 
 
 def test_a_reading_that_a_person_records_keeps_the_clock_and_old_records_have_none(tmp_path: Path) -> None:
-    with Campaign.create(tmp_path / "c.axiscal", _description()) as campaign:
+    with Campaign.create(tmp_path / "c.axiscal", _description(readings=4)) as campaign:
         campaign.next()
         first = campaign.record(1e-6)
         campaign.next()

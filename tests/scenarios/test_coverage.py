@@ -49,6 +49,7 @@ def test_all_bands_together_hold_as_often_as_they_say(trial: tuple[Trial, list[C
     assert abs(together.mean() - CLAIMED) < SLACK + SIGMAS * together.std(ddof=1) / np.sqrt(len(together))
 
 
+@pytest.mark.long
 def test_a_band_that_is_too_narrow_is_noticed() -> None:
     trial = Trial("one-axis")
     trial.stds = [(positions, 0.6 * std) for positions, std in trial.stds]

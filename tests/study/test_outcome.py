@@ -23,6 +23,7 @@ def _cases(folder: Path) -> list[StudyCase]:
     return list(read_study(written(folder, STUDY.split("[grid]")[0] + GRID)).cases())
 
 
+@pytest.mark.long
 def test_a_case_is_a_function_of_itself(tmp_path: Path) -> None:
     cases = _cases(tmp_path)
     first = [outcome(case) for case in cases]

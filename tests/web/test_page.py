@@ -298,6 +298,7 @@ def test_a_thousand_hostile_texts_stay_text_in_every_field(browser: Browser, tmp
         assert page.complaints() == []
 
 
+@pytest.mark.long
 @pytest.mark.chromium
 def test_what_people_write_is_text_and_nothing_else(browser: Browser, tmp_path: Path) -> None:
     name = HOSTILE.replace("\\", "\\\\").replace('"', '\\"')
