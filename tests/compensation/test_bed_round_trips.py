@@ -120,8 +120,15 @@ def held_by(controller: str, files: dict[str, str]) -> tuple[Array, Array, Array
     return klipper_profile(fresh + files["bed_mesh.cfg"], "axiscal")
 
 
-@pytest.mark.parametrize("axes", ["XYZ", "XY"])
-@pytest.mark.parametrize("controller", ["klipper", "reprapfirmware"])
+@pytest.mark.parametrize(
+    ("controller", "axes"),
+    [
+        ("klipper", "XYZ"),
+        ("reprapfirmware", "XY"),
+        pytest.param("klipper", "XY", marks=pytest.mark.long),
+        pytest.param("reprapfirmware", "XYZ", marks=pytest.mark.long),
+    ],
+)
 def test_a_map_comes_back_as_it_went_in(controller: str, axes: str, tmp_path: Path) -> None:
     """The same sign, the same points, and the same heights up to one shift; also without a Z in the machine."""
     write, name = WRITERS[controller]
@@ -141,7 +148,9 @@ def warped(x: Array, y: Array) -> Array:
     return twist + 0.3 * bed(x, y)
 
 
-@pytest.mark.parametrize("controller", ["klipper", "reprapfirmware", "marlin"])
+@pytest.mark.parametrize(
+    "controller", ["marlin", *(pytest.param(name, marks=pytest.mark.long) for name in ("klipper", "reprapfirmware"))]
+)
 def test_a_warped_bed_comes_back_where_the_machine_has_an_error_of_both_axes(controller: str, tmp_path: Path) -> None:
     """Without one, the best sum of two curves holds nine tenths of its correlation and leaves 34 um."""
     plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
@@ -161,7 +170,7 @@ def test_a_warped_bed_comes_back_where_the_machine_has_an_error_of_both_axes(con
     assert np.std(z - whole) < 0.004
 
 
-@pytest.mark.parametrize("controller", ["klipper", "reprapfirmware"])
+@pytest.mark.parametrize("controller", ["klipper", pytest.param("reprapfirmware", marks=pytest.mark.long)])
 def test_what_is_written_is_read_by_estimate_as_the_same_bed(controller: str, tmp_path: Path) -> None:
     record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
     files = exported(record, controller)

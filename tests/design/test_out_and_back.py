@@ -131,7 +131,7 @@ def test_what_comes_and_goes_hides_in_one_round_and_not_in_two() -> None:
     assert 0 < minutes(task, two)[-1] - minutes(task, one)[-1] < 12.0
 
 
-@pytest.mark.parametrize("approach", ["both", "+"])
+@pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
 def test_each_of_two_rounds_goes_out_and_back_and_reads_every_other_place(approach: str) -> None:
     _, task = one_axis(approach)
     order = planned(task)
@@ -156,7 +156,7 @@ def test_few_readings_are_read_in_one_round() -> None:
     assert np.sum(np.diff(np.sign(np.diff(order.poses[:, 0]))) != 0) == 1
 
 
-@pytest.mark.parametrize("approach", ["both", "+"])
+@pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
 def test_what_is_left_is_read_as_planned_wherever_the_campaign_was_broken_off(approach: str) -> None:
     _, task = one_axis(approach)
     order = planned(task)
@@ -167,7 +167,7 @@ def test_what_is_left_is_read_as_planned_wherever_the_campaign_was_broken_off(ap
         assert np.array_equal(in_order(after, mixed).poses, left.poses)
 
 
-@pytest.mark.parametrize("approach", ["both", "+"])
+@pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
 def test_a_place_that_is_skipped_leaves_the_others_in_their_rounds(approach: str) -> None:
     """What is read in its place stands beside its neighbour."""
     _, task = one_axis(approach)

@@ -87,6 +87,7 @@ def prove_on_the_lattice(asked: Task, places: Places) -> float:
     return lower_bound(pool, asked.state, places, np.ones(len(pool) + len(places)), float(len(places))).value
 
 
+@pytest.mark.long
 def test_a_reading_of_three_values_counts_three_times() -> None:
     asked = plates()
     (first, second), zeros = asked.observation.setups, tuple(Unknown(f"zero_{a}", 1e-4) for a in "xyz")

@@ -55,6 +55,7 @@ def test_steps_are_independent_of_each_other() -> None:
     assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)
 
 
+@pytest.mark.long
 def test_means_over_the_volume_are_those_of_a_million_poses() -> None:
     model = ErrorModel(machine_from_text(_MACHINE + _PITCH + _STEP, "m"))
     moments = volume_moments(model, whole_travel(model))

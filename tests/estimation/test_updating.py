@@ -44,7 +44,7 @@ def _one_by_one(case: Case, readings: Sequence[Reading], weights: Sequence[float
     return known, accuracies
 
 
-@pytest.mark.parametrize("together", [7, 400])
+@pytest.mark.parametrize("together", [7, pytest.param(400, marks=pytest.mark.long)])
 def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("axiscal.estimation.updating.AT_ONCE", together)
     problem = mixed()
@@ -69,7 +69,7 @@ def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatc
     np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
 
 
-@pytest.mark.parametrize("scales", ["", 'scales = "estimate"'])
+@pytest.mark.parametrize("scales", ["", pytest.param('scales = "estimate"', marks=pytest.mark.long)])
 def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
     """Which readings are bad is known from the first one on, scales are learnt as readings come."""
     case = mixed(scales)

@@ -118,6 +118,7 @@ def test_a_nest_is_read_at_its_ball_and_keeps_in_touch() -> None:
     assert ways_stay_right(campaign, places, ball, 0.0) > 0
 
 
+@pytest.mark.long
 def test_a_bar_keeps_its_length_and_its_plane() -> None:
     campaign = described(BAR)
     places = planned(campaign, 6)
