@@ -7,7 +7,7 @@ the cells that were visited, the errors, the unknowns of the set-ups. The last t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,6 +19,8 @@ from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.prior import distances, matern, matern_by_length
 from axiscal.estimate.passing import passing_columns
 from axiscal.estimate.sizes import Kind, Sizes
+from axiscal.estimate.type_b import SaidOfSetup
+from axiscal.estimate.type_b_columns import type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -174,10 +176,12 @@ def problem(
     sizes: Sizes,
     inherited: Inherited | None = None,
     usual: bool = True,
+    said: Mapping[str, SaidOfSetup] | None = None,
 ) -> Problem:
     """Return readings as a problem.
 
     observation : before any cell is visited; sizes : that vary; usual : with what readings alone usually suffer
+    said : of set-ups by name, where what no reading shows counts; None leaves that out
     """
     places = places_of(observation.setups, readings)
     opened = visited(observation, places)
@@ -193,7 +197,8 @@ def problem(
     noise = np.sqrt(variances)
     names = [setup.name for setup in observation.setups]
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
-    passing = [passing_columns(observation, readings, places, reading, sizes)] if usual else []
+    passing = [] if said is None else [type_b_columns(observation, readings, places, reading, said, usual)]
+    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
     answered = observation.errors.size + len(observation.unknowns)
