@@ -221,7 +221,7 @@ TEMPERATURE = TypeB(
     partial(_warm, cause="temperature", measured=False),
 )  # fmt: skip
 _MEASURED = replace(
-    TEMPERATURE, size=0.3, source=f"assumption, of a thermometer on the machine; {_EXPANDS}",
+    TEMPERATURE, size=0.3, source=f"assumption, if it was measured; {_EXPANDS}",
     applies=partial(_warm, cause="temperature", measured=True),
 )  # fmt: skip
 
@@ -236,7 +236,7 @@ TYPE_B = (
         "set-up", _aslant,
     ),
     TypeB(
-        "dead_path", ("interferometer",), "normal", 0.2, "mm", f"assumption; air: {_REFRACTION}", "set-up", _in_air,
+        "dead_path", ("interferometer",), "normal", 0.2, "mm", "assumption; its air is as above", "set-up", _in_air,
         covered=("zero",),
     ),
     TEMPERATURE,
