@@ -101,7 +101,10 @@ def hits(instrument: str, box: str, machine: str, places: list[Place], text: str
 
 @pytest.mark.parametrize(
     ("machine", "instrument"),
-    [("dmu60", "rtest"), pytest.param("machine.toml", "rtest", marks=pytest.mark.long), ("machine.toml", "sphere")],
+    [
+        ("machine.toml", "sphere"),
+        *(pytest.param(name, "rtest", marks=pytest.mark.long) for name in ("dmu60", "machine.toml")),
+    ],
 )
 def test_programs_beside_boxes_keep_out_are_routed_or_refused(machine: str, instrument: str) -> None:
     found = set()

@@ -102,7 +102,7 @@ DRIVEN = {
         ("three-axis-mill", "+", "as usual"),
         ("three-axis-mill", "both", "over a clearance and slow near the place"),
         ("dmu60", "both", "as usual"),
-        ("dmu60", "+", "over a clearance and slow near the place"),
+        pytest.param("dmu60", "+", "over a clearance and slow near the place", marks=pytest.mark.long),
     ],
 )
 def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, controller: str, driven: str) -> None:

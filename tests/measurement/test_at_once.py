@@ -139,6 +139,7 @@ def test_what_cannot_be_read_at_once_is_refused(lines: str, said: str) -> None:
     assert failure.value.line is not None
 
 
+@pytest.mark.long
 def test_one_question_one_answer_with_a_value_from_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, record = tmp_path / "c.toml", tmp_path / "c.axiscal"
     file.write_text(f'machine = "three-axis-mill"\n[target]\nreadings = 4\n{TOGETHER}')

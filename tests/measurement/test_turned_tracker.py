@@ -61,7 +61,9 @@ def readings(count: int, turn: Rotation) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("turn", [TURN, Rotation.identity()], ids=["by eye", "straight"])
+@pytest.mark.parametrize(
+    "turn", [TURN, pytest.param(Rotation.identity(), marks=pytest.mark.long)], ids=["by eye", "straight"]
+)
 def test_the_machine_is_found_whichever_way_the_tracker_is_turned(turn: Rotation, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
@@ -88,6 +90,7 @@ def predicted(record: Path, poses: Path) -> Array:
     return np.array([pose["mean_um"] for pose in json.loads(text.getvalue())["poses"]])
 
 
+@pytest.mark.long
 def test_a_closed_loop_finds_it_as_well(tmp_path: Path) -> None:
     """The instrument answers request by request; nothing is implausible, and the end agrees with what is stated."""
     (tmp_path / "machine.toml").write_text(MACHINE)

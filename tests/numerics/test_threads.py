@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 TWO_THREADS = """
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -113,6 +115,7 @@ print(threads())
     assert said(script, tmp_path).split("\n") == ["[1]", "[2]"]
 
 
+@pytest.mark.long
 def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     script = """
