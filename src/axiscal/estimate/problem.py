@@ -7,7 +7,7 @@ the cells that were visited, the errors, the unknowns of the set-ups. The last t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -23,9 +23,10 @@ from axiscal.estimate.type_b import SaidOfSetup
 from axiscal.estimate.type_b_columns import type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
-from axiscal.measurement.visits import visited
+from axiscal.measurement.reading_rows import linear_values, numbers_of_setups, places_of, rows_at
+from axiscal.measurement.visits import cells_shown, visited, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root, unique_root
 
@@ -33,8 +34,11 @@ _NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""
 _WIDE = 0.06
 """Share of the travel over which half of the variance of a rest is common."""
-MOST_COLUMNS = 700
-"""Beyond so many unknowns rests of the weakest errors count as noise: the cost grows with the cube."""
+MOST_COLUMNS = 620
+"""Beyond so many columns rests of the weakest errors count as noise: the cost grows with the cube.
+
+Of 2,000 readings on five axes the true RMS is then 1.03 times the promised one, with rests three times as large 1.07.
+"""
 
 
 class Inherited(NamedTuple):
@@ -184,7 +188,13 @@ def problem(
     said : of set-ups by name, where what no reading shows counts; None leaves that out
     """
     places = places_of(observation.setups, readings)
-    opened = visited(observation, places)
+    numbers = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
+    passing = [] if said is None else [type_b_columns(observation, readings, places, numbers, said, usual)]
+    passing += [passing_columns(observation, readings, places, numbers, sizes)] if usual else []
+    blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
+    start = sum(block.shape[1] for block in blocks)
+    cells = _cells(observation, places, len(numbers), start)
+    opened = with_cells(observation, cells)
     found = rows_at(opened, places)
     reading, setups = found.place, places.setups[found.place]
     stated = np.array([np.nan if r.std is None else r.std**2 for r in readings])[reading]
@@ -192,21 +202,17 @@ def problem(
     variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
     values = linear_values(observation, places, readings)
     builder = _Builder(opened, sizes, inherited)
-    cells, first_cell_roots, dropped = builder.cells(found.rows)
-    variances = variances + dropped
+    first_cell_roots = builder.cell_roots(cells)
     noise = np.sqrt(variances)
     names = [setup.name for setup in observation.setups]
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
-    passing = [] if said is None else [type_b_columns(observation, readings, places, reading, said, usual)]
-    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
-    blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
-    start = sum(block.shape[1] for block in blocks)
     answered = observation.errors.size + len(observation.unknowns)
     own, own_size, curves, roots = builder.errors(found.rows, start + len(cells))
     columns = [opened.cells[cell] for cell in cells]
     rests = _by_blocks(found.rows[:, columns], first_cell_roots)
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
-    rows = np.hstack([*blocks, rests, own]) / noise[:, None]
+    rows = np.hstack([*blocks, rests, own])
+    rows /= noise[:, None]
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
@@ -216,6 +222,36 @@ def problem(
         rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
         tuple(first_cell_roots),
     )  # fmt: skip
+
+
+def _cells(observation: Observation, places: Places, numbers: int, passing: int) -> list[tuple[int, int]]:
+    """Return the cells that have a column, by error and then as they lie along it.
+
+    Those of the errors that move readings least have none where all would be too many.
+    numbers : of all readings; passing : columns of what only readings suffer
+    """
+    of_term = _by_term(visited(observation, places).cells)
+    if numbers <= MOST_NUMBERS:
+        return [cell for mine in of_term.values() for cell in sorted(mine)]
+    effect, kept = np.zeros(len(observation.errors.terms)), list[tuple[int, int]]()
+    for setup, mine in places.by_setup():
+        shown = cells_shown(observation, setup, places.poses[mine])
+        effect[shown.functions] += np.sum(shown.reach**2, axis=1)
+    effect *= [term.rest**2 for term in observation.errors.terms]
+    room = MOST_COLUMNS - observation.errors.size - len(observation.unknowns) - passing
+    for term in sorted(of_term, key=lambda each: (-effect[each], each)):
+        if len(of_term[term]) <= room:
+            kept += sorted(of_term[term])
+            room -= len(of_term[term])
+    return kept
+
+
+def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]]]:
+    """Return cells by their error."""
+    result = dict[int, list[tuple[int, int]]]()
+    for cell in cells:
+        result.setdefault(cell[0], []).append(cell)
+    return result
 
 
 def _by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
@@ -240,33 +276,10 @@ class _Builder:
     def _model(self) -> ErrorModel:
         return self.observation.errors
 
-    def cells(self, rows: Array) -> tuple[list[tuple[int, int]], list[Array], Array]:
-        """Return the cells that have a column, the roots of their priors, and the variance of the others, (m,).
-
-        Cells of the errors that move readings least are left out where all would be too many.
-        """
-        of_term = dict[int, list[tuple[int, int]]]()
-        for cell in self.observation.cells:
-            of_term.setdefault(cell[0], []).append(cell)
-        effect: dict[int, float] = {
-            term: float(
-                np.sum((rows[:, [self.observation.cells[c] for c in cells]] * self._model.terms[term].rest) ** 2)
-            )
-            for term, cells in of_term.items()
-        }
-        room, kept = MOST_COLUMNS - self._model.size - len(self.observation.unknowns), list[tuple[int, int]]()
-        roots, dropped = list[Array](), np.zeros(len(rows))
-        few = len(rows) <= MOST_NUMBERS
-        for term in sorted(of_term, key=lambda each: -effect[each]):
-            cells = sorted(of_term[term])
-            if few or len(cells) <= room:
-                kept += cells
-                roots.append(self._model.terms[term].rest * _cell_root(self._model.terms[term], [c for _, c in cells]))
-                room -= len(cells)
-            else:
-                columns = [self.observation.cells[cell] for cell in cells]
-                dropped += np.sum((rows[:, columns] * self._model.terms[term].rest) ** 2, axis=1)
-        return kept, roots, dropped
+    def cell_roots(self, cells: Sequence[tuple[int, int]]) -> list[Array]:
+        """Return the roots of the priors of cells, those of one error together."""
+        of_term = [(self._model.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()]
+        return [term.rest * _cell_root(term, mine) for term, mine in of_term]
 
     def errors(
         self, rows: Array, start: int

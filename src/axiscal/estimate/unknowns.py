@@ -14,17 +14,21 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
 
+_AT_ONCE = 600
+"""Numbers whose rows are worked through at once: more would not stay in the cache."""
+
+
 class Unknowns:
     """The room of the unknowns: Q (p, p)."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.groups = np.unique(problem.groups).tolist() or [-1]
-        each = [problem.groups == group for group in self.groups]
-        self.counts = [int(mine.sum()) for mine in each]
-        self.squares = [problem.rows[mine].T @ problem.rows[mine] for mine in each]
-        self.products = [problem.rows[mine].T @ problem.values[mine] for mine in each]
-        self.totals = [float(problem.values[mine] @ problem.values[mine]) for mine in each]
+        each = [problem] if len(self.groups) == 1 else [problem.only(problem.groups == i) for i in self.groups]
+        self.counts = [len(mine.values) for mine in each]
+        self.squares = [mine.rows.T @ mine.rows for mine in each]
+        self.products = [mine.rows.T @ mine.values for mine in each]
+        self.totals = [float(mine.values @ mine.values) for mine in each]
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
@@ -148,9 +152,9 @@ class _InUnknowns:
         """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
         problem = self.space.problem
         first = problem.first
-        turned = back_solution(self.root[first:, first:], np.eye(problem.answered))
-        back = problem.raw(turned, self.theta, self.roots)
-        return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), back @ back.T)
+        half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
+        covariance = problem.raw(half.T, self.theta, self.roots)
+        return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
 
     def cells(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
@@ -160,6 +164,11 @@ class _InUnknowns:
 
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return K⁻¹y and the blocks of K⁻¹ of some readings, over the noise."""
+        pieces = [self._left_out(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)]
+        left, blocks = (np.concatenate(each) for each in zip(*pieces, strict=True))
+        return left, blocks
+
+    def _left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         rows, roots = self._rows(part.ravel())
         left = self.space.problem.values[part].ravel() * roots - rows @ self.solved
         half = np.ascontiguousarray(solution(self.root, rows.T).T).reshape(*part.shape, -1)
