@@ -96,7 +96,10 @@ class Weighed:
 
 def _density(space: Space, x: Array) -> float:
     """Return log L(θ) φ(x) up to a constant."""
-    found = space.given(space.problem.sizes.at(x)[0])
+    return _valued(space.given(space.problem.sizes.at(x)[0]), x)
+
+
+def _valued(found: Given | None, x: Array) -> float:
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
@@ -107,28 +110,27 @@ def mode(space: Space, start: Array | None = None) -> Mode:
     if not len(x):
         return Mode(x, np.zeros((0, 0)), _density(space, x))
     damped = _DAMPED
-    value, gradient, information = _pull(space, x)
+    found = space.given(sizes.at(x)[0])
+    assert found is not None, "a covariance with noise is positive definite"
+    value, gradient, information = _pull(sizes, found, x)
     for _ in range(_STEPS):
         damping = damped * np.diag(np.diagonal(information))
         step = np.linalg.solve(information + damping, gradient)
         step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
         if float(gradient @ step) < _SETTLED * 0.1:
             break
-        there = _density(space, x + step)
-        if there > value:
+        there = space.given(sizes.at(x + step)[0])
+        if there is not None and _valued(there, x + step) > value:
             x, damped = x + step, damped * _LESS
-            value, gradient, information = _pull(space, x)
+            value, gradient, information = _pull(sizes, there, x)
         else:
             damped = max(_MORE * damped, 0.05)
     return Mode(x, np.asarray(np.linalg.inv(information), dtype=float), value)
 
 
-def _pull(space: Space, x: Array) -> tuple[float, Array, Array]:
-    """Return log L φ, its gradient and its information by x."""
-    theta, by = space.problem.sizes.at(x)
-    found = space.given(theta)
-    assert found is not None, "a covariance with noise is positive definite"
-    slope = found.slope()
+def _pull(sizes: Sizes, found: Given, x: Array) -> tuple[float, Array, Array]:
+    """Return log L φ, its gradient and its information by x.  found : at the sizes of x"""
+    by, slope = sizes.at(x)[1], found.slope()
     information = slope.information * by[:, None] * by + np.eye(len(x))
     return slope.value - 0.5 * float(x @ x), slope.gradient * by - x, information
 

@@ -177,14 +177,15 @@ def _moments(found: Weighed, over: Volume | None) -> _Moments:
     answers = [each.answer() for each in found.given]
     about = answers[0].mean  # open zeros are large beside what draws differ by
     shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
-    aparts = [each.mean - about - shift for each in answers]
+    aparts = np.array([each.mean - about - shift for each in answers])
     counted = np.ones(len(answers))
     if over is not None:
         each = zip(answers, aparts, found.thetas, strict=True)
         counted = shares_that_count(np.array([over.square(a.covariance, b, c) for a, b, c in each]), found.weights)
-    total = np.zeros_like(answers[0].covariance)
-    for weight, answer, apart in zip(found.weights * counted, answers, aparts, strict=True):
-        total += weight * (answer.covariance + np.outer(apart, apart))
+    shares = found.weights * counted
+    total = (aparts.T * shares) @ aparts
+    for share, answer in zip(shares, answers, strict=True):
+        total += share * answer.covariance
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
     return _Moments(about + shift, total, cells, counted)
 

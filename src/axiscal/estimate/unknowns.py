@@ -13,7 +13,6 @@ from axiscal.estimate.spaces import Answered, Given, Slope, factors_of, raw_cell
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, root_in_place, solution
 
-
 _AT_ONCE = 600
 """Numbers whose rows are worked through at once: more would not stay in the cache."""
 
