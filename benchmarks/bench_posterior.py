@@ -1,8 +1,10 @@
 """How long a posterior takes on the demo's five-axis machine: fit, 64 draws and answers, and a further reading.
 
-    python benchmarks/bench_posterior.py [--readings 60 200 2000] [--profile]
+    python benchmarks/bench_posterior.py [--readings 60 200 2000] [--profile] [--rests]
 
 Prints processor seconds on one thread, and in brackets how many Cholesky factors of a 1,000 x 1,000 matrix that is.
+With --rests: true over promised RMS over the volume where rests without a column count as noise, sizes as stated and
+rests three times as large, rests of the volume included. It is exact, from a problem in which all rests have columns.
 """
 
 from __future__ import annotations
@@ -20,15 +22,19 @@ import numpy as np
 
 from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimate import problem as estimate_problem
 from axiscal.estimate.draws import draws, mode, weighed
 from axiscal.estimate.posterior import Posterior, posterior
 from axiscal.estimate.problem import Problem, problem
+from axiscal.estimate.spaces import turned, variances_of
+from axiscal.estimate.unknowns import Unknowns
 from axiscal.estimate.usual import Learnable, sizes_of, usual_machine
 from axiscal.estimate.which_space import space_of
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.simulation import Simulator
 
@@ -112,14 +118,52 @@ def another(case: Case, readings: list[Reading], now: Posterior) -> float:
     return seconds_of(lambda: posterior(posed(case, readings), before=now))[0]
 
 
+def rests_left_out(count: int) -> None:
+    """Print what it does to the answer that rests without a column count as noise."""
+    case, readings = case_and_readings(count)
+    few, most = posed(case, readings), estimate_problem.MOST_COLUMNS
+    estimate_problem.MOST_COLUMNS = 100_000
+    every = posed(case, readings)
+    estimate_problem.MOST_COLUMNS = most
+    kinds, volume = [size.kind for size in few.sizes.of], case.yardstick
+    stated = sum(term.rest**2 * volume.moments.levers[term.name] for term in case.errors.terms)
+    for factor in (1.0, 3.0):
+        theta = np.log(factor) * np.array([kind == "rest" for kind in kinds])
+        true, promised = _squares(every, few, theta, volume.root.matrix) + factor**2 * stated
+        print(f"{count} readings, rests x {factor:.0f}, {few.rows.shape[1]} columns: {np.sqrt(true / promised):.3f}")
+
+
+def _squares(every: Problem, few: Problem, theta: Array, root: Array) -> Array:
+    """Return true and promised mean squares over the volume of the answer to one problem, (2,) m².
+
+    every : the same readings as they are; root : of the volume, (r, n)
+    """
+    found = Unknowns(few).given(theta)
+    assert found is not None
+    values = np.eye(len(few.values))
+    half = turned(few, few.rows, theta, found.roots, few.first).T @ found.precision(values)
+    gain = root @ few.raw(half, theta, found.roots)[: root.shape[1]] / few.noise
+    roots = [curves.roots(theta) for curves in every.curves]
+    shown = turned(every, every.rows, theta, roots) * every.noise[:, None]
+    own = np.zeros((root.shape[0], shown.shape[1]))
+    own[:, every.first :] = root @ every.raw(np.eye(every.answered), theta, roots)[: root.shape[1]]
+    true = np.sum((own - gain @ shown) ** 2) + np.sum(gain**2 * variances_of(every, theta) * every.noise**2)
+    covariance = found.answer().covariance[: root.shape[1], : root.shape[1]]
+    return np.array([true, np.sum((root @ covariance) * root)])
+
+
 def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--readings", type=int, nargs="+", default=list(TARGETS))
+    parser.add_argument("--rests", action="store_true", help="show what rests do that have no column")
     parser.add_argument("--profile", action="store_true", help="show where the time of the first posterior goes")
     chosen = parser.parse_args()
     with one_thread():
         for count in chosen.readings:
+            if chosen.rests:
+                rests_left_out(count)
+                continue
             if chosen.profile:
                 case, readings = case_and_readings(count)
                 first, profile = posed(case, readings), cProfile.Profile()
