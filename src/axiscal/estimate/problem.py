@@ -188,15 +188,15 @@ def problem(
     said : of set-ups by name, where what no reading shows counts; None leaves that out
     """
     places = places_of(observation.setups, readings)
-    numbers = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    passing = [] if said is None else [type_b_columns(observation, readings, places, numbers, said, usual)]
-    passing += [passing_columns(observation, readings, places, numbers, sizes)] if usual else []
+    reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
+    passing = [] if said is None else [type_b_columns(observation, readings, places, reading, said, usual)]
+    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
-    cells = _cells(observation, places, len(numbers), start)
+    cells = _cells(observation, places, len(reading), start)
     opened = with_cells(observation, cells)
     found = rows_at(opened, places)
-    reading, setups = found.place, places.setups[found.place]
+    setups = places.setups[reading]
     stated = np.array([np.nan if r.std is None else r.std**2 for r in readings])[reading]
     usually = np.array([setup.noise**2 for setup in observation.setups])[setups]
     variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
