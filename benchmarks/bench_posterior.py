@@ -22,20 +22,20 @@ import numpy as np
 
 from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate import problem as estimate_problem
-from axiscal.estimate.draws import draws, mode, weighed
-from axiscal.estimate.posterior import Posterior, posterior
-from axiscal.estimate.problem import Problem, problem
-from axiscal.estimate.spaces import turned, variances_of
-from axiscal.estimate.unknowns import Unknowns
-from axiscal.estimate.usual import Learnable, sizes_of, usual_machine
-from axiscal.estimate.which_space import space_of
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.promise import problem as estimate_problem
+from axiscal.promise.draws import draws, mode, weighed
+from axiscal.promise.posterior import Posterior, posterior
+from axiscal.promise.problem import Problem, problem
+from axiscal.promise.spaces import turned, variances_of
+from axiscal.promise.unknowns import Unknowns
+from axiscal.promise.usual import Learnable, sizes_of, usual_machine
+from axiscal.promise.which_space import space_of
 from axiscal.simulation import Simulator
 
 T = TypeVar("T")

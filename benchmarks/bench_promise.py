@@ -22,14 +22,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from axiscal.accuracy.expanded import expanded
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.heavy_tails import Volume
-from axiscal.estimate.posterior import posterior
-from axiscal.estimate.problem import problem
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.type_b import SaidOfSetup
-from axiscal.estimate.usual import Learnable, rescaled_machine, sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.heavy_tails import Volume
+from axiscal.promise.posterior import posterior
+from axiscal.promise.problem import problem
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.type_b import SaidOfSetup
+from axiscal.promise.usual import Learnable, rescaled_machine, sizes_of, usual_machine
 from benchmarks.trust.attacks import ATTACKS, Attack, Passing, attacked
 from benchmarks.trust.benches import PLACES
 

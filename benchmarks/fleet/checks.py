@@ -10,7 +10,6 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case
 from axiscal.fleet.quick_check import QuickCheck
 from axiscal.fleet.rehearsal import measured
@@ -18,6 +17,7 @@ from axiscal.machine import load_machine
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.problem import Inherited
 from axiscal.simulation import Simulator
 
 NAME = "three-axis-mill"

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Rival
 from axiscal.estimation.type_prior import TypePrior, rivals
 from axiscal.fleet.type_learning import Lesson
 from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.problem import Inherited
 from benchmarks.fleet.until_target import Reached, plan_as_stated, reached
 from benchmarks.fleet.virtual_types import Bench, Form, VirtualType
 

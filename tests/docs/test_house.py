@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+import axiscal
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "axiscal"
 LINES = 400
@@ -99,6 +101,11 @@ def test_a_class_has_a_name_of_its_own() -> None:
             if isinstance(node, ast.ClassDef):
                 homes[node.name].append(file)
     assert _more_than_once(homes, set(CLASSES_THAT_MAY)) == {}
+
+
+def test_no_station_hides_a_public_name() -> None:
+    """Once a package is imported it is an attribute of its parent, and the function of that name is gone."""
+    assert {each.stem for each in PACKAGE.iterdir()} & set(axiscal.__all__) == set()
 
 
 def test_a_file_has_a_name_of_its_own() -> None:

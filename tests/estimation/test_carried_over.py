@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.bands import banded
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Rival
@@ -22,6 +21,7 @@ from axiscal.inference.fit import Fit
 from axiscal.inference.widening import Widening
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 from tests.generators.laser_axis import CASE, machine, read
 
 TEXT = """

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case, Rival
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.time_taken import first_seconds, reading_seconds
+from axiscal.promise.problem import Inherited
 from benchmarks.nonlinear.stations import at_once, bars, tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.deciding import Contest, _rivals, contest
 from axiscal.estimation.estimate import estimated
 from axiscal.inference.contradiction import SIZES, Explanation, Watched, watched
@@ -16,6 +15,7 @@ from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import Family, departures
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.promise.problem import Inherited
 from axiscal.record.events import Asked, Gap
 from axiscal.simulation import VirtualMachine
 from tests.generators.laser_axis import CASE, machine

@@ -11,7 +11,6 @@ import pytest
 
 from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.displayed import displayed
@@ -25,6 +24,7 @@ from axiscal.inference.outliers import Doubt, Verdict
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.promise.problem import Inherited
 from tests.generators.campaigns import mixed
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 

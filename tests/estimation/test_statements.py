@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from axiscal.accuracy.damage import KAPPA
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation import statements
 from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, defence
@@ -17,6 +16,7 @@ from axiscal.estimation.statements import LeftOpen, Resting, Single, singles
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 from benchmarks.trust.benches import Changes, case_of, visits
 
 UNMEASURED: Changes = (("TOOL", "100 um"),)

@@ -10,13 +10,13 @@ import pytest
 
 from axiscal.accuracy.part import POSES
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.checks import checked
 from axiscal.estimation.estimate import concluded
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading_rows import seen
+from axiscal.promise.problem import Inherited
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
 

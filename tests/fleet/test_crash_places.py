@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case
 from axiscal.fleet.crash_places import _CrashRows, crashes, showing_crashes
 from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 from tests.generators.campaigns import mixed
 from tests.generators.sisters import MACHINE, slide
 

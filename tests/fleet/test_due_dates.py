@@ -13,7 +13,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -31,6 +30,7 @@ from axiscal.inference.sisters.data_equation import DataEquation, data_equation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
+from axiscal.promise.problem import Inherited
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 DAY = date(2030, 1, 1)

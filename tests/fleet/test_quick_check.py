@@ -13,13 +13,13 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case
 from axiscal.fleet.quick_check import QuickCheck
 from axiscal.fleet.rehearsal import measured
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 from axiscal.simulation import Simulator
 from tests.generators.sisters import read_on, slide, write_record
 

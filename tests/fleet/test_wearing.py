@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimate.problem import Inherited
 from axiscal.fleet.wearing import Wearing
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 
 SIZE, READ = 7, 4
 

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimate.model import Sure
-from axiscal.estimate.problem import Inherited, Problem, problem
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.usual import Learnable, sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.model import Sure
+from axiscal.promise.problem import Inherited, Problem, problem
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.usual import Learnable, sizes_of, usual_machine
 from axiscal.simulation import Simulator
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped

@@ -8,8 +8,8 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.plane import PlaneError
-from axiscal.estimate.problem import Inherited
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 
 _ALIKE = 1e-9
 """Of the whole: what is less is rounding."""

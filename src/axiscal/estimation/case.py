@@ -20,7 +20,6 @@ from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import of_rests, volume_moments
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
@@ -41,6 +40,7 @@ from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself
 from axiscal.numerics.spread import even_points
+from axiscal.promise.problem import Inherited
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8

@@ -13,7 +13,6 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.mounted_anew import with_mounted
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -22,6 +21,7 @@ from axiscal.estimation.type_prior import is_type_text, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 from axiscal.record.events import Created, Mounted, Recorded
 from axiscal.record.payload import PayloadError, decode
 

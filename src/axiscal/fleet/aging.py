@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimate.problem import Inherited
 from axiscal.fleet.wearing import Wearing
 from axiscal.inference.sisters.belonging import Moments, log_evidence
 from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 
 YEAR = 365.25 * 86400.0
 """s."""

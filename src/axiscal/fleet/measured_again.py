@@ -8,11 +8,11 @@ from dataclasses import replace
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import PlanError
 from axiscal.planning.proposal import proposed
+from axiscal.promise.problem import Inherited
 
 
 def again(known: Estimation) -> CampaignDescription:

@@ -18,7 +18,6 @@ from axiscal.compensation.effect import Control
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.task import Limits
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
 from axiscal.fleet.crash_places import showing_crashes
@@ -38,6 +37,7 @@ from axiscal.numerics.gaussian import lower_root
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import with_rooms
 from axiscal.planning.proposal import proposed
+from axiscal.promise.problem import Inherited
 
 READINGS = 12
 """Six readings find a crash of three standard deviations in one of twenty cases, eight in four of five, twelve in all

@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import TypePrior, individual, is_type_text, over, type_prior
 from axiscal.fleet.sister_records import other_machine
 from axiscal.numerics import Array
+from axiscal.promise.problem import Inherited
 
 _SISTER = 0.5
 """A machine that is less probably one of its type ages as stated."""

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.problem import Inherited
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.fleet.aging import Aging
@@ -21,6 +20,7 @@ from axiscal.fleet.tables_left import control_of, left_at, products_left
 from axiscal.fleet.wearing import Wearing, Worn, found_by
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
+from axiscal.promise.problem import Inherited
 
 _DRAWN, _AT_ONCE = 2000, 200
 """Machines: 5 % of them are known to ± 0.5 %. So many at once keep their tool points within 10 MB."""

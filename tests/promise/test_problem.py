@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimate import problem, unknowns
-from axiscal.estimate.dense import Dense
-from axiscal.estimate.problem import MOST_COLUMNS, MOST_NUMBERS, Problem
-from axiscal.estimate.spaces import parts_of
-from axiscal.estimate.unknowns import Unknowns
 from axiscal.numerics import Array
+from axiscal.promise import problem, unknowns
+from axiscal.promise.dense import Dense
+from axiscal.promise.problem import MOST_COLUMNS, MOST_NUMBERS, Problem
+from axiscal.promise.spaces import parts_of
+from axiscal.promise.unknowns import Unknowns
 from tests.generators.problems import asked
 
 _MANY = MOST_NUMBERS // 3 + 1

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from axiscal.estimate.sizes import Size, Sizes
+from axiscal.promise.sizes import Size, Sizes
 
 mpmath = pytest.importorskip("mpmath")  # untyped: Any
 

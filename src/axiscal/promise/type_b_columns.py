@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.document import shown
-from axiscal.estimate.passing import Passing
-from axiscal.estimate.type_b import TYPE_B, Read, SaidOfSetup, TypeB
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
@@ -20,6 +18,8 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.promise.passing import Passing
+from axiscal.promise.type_b import TYPE_B, Read, SaidOfSetup, TypeB
 
 _NOTHING = SaidOfSetup()
 _STRAIN = 1e-9

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.spaces import Given, Space
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.gaussian import settled
 from axiscal.numerics.spread import even_points
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.spaces import Given, Space
 
 COUNT = 64
 """U differs between seeds by 5 to 10 % then, and is printed with two digits."""

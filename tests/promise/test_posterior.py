@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from axiscal.estimate.dense import Dense, mixture
-from axiscal.estimate.draws import draws, mode, weighed
-from axiscal.estimate.posterior import Posterior, posterior
-from axiscal.estimate.problem import Problem
-from axiscal.estimate.which_space import space_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.dense import Dense, mixture
+from axiscal.promise.draws import draws, mode, weighed
+from axiscal.promise.posterior import Posterior, posterior
+from axiscal.promise.problem import Problem
+from axiscal.promise.which_space import space_of
 from tests.generators.problems import asked, case_of, drawn_values, plain_case, readings_of, sized, stated
 
 NOISE = 0.5e-6

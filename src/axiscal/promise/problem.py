@@ -17,10 +17,6 @@ from numpy.typing import NDArray
 from axiscal.error_model.model import ErrorFunction, ErrorModel, Term
 from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.prior import distances, matern, matern_by_length
-from axiscal.estimate.passing import passing_columns
-from axiscal.estimate.sizes import Kind, Sizes
-from axiscal.estimate.type_b import SaidOfSetup
-from axiscal.estimate.type_b_columns import type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
@@ -29,6 +25,10 @@ from axiscal.measurement.reading_rows import linear_values, numbers_of_setups, p
 from axiscal.measurement.visits import cells_shown, visited, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root, unique_root
+from axiscal.promise.passing import passing_columns
+from axiscal.promise.sizes import Kind, Sizes
+from axiscal.promise.type_b import SaidOfSetup
+from axiscal.promise.type_b_columns import type_b_columns
 
 _NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""

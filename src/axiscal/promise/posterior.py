@@ -21,16 +21,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.agreement import Agreement, agreement
-from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
-from axiscal.estimate.heavy_tails import Volume, shares_that_count
-from axiscal.estimate.model import BAD
-from axiscal.estimate.problem import MOST_NUMBERS, Problem
-from axiscal.estimate.sizes import Kind
-from axiscal.estimate.spaces import Given, parts_of
-from axiscal.estimate.which_space import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.agreement import Agreement, agreement
+from axiscal.promise.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
+from axiscal.promise.heavy_tails import Volume, shares_that_count
+from axiscal.promise.model import BAD
+from axiscal.promise.problem import MOST_NUMBERS, Problem
+from axiscal.promise.sizes import Kind
+from axiscal.promise.spaces import Given, parts_of
+from axiscal.promise.which_space import space_of
 
 _ODDS = 0.01 / 0.99
 """Assumption: one of a hundred readings is bad."""

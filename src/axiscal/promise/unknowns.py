@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.problem import Problem
-from axiscal.estimate.spaces import Answered, Given, Slope, factors_of, raw_cells, times_roots, turned, variances_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal.promise.problem import Problem
+from axiscal.promise.spaces import Answered, Given, Slope, factors_of, raw_cells, times_roots, turned, variances_of
 
 _AT_ONCE = 600
 """Numbers whose rows are worked through at once: more would not stay in the cache."""

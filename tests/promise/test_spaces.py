@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
 from axiscal.belief import Belief
-from axiscal.estimate.dense import Dense
-from axiscal.estimate.numbers import Numbers
-from axiscal.estimate.problem import Curves, Problem
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.spaces import Given, Space, parts_of
-from axiscal.estimate.unknowns import Unknowns
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading_rows import places_of, rows_at
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
+from axiscal.promise.dense import Dense
+from axiscal.promise.numbers import Numbers
+from axiscal.promise.problem import Curves, Problem
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.spaces import Given, Space, parts_of
+from axiscal.promise.unknowns import Unknowns
 from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
 
 COUNTS = {"axis": 14, "plate": 12, "five axes": 4, "two set-ups": 8}

@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimate.problem import Problem
-from axiscal.estimate.spaces import Given, turned
-from axiscal.estimate.type_b_columns import Contribution
 from axiscal.numerics import Array
+from axiscal.promise.problem import Problem
+from axiscal.promise.spaces import Given, turned
+from axiscal.promise.type_b_columns import Contribution
 
 
 class TypeBLine(NamedTuple):

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.model import BAD
-from axiscal.estimate.problem import Problem
 from axiscal.numerics import Array
+from axiscal.promise.model import BAD
+from axiscal.promise.problem import Problem
 
 Normal = tuple[Array, Array]
 """Mean (k,) and covariance (k, k)."""

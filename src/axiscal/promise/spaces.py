@@ -20,8 +20,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.problem import Problem
 from axiscal.numerics import Array
+from axiscal.promise.problem import Problem
 
 
 class Slope(NamedTuple):

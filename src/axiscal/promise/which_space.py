@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from axiscal.estimate.numbers import Numbers
-from axiscal.estimate.problem import MOST_NUMBERS, Problem
-from axiscal.estimate.spaces import Space
-from axiscal.estimate.unknowns import Unknowns
+from axiscal.promise.numbers import Numbers
+from axiscal.promise.problem import MOST_NUMBERS, Problem
+from axiscal.promise.spaces import Space
+from axiscal.promise.unknowns import Unknowns
 
 
 def space_of(problem: Problem) -> Space:

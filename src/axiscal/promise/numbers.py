@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.problem import Problem
-from axiscal.estimate.spaces import Answered, Given, Slope, factors_of, raw_cells, turned, variances_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
+from axiscal.promise.problem import Problem
+from axiscal.promise.spaces import Answered, Given, Slope, factors_of, raw_cells, turned, variances_of
 
 
 class Numbers:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimate.model import CAUSES, DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE, Sure
-from axiscal.estimate.usual import Learnable, sizes_of, usual_machine
+from axiscal.promise.model import CAUSES, DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE, Sure
+from axiscal.promise.usual import Learnable, sizes_of, usual_machine
 from tests.generators.problems import case_of, plain_case, sizes_for
 
 

@@ -10,7 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimate.model import (
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.plane_entry import PlaneEntry, side_name
+from axiscal.measurement.setup import Setup
+from axiscal.promise.model import (
     CYCLE,
     DRIFT,
     GROWTH,
@@ -24,12 +29,7 @@ from axiscal.estimate.model import (
     TOGETHER,
     Sure,
 )
-from axiscal.estimate.sizes import Kind, Size, Sizes
-from axiscal.machine.axis import Axis
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.plane_entry import PlaneEntry, side_name
-from axiscal.measurement.setup import Setup
+from axiscal.promise.sizes import Kind, Size, Sizes
 
 _LENGTH = 0.25
 """Of the travel: the length of an error of which none is stated."""

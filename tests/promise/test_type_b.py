@@ -13,14 +13,6 @@ import pytest
 from axiscal.accuracy.expanded import reach
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimate.numbers import Numbers
-from axiscal.estimate.posterior import posterior
-from axiscal.estimate.problem import Problem, problem
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.type_b import TYPE_B, SaidOfSetup, TypeB
-from axiscal.estimate.type_b_budget import gain, type_b_lines
-from axiscal.estimate.type_b_columns import Contribution, contributions
-from axiscal.estimate.unknowns import Unknowns
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
@@ -30,6 +22,14 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
+from axiscal.promise.numbers import Numbers
+from axiscal.promise.posterior import posterior
+from axiscal.promise.problem import Problem, problem
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.type_b import TYPE_B, SaidOfSetup, TypeB
+from axiscal.promise.type_b_budget import gain, type_b_lines
+from axiscal.promise.type_b_columns import Contribution, contributions
+from axiscal.promise.unknowns import Unknowns
 from axiscal.units import to_unit
 
 AXIS = """name = "one"

@@ -15,8 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.prior import exponential, matern32
-from axiscal.estimate.model import CYCLE, DRIFT, GROWTH
-from axiscal.estimate.sizes import Kind, Sizes
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
@@ -25,6 +23,8 @@ from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
+from axiscal.promise.model import CYCLE, DRIFT, GROWTH
+from axiscal.promise.sizes import Kind, Sizes
 
 _FUNCTIONS = 20
 """They leave 0.5 % of the variance of Brownian motion: 1 − Σ 2/((k − ½)π)²."""

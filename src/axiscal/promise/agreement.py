@@ -19,10 +19,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimate.draws import Weighed
-from axiscal.estimate.problem import Problem
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.promise.draws import Weighed
+from axiscal.promise.problem import Problem
 
 CONTRADICTS = 0.001
 """Probability below which readings contradict."""

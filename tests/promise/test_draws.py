@@ -9,13 +9,13 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from axiscal.estimate.draws import Draws, Weighed, draws, mode, weighed
-from axiscal.estimate.problem import Problem
-from axiscal.estimate.sizes import Sizes
-from axiscal.estimate.spaces import Space
-from axiscal.estimate.unknowns import Unknowns
-from axiscal.estimate.which_space import space_of
 from axiscal.numerics import Array
+from axiscal.promise.draws import Draws, Weighed, draws, mode, weighed
+from axiscal.promise.problem import Problem
+from axiscal.promise.sizes import Sizes
+from axiscal.promise.spaces import Space
+from axiscal.promise.unknowns import Unknowns
+from axiscal.promise.which_space import space_of
 from tests.generators.problems import asked, sized
 
 
