@@ -23,7 +23,7 @@ from axiscal.promise.sizes import Sizes
 from axiscal.promise.spaces import Given, Space
 
 COUNT = 64
-"""U differs between seeds by 5 to 10 % then, and is printed with two digits."""
+"""With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""
 _EACH = 16
 """One draw of so many is of the prior."""
 _STEPS = 30

@@ -59,9 +59,9 @@ def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
 
 
 def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]:
-    """Yield what pairs of linear axes do together that move in one set-up without a rotary one.
+    """Yield what pairs of linear axes do together that move in one set-up.
 
-    Not on machines with rotary axes, where it would add half as many unknowns again.
+    Machines with rotary axes yield none: it would add half as many unknowns again.
     """
     if any(axis.rotary for axis in machine.axes):
         return
