@@ -91,6 +91,18 @@ def solution_of_product(lower: Array, right: Array) -> Array:
     return solved
 
 
+def normal_share(below: Array) -> Array:
+    """Return Φ(x), of the shape of x."""
+    shares: Array = _function("scipy.special", "ndtr")(below)
+    return shares
+
+
+def normal_quantile(share: Array) -> Array:
+    """Return x with Φ(x) = share, of the shape of share."""
+    places: Array = _function("scipy.special", "ndtri")(share)
+    return places
+
+
 def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
     shares: Array = _function("scipy.special", "log_ndtr")(below)

@@ -1,0 +1,1 @@
+"""One model of what usually goes wrong, one posterior, one U."""

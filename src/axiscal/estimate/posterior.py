@@ -1,0 +1,172 @@
+"""The posterior of errors and set-ups' unknowns, sizes averaged over, and whether the readings agree with each other.
+
+    m = Σ w m_θ,    C = Σ w (C_θ + (m_θ − m)(m_θ − m)ᵀ)
+
+A reading left out is expected with r = (K⁻¹_ii)⁻¹ (K⁻¹y)_i and covariance S = (K⁻¹_ii)⁻¹ (Rasmussen and Williams 2006,
+eq. 5.12). It is bad with odds, sizes integrated out, of
+
+    0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
+
+Above 1 it is taken out, and again, up to a fifth of the readings. Without it half of what it says may still be a detail
+of the machine: with h the regression of the unknowns on it, m += ½ h r, C += h hᵀ (½ s² + ¼ r²).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, weighed
+from axiscal.estimate.model import BAD
+from axiscal.estimate.problem import Problem
+from axiscal.estimate.sizes import Kind
+from axiscal.estimate.spaces import space_of
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+_ODDS = 0.01 / 0.99
+_MOST_BAD = 0.2
+_RENEWED = 10.0
+"""Effective number of draws below which they are drawn anew."""
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """What the others expect of one reading.
+
+    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; odds : that it is bad
+    z : largest residual of its numbers, in standard deviations
+    """
+
+    residual: Array
+    covariance: Array
+    odds: float
+    z: float
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
+
+    cells : means of the rests of visited cells by (term, cell), m or rad
+    sizes : root mean square of exp θ by kind and owner; effective : number of draws
+    bad : indices of readings that were taken out, in this order; agreement : c², mean z² of the others
+    left_out : of each reading that stayed
+    """
+
+    mean: Array
+    covariance: Array
+    cells: dict[tuple[int, int], float]
+    sizes: dict[tuple[Kind, str], float]
+    effective: float
+    bad: tuple[int, ...]
+    agreement: float
+    left_out: dict[int, LeftOut]
+    drawn: Draws
+    best: Mode
+
+    @property
+    def inflation(self) -> float:
+        """c² where it is larger than chance allows, by which all variances grow; else 1."""
+        count = len(self.left_out)
+        return self.agreement if count and self.agreement > 1 + 2 / np.sqrt(2 * count) else 1.0
+
+
+@one_thread()
+def posterior(
+    problem: Problem, before: Posterior | None = None, never: Iterable[int] = (), sure: Iterable[int] = ()
+) -> Posterior:
+    """Return the posterior of a problem.
+
+    before : of nearly the same readings, whose draws are weighed anew while they are good for it
+    never : readings that are not used; sure : readings that are not taken out
+    """
+    bad, kept = [*never], np.ones(len(problem.values), dtype=bool)
+    accepted, count = frozenset(sure), len(np.unique(problem.reading))
+    drawn = before.drawn if before is not None and before.drawn.sizes == problem.sizes else None
+    best = before.best if before is not None and drawn is not None else None
+    stale = False
+    while True:
+        kept = ~np.isin(problem.reading, bad)
+        mine = problem.only(kept) if bad else problem
+        space = space_of(mine)
+        found = weighed(space, drawn) if drawn is not None else None
+        if found is None or best is None or stale or found.effective < _RENEWED:
+            best = mode(space, None if best is None else best.x)
+            drawn, stale = draws(space, best), False
+            found = weighed(space, drawn)
+        left = _left_out(mine, found)
+        doubtful = {i: each.odds for i, each in left.items() if i not in accepted}
+        worst = max(doubtful, key=lambda i: doubtful[i], default=None)
+        if worst is None or doubtful[worst] <= 1 or len(bad) + 1 > _MOST_BAD * count:
+            break
+        bad.append(worst)
+        stale = True
+    assert drawn is not None
+    mean, covariance, cells = _moments(found)
+    agreement = float(np.mean([each.z**2 for each in left.values()])) if left else 1.0
+    sizes = _sizes(mine, found)
+    known = dict(zip(problem.cells, cells.tolist(), strict=True))
+    return Posterior(mean, covariance, known, sizes, found.effective, tuple(bad), agreement, left, drawn, best)
+
+
+def _moments(found: Weighed) -> tuple[Array, Array, Array]:
+    """Return mean and covariance of the answered unknowns, and the means of the rests, over the draws."""
+    answers = [each.answer() for each in found.given]
+    mean = np.sum([w * each.mean for w, each in zip(found.weights, answers, strict=True)], axis=0)
+    covariance = np.zeros((len(mean),) * 2)
+    for weight, each in zip(found.weights, answers, strict=True):
+        apart = each.mean - mean
+        covariance += weight * (each.covariance + np.outer(apart, apart))
+    cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
+    return mean, covariance, cells
+
+
+def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
+    """Return the root mean square of each size, as a factor on what is stated."""
+    squares = found.weights @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
+    pairs = zip(problem.sizes.of, np.sqrt(squares).tolist(), strict=True)
+    return {(size.kind, owner): factor for size, factor in pairs for owner in size.owners}
+
+
+def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
+    """Return what the others expect of each reading, by its index."""
+    starts = np.flatnonzero(np.diff(problem.reading, prepend=-1))
+    parts = np.split(np.arange(len(problem.reading)), starts[1:])
+    each = [_of_draw(problem, given, theta, parts) for given, theta in zip(found.given, found.thetas, strict=True)]
+    result = dict[int, LeftOut]()
+    for place, mine in enumerate(parts):
+        residuals, covariances, ratios = zip(*(one[place] for one in each), strict=True)
+        residual = np.sum([w * r for w, r in zip(found.weights, residuals, strict=True)], axis=0)
+        spread = np.sum(
+            [
+                w * (c + np.outer(r - residual, r - residual))
+                for w, r, c in zip(found.weights, residuals, covariances, strict=True)
+            ],
+            axis=0,
+        )
+        odds = _ODDS * float(found.weights @ np.exp(np.minimum(ratios, 600.0)))
+        z = float(np.sqrt(residual @ np.linalg.solve(spread, residual) / len(residual)))
+        result[int(problem.reading[mine[0]])] = LeftOut(residual, spread, odds, z)
+    return result
+
+
+def _of_draw(problem: Problem, given, theta: Array, parts: Sequence[Array]) -> list[tuple[Array, Array, float]]:
+    """Return residual, covariance and log ratio of bad over good of each reading at one draw."""
+    weighted, blocks = given.left_out()
+    sigma = np.exp(np.append(theta, 0.0))[problem.groups]
+    found = []
+    for mine, block in zip(parts, blocks, strict=True):
+        covariance = np.linalg.inv(block)
+        residual = covariance @ weighted[mine]
+        wide = covariance + np.diag((BAD.size * sigma[mine]) ** 2)
+        good = float(residual @ weighted[mine]) + _log_det(covariance)
+        bad = float(residual @ np.linalg.solve(wide, residual)) + _log_det(wide)
+        found.append((residual, covariance, 0.5 * (good - bad)))
+    return found
+
+
+def _log_det(matrix: Array) -> float:
+    return float(np.linalg.slogdet(matrix)[1])

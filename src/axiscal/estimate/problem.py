@@ -1,0 +1,303 @@
+"""All readings as one linear problem: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²), each number over its own noise.
+
+D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The columns
+stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited, the errors,
+the unknowns of the set-ups. The last two are what is answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.error_model.model import ErrorFunction, ErrorModel, Term
+from axiscal.error_model.prior import distances, matern, matern_by_length
+from axiscal.estimate.passing import passing_columns
+from axiscal.estimate.sizes import Kind, Sizes
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
+from axiscal.measurement.visits import visited
+from axiscal.numerics import Array
+from axiscal.numerics.gaussian import eigen_root
+
+_NUGGET = 1e-9
+"""Added to correlations of one: long lengths make knots nearly equal, and a Cholesky factor needs more than rounding."""
+_WIDE = 0.06
+"""Share of the travel over which half of the variance of a rest is common."""
+MOST_COLUMNS = 700
+"""Beyond so many unknowns rests of the weakest errors count as noise: the cost grows with the cube."""
+
+
+class Inherited(NamedTuple):
+    """The prior of the errors where an earlier campaign left one: mean (size,), covariance (size, size)."""
+
+    mean: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Curves with as many knots and one smoothness, whose control values go together by their distance.
+
+    columns : (f, k); stds, lengths : (f,) as stated; apart : (f, k, k) between knots; length_at : (f,) number of θ, −1
+    """
+
+    columns: NDArray[np.intp]
+    smoothness: float
+    stds: Array
+    lengths: Array
+    apart: Array
+    length_at: NDArray[np.intp]
+
+    def scaled(self, theta: Array) -> Array:
+        """Return the distances in correlation lengths, (f, k, k)."""
+        factors = np.exp(np.append(theta, 0.0)[self.length_at])
+        result: Array = self.apart / (self.lengths * factors)[:, None, None]
+        return result
+
+    def roots(self, theta: Array) -> Array:
+        """Return L with L Lᵀ = s² R(l), (f, k, k)."""
+        correlation = matern(self.scaled(theta), self.smoothness)
+        diagonal = np.arange(correlation.shape[1])
+        correlation[:, diagonal, diagonal] += _NUGGET
+        result: Array = np.linalg.cholesky(correlation) * self.stds[:, None, None]
+        return result
+
+    def bends(self, theta: Array, roots: Array) -> Array:
+        """Return M = L⁻¹ (∂ s² R/∂log l) L⁻ᵀ, (f, k, k)."""
+        slope = matern_by_length(self.scaled(theta), self.smoothness) * self.stds[:, None, None] ** 2
+        half = np.linalg.solve(roots, slope)
+        result: Array = np.linalg.solve(roots, half.transpose(0, 2, 1))
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """rows : (m, p) over the noise, priors without a length applied; values : (m,) over the noise, prior mean taken off
+
+    noise : (m,) base standard deviation of each number, m or rad; reading : (m,) which reading it belongs to
+    groups : (m,) number of the θ of its noise, −1 where that is exact
+    size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
+    roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
+    answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
+    cells : (term, cell) of the columns of rests, from column `first_cell` on
+    """
+
+    rows: Array
+    values: Array
+    noise: Array
+    reading: NDArray[np.intp]
+    groups: NDArray[np.intp]
+    sizes: Sizes
+    size_at: NDArray[np.intp]
+    curves: tuple[Curves, ...]
+    roots: tuple[tuple[int, Array], ...]
+    answered: int
+    mean: Array
+    cells: tuple[tuple[int, int], ...]
+    first_cell: int
+    cell_roots: tuple[Array, ...]
+
+    @property
+    def first(self) -> int:
+        """The first column that is answered."""
+        return self.rows.shape[1] - self.answered
+
+    def only(self, kept: NDArray[np.bool_]) -> Problem:
+        """Return the problem with some of its numbers.  kept : (m,)"""
+        from dataclasses import replace
+
+        mine = {name: getattr(self, name)[kept] for name in ("rows", "values", "noise", "reading", "groups")}
+        return replace(self, **mine)
+
+    def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return answered unknowns in m and rad from whitened ones, (answered, ...).
+
+        whitened : (answered, ...); roots : of the curves at θ
+        """
+        first, result = self.first, whitened.copy()
+        for start, root in self.roots:
+            part = slice(start - first, start - first + len(root))
+            result[part] = root @ whitened[part]
+        for curves, lower in zip(self.curves, roots, strict=True):
+            flat = whitened[curves.columns - first]
+            shape = (*flat.shape[:2], -1)
+            result[curves.columns - first] = (lower @ flat.reshape(shape)).reshape(flat.shape)
+        factor = np.exp(np.append(theta, 0.0)[self.size_at[first:]])
+        return np.asarray(factor.reshape(-1, *[1] * (result.ndim - 1)) * result)
+
+
+def problem(
+    observation: Observation,
+    readings: Sequence[Reading],
+    sizes: Sizes,
+    inherited: Inherited | None = None,
+    usual: bool = True,
+) -> Problem:
+    """Return readings as a problem.
+
+    observation : before any cell is visited; sizes : that vary; usual : with what readings alone usually suffer
+    """
+    places = places_of(observation.setups, readings)
+    opened = visited(observation, places)
+    found = rows_at(opened, places)
+    reading, setups = found.place, places.setups[found.place]
+    stated = np.array([np.nan if r.std is None else r.std**2 for r in readings])[reading]
+    usually = np.array([setup.noise**2 for setup in observation.setups])[setups]
+    variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
+    values = linear_values(observation, places, readings)
+    builder = _Builder(opened, sizes, inherited)
+    cells, first_cell_roots, dropped = builder.cells(found.rows)
+    variances = variances + dropped
+    noise = np.sqrt(variances)
+    names = [setup.name for setup in observation.setups]
+    groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
+    passing = passing_columns(observation, readings, places, reading, sizes) if usual else None
+    blocks = [] if passing is None else [passing.columns]
+    size_at = [] if passing is None else [passing.size_at]
+    start = sum(block.shape[1] for block in blocks)
+    answered = observation.errors.size + len(observation.unknowns)
+    own, own_size, curves, roots = builder.errors(found.rows, start + len(cells))
+    columns = [opened.cells[cell] for cell in cells]
+    rests = _by_blocks(found.rows[:, columns], first_cell_roots)
+    rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
+    rows = np.hstack([*blocks, rests, own]) / noise[:, None]
+    mean = np.zeros(answered)
+    if inherited is not None:
+        mean[: len(inherited.mean)] = inherited.mean
+    values = (values - found.rows[:, :answered] @ mean) / noise
+    at = np.concatenate([*size_at, rest_size, own_size]).astype(np.intp)
+    return Problem(
+        rows, values, noise, reading, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
+        tuple(first_cell_roots),
+    )  # fmt: skip
+
+
+def _by_blocks(rows: Array, roots: Sequence[Array]) -> Array:
+    """Return rows times a block-diagonal matrix, (m, n)."""
+    result, start = np.empty_like(rows), 0
+    for root in roots:
+        part = slice(start, start + len(root))
+        result[:, part] = rows[:, part] @ root
+        start += len(root)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Builder:
+    """Makes the columns of what is in the machine and of the set-ups' unknowns."""
+
+    observation: Observation
+    sizes: Sizes
+    inherited: Inherited | None
+
+    @property
+    def _model(self) -> ErrorModel:
+        return self.observation.errors
+
+    def cells(self, rows: Array) -> tuple[list[tuple[int, int]], list[Array], Array]:
+        """Return the cells that have a column, the roots of their priors, and the variance of the others, (m,).
+
+        Cells of the errors that move readings least are left out where all would be too many.
+        """
+        of_term = dict[int, list[tuple[int, int]]]()
+        for cell in self.observation.cells:
+            of_term.setdefault(cell[0], []).append(cell)
+        effect = {
+            term: float(
+                np.sum((rows[:, [self.observation.cells[c] for c in cells]] * self._model.terms[term].rest) ** 2)
+            )
+            for term, cells in of_term.items()
+        }
+        room, kept = MOST_COLUMNS - self._model.size - len(self.observation.unknowns), list[tuple[int, int]]()
+        roots, dropped = list[Array](), np.zeros(len(rows))
+        few = len(rows) <= MOST_NUMBERS
+        for term in sorted(of_term, key=lambda each: -effect[each]):
+            cells = sorted(of_term[term])
+            if few or len(cells) <= room:
+                kept += cells
+                roots.append(self._model.terms[term].rest * _cell_root(self._model.terms[term], [c for _, c in cells]))
+                room -= len(cells)
+            else:
+                columns = [self.observation.cells[cell] for cell in cells]
+                dropped += np.sum((rows[:, columns] * self._model.terms[term].rest) ** 2, axis=1)
+        return kept, roots, dropped
+
+    def errors(
+        self, rows: Array, start: int
+    ) -> tuple[Array, NDArray[np.intp], tuple[Curves, ...], tuple[tuple[int, Array], ...]]:
+        """Return the answered columns, fixed priors applied; the number of their θ; curves; and fixed roots.
+
+        start : where they begin among all columns
+        """
+        count = self._model.size + len(self.observation.unknowns)
+        own, size_at, roots = rows[:, :count].copy(), np.full(count, -1, dtype=np.intp), list[tuple[int, Array]]()
+        by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Curves]()
+        if self.inherited is not None:
+            roots.append((0, eigen_root(self.inherited.covariance)))
+        else:
+            entries = {entry.name: entry for entry in self._model.machine.errors}
+            for term in self._model.terms:
+                size_at[term.columns] = self.sizes.index(_kind(term), term.name)
+                entry = entries.get(term.name)
+                if isinstance(term, ErrorFunction) and entry is not None and _has_length(term, entry):
+                    by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
+                else:
+                    roots.append((term.columns.start, eigen_root(term.covariance)))
+        stds = [unknown.std for unknown in self.observation.unknowns]
+        roots += [(self._model.size + i, np.array([[std]])) for i, std in enumerate(stds)]
+        for at, root in roots:
+            part = slice(at, at + len(root))
+            own[:, part] = own[:, part] @ root
+        for (_, smoothness), members in by_kind.items():
+            curves.append(self._curves(members, smoothness, start))
+        return own, size_at, tuple(curves), tuple((start + at, root) for at, root in roots)
+
+    def _curves(self, members: Sequence[tuple[ErrorFunction, ErrorEntry]], smoothness: float, start: int) -> Curves:
+        terms = [term for term, _ in members]
+        return Curves(
+            np.array([np.arange(term.columns.start, term.columns.stop) + start for term in terms]),
+            smoothness,
+            np.array([entry.std for _, entry in members]),
+            np.array([entry.length for _, entry in members], dtype=float),
+            np.array([distances(term.basis) for term in terms]),
+            self.sizes.indices("length", [term.name for term in terms]),
+        )
+
+
+MOST_NUMBERS = 300
+"""Numbers of readings up to which their covariance is smaller than that of the unknowns."""
+
+
+def _kind(term: Term) -> Kind:
+    return "reversal" if term.kind == "reversal" else "std" if isinstance(term, ErrorFunction) else "together"
+
+
+def _has_length(term: ErrorFunction, entry: ErrorEntry) -> bool:
+    """Whether control values of a curve go together by how far they are from each other."""
+    return entry.length is not None and term.basis.size > 1 and not term.stated_shape
+
+
+def _cell_root(term: Term, cells: Sequence[int]) -> Array:
+    """Return F with F Fᵀ the correlation of the rests of an error's cells, (q, q).
+
+    Half of the variance is each cell's own, half is common to the cells of 6 % of the travel; of a plane all its own.
+    """
+    if not isinstance(term, ErrorFunction):
+        return np.eye(len(cells))
+    wide = max(1, round(_WIDE * term.cell_count))
+    block = np.array(cells) // wide
+    root: Array = np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))
+    return root
+
+
+def all_owners(model: ErrorModel) -> Iterator[tuple[Kind, Term]]:
+    """Yield every term with the kind of its size."""
+    for term in model.terms:
+        yield _kind(term), term
