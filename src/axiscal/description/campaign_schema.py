@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.artefact_schema import ArtefactTable
 from axiscal.document import Angle, Length, QuantityText, Time
+from axiscal.machine.entry import Sure
 
 ControlName = Literal[
     "csv",
@@ -138,7 +139,9 @@ class CampaignTable(Table):
     """The whole of campaign.toml."""
 
     machine: str = Field(examples=['"machine.toml"'])
-    scales: Literal["stated", "estimate"] = Field("stated", examples=['"estimate"'])
+    usual: Literal["on", "off"] = Field("on", examples=['"off"'])
+    sure: Sure | None = Field(None, examples=['"well"'])
+    scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     controls: list[ControlName] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])

@@ -63,12 +63,13 @@ class Draws:
 class Weighed:
     """Draws with their weights by some readings; those without any weight are left out.
 
-    thetas : (n, k); weights : (n,), their sum is 1; given : of each
+    thetas : (n, k); weights : (n,), their sum is 1; given : of each; log_evidence : log p(y), up to a constant
     """
 
     thetas: Array
     weights: Array
     given: tuple[Given, ...]
+    log_evidence: float
 
     @property
     def effective(self) -> float:
@@ -164,7 +165,8 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     given = [space.given(theta) for theta in thetas]
     logs = np.array([-np.inf if each is None else each.value for each in given]) - drawn.log_proposal
     weights = np.exp(logs - logs.max())
+    evidence = float(logs.max() + np.log(weights.mean()))
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
     found = tuple(each for each in (given[i] for i in kept) if each is not None)
-    return Weighed(thetas[kept], weights[kept] / weights[kept].sum(), found)
+    return Weighed(thetas[kept], weights[kept] / weights[kept].sum(), found, evidence)

@@ -17,12 +17,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from axiscal.estimate.agreement import Agreement, agreement
 from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, weighed
 from axiscal.estimate.model import BAD
 from axiscal.estimate.problem import Problem
 from axiscal.estimate.sizes import Kind
-from axiscal.estimate.spaces import space_of
+from axiscal.estimate.spaces import Given, space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -52,7 +54,7 @@ class Posterior:
 
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : root mean square of exp θ by kind and owner; effective : number of draws
-    bad : indices of readings that were taken out, in this order; agreement : c², mean z² of the others
+    bad : readings that were taken out, in this order, by index; agreement : of the others
     left_out : of each reading that stayed
     """
 
@@ -61,17 +63,11 @@ class Posterior:
     cells: dict[tuple[int, int], float]
     sizes: dict[tuple[Kind, str], float]
     effective: float
-    bad: tuple[int, ...]
-    agreement: float
+    bad: dict[int, LeftOut]
+    agreement: Agreement
     left_out: dict[int, LeftOut]
     drawn: Draws
     best: Mode
-
-    @property
-    def inflation(self) -> float:
-        """c² where it is larger than chance allows, by which all variances grow; else 1."""
-        count = len(self.left_out)
-        return self.agreement if count and self.agreement > 1 + 2 / np.sqrt(2 * count) else 1.0
 
 
 @one_thread()
@@ -83,14 +79,14 @@ def posterior(
     before : of nearly the same readings, whose draws are weighed anew while they are good for it
     never : readings that are not used; sure : readings that are not taken out
     """
-    bad, kept = [*never], np.ones(len(problem.values), dtype=bool)
+    bad = dict[int, LeftOut]()
     accepted, count = frozenset(sure), len(np.unique(problem.reading))
     drawn = before.drawn if before is not None and before.drawn.sizes == problem.sizes else None
     best = before.best if before is not None and drawn is not None else None
     stale = False
     while True:
-        kept = ~np.isin(problem.reading, bad)
-        mine = problem.only(kept) if bad else problem
+        apart = [*never, *bad]
+        mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
         space = space_of(mine)
         found = weighed(space, drawn) if drawn is not None else None
         if found is None or best is None or stale or found.effective < _RENEWED:
@@ -102,14 +98,14 @@ def posterior(
         worst = max(doubtful, key=lambda i: doubtful[i], default=None)
         if worst is None or doubtful[worst] <= 1 or len(bad) + 1 > _MOST_BAD * count:
             break
-        bad.append(worst)
+        bad[worst] = left[worst]
         stale = True
     assert drawn is not None
     mean, covariance, cells = _moments(found)
-    agreement = float(np.mean([each.z**2 for each in left.values()])) if left else 1.0
     sizes = _sizes(mine, found)
+    agreed = agreement(mine, found, np.array([each.z for each in left.values()]))
     known = dict(zip(problem.cells, cells.tolist(), strict=True))
-    return Posterior(mean, covariance, known, sizes, found.effective, tuple(bad), agreement, left, drawn, best)
+    return Posterior(mean, covariance, known, sizes, found.effective, bad, agreed, left, drawn, best)
 
 
 def _moments(found: Weighed) -> tuple[Array, Array, Array]:
@@ -153,7 +149,9 @@ def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
     return result
 
 
-def _of_draw(problem: Problem, given, theta: Array, parts: Sequence[Array]) -> list[tuple[Array, Array, float]]:
+def _of_draw(
+    problem: Problem, given: Given, theta: Array, parts: Sequence[NDArray[np.intp]]
+) -> list[tuple[Array, Array, float]]:
     """Return residual, covariance and log ratio of bad over good of each reading at one draw."""
     weighted, blocks = given.left_out()
     sigma = np.exp(np.append(theta, 0.0))[problem.groups]

@@ -7,8 +7,8 @@ the unknowns of the set-ups. The last two are what is answered.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -82,7 +82,7 @@ class Problem:
     """rows : (m, p) over the noise, priors without a length applied; values : (m,) over the noise, prior mean taken off
 
     noise : (m,) base standard deviation of each number, m or rad; reading : (m,) which reading it belongs to
-    groups : (m,) number of the θ of its noise, −1 where that is exact
+    setup : (m,) index of its set-up; groups : (m,) number of the θ of its noise, −1 where that is exact
     size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
     roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
@@ -93,6 +93,7 @@ class Problem:
     values: Array
     noise: Array
     reading: NDArray[np.intp]
+    setup: NDArray[np.intp]
     groups: NDArray[np.intp]
     sizes: Sizes
     size_at: NDArray[np.intp]
@@ -111,9 +112,7 @@ class Problem:
 
     def only(self, kept: NDArray[np.bool_]) -> Problem:
         """Return the problem with some of its numbers.  kept : (m,)"""
-        from dataclasses import replace
-
-        mine = {name: getattr(self, name)[kept] for name in ("rows", "values", "noise", "reading", "groups")}
+        mine = {name: getattr(self, name)[kept] for name in ("rows", "values", "noise", "reading", "setup", "groups")}
         return replace(self, **mine)
 
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
@@ -174,7 +173,7 @@ def problem(
     values = (values - found.rows[:, :answered] @ mean) / noise
     at = np.concatenate([*size_at, rest_size, own_size]).astype(np.intp)
     return Problem(
-        rows, values, noise, reading, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
+        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
         tuple(first_cell_roots),
     )  # fmt: skip
 
@@ -209,7 +208,7 @@ class _Builder:
         of_term = dict[int, list[tuple[int, int]]]()
         for cell in self.observation.cells:
             of_term.setdefault(cell[0], []).append(cell)
-        effect = {
+        effect: dict[int, float] = {
             term: float(
                 np.sum((rows[:, [self.observation.cells[c] for c in cells]] * self._model.terms[term].rest) ** 2)
             )
@@ -295,9 +294,3 @@ def _cell_root(term: Term, cells: Sequence[int]) -> Array:
     block = np.array(cells) // wide
     root: Array = np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))
     return root
-
-
-def all_owners(model: ErrorModel) -> Iterator[tuple[Kind, Term]]:
-    """Yield every term with the kind of its size."""
-    for term in model.terms:
-        yield _kind(term), term

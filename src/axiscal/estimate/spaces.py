@@ -25,7 +25,6 @@ from axiscal.estimate.problem import MOST_NUMBERS, Problem
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution, solution_of_product
 
-
 _Bent = tuple[int, NDArray[np.intp], Array]
 """Number of the θ of a length, the columns of a curve, and M."""
 
@@ -64,6 +63,9 @@ class Given(Protocol):
 
     def left_out(self) -> tuple[Array, list[Array]]:
         """Return K⁻¹y (m,), over the noise, and the blocks of K⁻¹ of each reading."""
+
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
 
 
 class Space(Protocol):
@@ -198,6 +200,10 @@ class _InNumbers:
         """Return K⁻¹y and the blocks of K⁻¹ of each reading."""
         inverse = inverse_of_product(self.root)
         return self.weighted, [inverse[np.ix_(mine, mine)] for mine in _blocks_of(self.space.problem.reading)]
+
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹B."""
+        return solution_of_product(self.root, columns)
 
 
 def _shown(problem: Problem, theta: Array, roots: Sequence[Array]) -> Array:
@@ -359,17 +365,28 @@ class _InUnknowns:
 
     def left_out(self) -> tuple[Array, list[Array]]:
         """Return K⁻¹y and the blocks of K⁻¹ of each reading, over the noise."""
-        problem, precisions = self.space.problem, 1 / _noises(self.space.problem, self.theta)
-        rows = problem.rows.copy()
-        for curves, lower in zip(problem.curves, self.roots, strict=True):
-            for columns, each in zip(curves.columns, lower, strict=True):
-                rows[:, columns] = rows[:, columns] @ each
-        rows *= _factors(problem, self.theta) * np.sqrt(precisions)[:, None]
+        rows, roots = self._rows()
         half = solution(self.root, rows.T)
-        roots = np.sqrt(precisions)
-        weighted = roots * (problem.values * roots - rows @ self.solved)
+        weighted = roots * (self.space.problem.values * roots - rows @ self.solved)
         blocks = []
-        for mine in _blocks_of(problem.reading):
+        for mine in _blocks_of(self.space.problem.reading):
             inner = np.eye(len(mine)) - half[:, mine].T @ half[:, mine]
             blocks.append(inner * roots[mine][:, None] * roots[mine])
         return weighted, blocks
+
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹B."""
+        rows, roots = self._rows()
+        own = columns * roots[:, None]
+        half = solution(self.root, rows.T @ own)
+        return np.asarray(roots[:, None] * (own - rows @ back_solution(self.root, half)))
+
+    def _rows(self) -> tuple[Array, Array]:
+        """Return the columns of unknowns of variance one over the noise, (m, p), and one over the noise, (m,)."""
+        problem, rows = self.space.problem, self.space.problem.rows.copy()
+        for curves, lower in zip(problem.curves, self.roots, strict=True):
+            for columns, each in zip(curves.columns, lower, strict=True):
+                rows[:, columns] = rows[:, columns] @ each
+        roots = 1 / np.sqrt(_noises(problem, self.theta))
+        rows *= _factors(problem, self.theta) * roots[:, None]
+        return rows, roots

@@ -8,7 +8,7 @@ import numpy as np
 
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.plane import PlaneError
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.numerics import Array
 
 _ALIKE = 1e-9

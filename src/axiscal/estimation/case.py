@@ -20,10 +20,12 @@ from axiscal.error_model.actual import MovedErrors
 from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import of_rests, volume_moments
+from axiscal.estimate.problem import Inherited
+from axiscal.estimate.sizes import Kind, Sizes
+from axiscal.estimate.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
-from axiscal.inference.scales import Scale, Scales, all_scales, wanted
 from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
@@ -45,13 +47,6 @@ _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
 _MOSTLY = 0.5
 Columns = tuple[int, int, int]
-
-
-class Inherited(NamedTuple):
-    """What an earlier campaign leaves as the prior of the errors: mean (size,), covariance (size, size)."""
-
-    mean: Array
-    covariance: Array
 
 
 class Rival(NamedTuple):
@@ -89,14 +84,11 @@ class Case:
         return alone or (self,)
 
     @cached_property
-    def variable(self) -> tuple[Scale, ...]:
-        """The scales that the description asks to be learnt; where the prior was inherited only noises and rests.
-
-        What an earlier campaign knew of the curves is more than their size and smoothness, and stays.
-        """
-        machine, setups = self.description.machine, self.description.setups
-        scales = all_scales(machine, setups) if self.description.scales_estimated else wanted(machine)
-        return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
+    def sizes(self) -> Sizes:
+        """The sizes that readings may teach."""
+        described = self.description
+        may = Learnable(described.sure, described.usual, self.inherited is not None)
+        return sizes_of(described.machine, described.setups, may)
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""
@@ -120,9 +112,10 @@ class Case:
             seconds[list(numbers)] = ways_there + reading_seconds(setup)
         return seconds
 
-    def rescaled(self, scales: Scales) -> Case:
-        """Return the case with priors and noise as learnt."""
-        machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
+    def rescaled(self, sizes: Mapping[tuple[Kind, str], float]) -> Case:
+        """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
+        machine = rescaled_machine(self.description.machine, sizes)
+        setups = rescaled_setups(self.description.setups, sizes)
         return self._plain(replace(self.description, machine=machine, setups=setups))
 
     @property

@@ -13,8 +13,9 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.mounted_anew import with_mounted
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.carried_over import carried_over
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import is_type_text, rivals, type_prior

@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 
 from axiscal.error_model.model import ErrorModel
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.carried_over import carried_over
-from axiscal.estimation.case import Inherited, Rival
+from axiscal.estimation.case import Rival
 from axiscal.exceptions import InputError, RecordError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.numerics import Array

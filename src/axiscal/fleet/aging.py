@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.fleet.wearing import Wearing
 from axiscal.inference.sisters.belonging import Moments, log_evidence
 from axiscal.inference.sisters.data_equation import DataEquation

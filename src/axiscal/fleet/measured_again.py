@@ -8,7 +8,8 @@ from dataclasses import replace
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
-from axiscal.estimation.case import Case, Inherited
+from axiscal.estimate.problem import Inherited
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import PlanError
 from axiscal.planning.proposal import proposed
@@ -25,7 +26,7 @@ def again(known: Estimation) -> CampaignDescription:
 def case_again(described: CampaignDescription, prior: Inherited) -> Case:
     """Return the case of a machine of which so much is known; readings and minutes end it no more."""
     target = replace(described.target, readings=None, budget=None)
-    plain = replace(described, prior_text="", sisters=None, doubt=None, target=target, scales_estimated=False)
+    plain = replace(described, prior_text="", sisters=None, doubt=None, target=target, sure="exactly", usual=False)
     return Case(plain, prior)
 
 

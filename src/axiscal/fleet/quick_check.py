@@ -18,7 +18,7 @@ from axiscal.compensation.effect import Control
 from axiscal.description.campaign import CampaignDescription
 from axiscal.design.plan.task import Limits
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import RecordError
 from axiscal.fleet.crash_places import showing_crashes

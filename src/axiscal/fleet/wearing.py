@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import TypePrior, individual, is_type_text, over, type_prior
 from axiscal.fleet.sister_records import other_machine

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.case import Inherited
+from axiscal.estimate.problem import Inherited
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.fleet.aging import Aging

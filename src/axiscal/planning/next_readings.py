@@ -180,7 +180,7 @@ def learns_together(case: Case) -> bool:
     single curves, by scales that nobody knows, teach that badly.
     """
     planes = {plane.name for plane in case.errors.planes}
-    return any(scale.kind == "std" and scale.owner in planes for scale in case.variable)
+    return any(size.kind == "together" and planes & {*size.owners} for size in case.sizes.of)
 
 
 def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
