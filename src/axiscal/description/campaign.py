@@ -171,7 +171,7 @@ def _described(
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
     usual = table.usual == "on"
-    machine = usual_machine(machine) if usual else machine
+    machine = usual_machine(machine, setups) if usual else machine
     source = str(document.path)
     active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
     sisters = sisters_named(table.sisters, document)

@@ -63,6 +63,7 @@ REVERSAL_VARIES = Cause(
     "reversal that varies", "machine", "side times Matérn-5/2, 0.2 of the travel", 0.27, "std of the reversal", 3.0,
     "0.21, 0.24, 0.35 of measured reversals",
 )  # fmt: skip
+PITCH = Cause("pitch", "machine", "one sine for each stated period", 0.02, "std of the error", 4.0, "assumption")
 TOGETHER = Cause(
     "two linear axes together", "machine", "product of Matérn-5/2, half of each travel", 0.15,
     "larger std of both axes' errors", 3.0, "maps: what is missed falls to 0.81",
@@ -82,5 +83,5 @@ BAD = Cause(
 )  # fmt: skip
 
 CAUSES = (
-    SMOOTH, LENGTH, ROUGH, REST, REVERSAL, REVERSAL_VARIES, TOGETHER, DRIFT, CYCLE, GROWTH, NOISE, BAD
+    SMOOTH, LENGTH, ROUGH, REST, REVERSAL, REVERSAL_VARIES, PITCH, TOGETHER, DRIFT, CYCLE, GROWTH, NOISE, BAD
 )  # fmt: skip

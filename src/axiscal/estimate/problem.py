@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.model import ErrorFunction, ErrorModel, Term
+from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.prior import distances, matern, matern_by_length
 from axiscal.estimate.passing import passing_columns
 from axiscal.estimate.sizes import Kind, Sizes
@@ -78,6 +79,41 @@ class Curves:
 
 
 @dataclass(frozen=True, eq=False)
+class PlaneUnknowns:
+    """The products of one error of two axes, whose lengths go by one factor; as `Curves` with one member.
+
+    columns : (1, c); length_at : (1,)
+    """
+
+    columns: NDArray[np.intp]
+    plane: PlaneError
+    length_at: NDArray[np.intp]
+
+    def roots(self, theta: Array) -> Array:
+        """Return L with L Lᵀ the prior at the lengths, (1, c, c)."""
+        covariance = self.plane.prior(self.plane.entry.std, self._stretch(theta))
+        covariance[np.diag_indices_from(covariance)] *= 1 + _NUGGET
+        root: Array = np.linalg.cholesky(covariance)[None]
+        return root
+
+    def bends(self, theta: Array, roots: Array) -> Array:
+        """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
+        slope = sum(self.plane.prior_by_length(self.plane.entry.std, self._stretch(theta), side) for side in (0, 1))
+        half = np.linalg.solve(roots[0], slope)
+        result: Array = np.linalg.solve(roots[0], half.T)[None]
+        return result
+
+    def _stretch(self, theta: Array) -> tuple[float, float]:
+        factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
+        first, second = self.plane.entry.stretch
+        return first * factor, second * factor
+
+
+Bent = Curves | PlaneUnknowns
+"""Columns whose prior depends on a length."""
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
     """rows : (m, p) over the noise, priors without a length applied; values : (m,) over the noise, prior mean taken off
 
@@ -97,7 +133,7 @@ class Problem:
     groups: NDArray[np.intp]
     sizes: Sizes
     size_at: NDArray[np.intp]
-    curves: tuple[Curves, ...]
+    curves: tuple[Bent, ...]
     roots: tuple[tuple[int, Array], ...]
     answered: int
     mean: Array
@@ -230,14 +266,14 @@ class _Builder:
 
     def errors(
         self, rows: Array, start: int
-    ) -> tuple[Array, NDArray[np.intp], tuple[Curves, ...], tuple[tuple[int, Array], ...]]:
+    ) -> tuple[Array, NDArray[np.intp], tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
         """Return the answered columns, fixed priors applied; the number of their θ; curves; and fixed roots.
 
         start : where they begin among all columns
         """
         count = self._model.size + len(self.observation.unknowns)
         own, size_at, roots = rows[:, :count].copy(), np.full(count, -1, dtype=np.intp), list[tuple[int, Array]]()
-        by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Curves]()
+        by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Bent]()
         if self.inherited is not None:
             roots.append((0, eigen_root(self.inherited.covariance)))
         else:
@@ -247,6 +283,9 @@ class _Builder:
                 entry = entries.get(term.name)
                 if isinstance(term, ErrorFunction) and entry is not None and _has_length(term, entry):
                     by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
+                elif isinstance(term, PlaneError) and (length := self.sizes.index("length", term.name)) >= 0:
+                    columns = np.arange(term.columns.start, term.columns.stop)[None] + start
+                    curves.append(PlaneUnknowns(columns, term, np.array([length])))
                 else:
                     roots.append((term.columns.start, eigen_root(term.covariance)))
         stds = [unknown.std for unknown in self.observation.unknowns]

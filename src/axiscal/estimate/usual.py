@@ -4,26 +4,64 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimate.model import CYCLE, DRIFT, GROWTH, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE, TOGETHER
+from axiscal.estimate.model import CYCLE, DRIFT, GROWTH, LENGTH, NOISE, PITCH, REST, REVERSAL, ROUGH, SURE, TOGETHER
 from axiscal.estimate.sizes import Kind, Size, Sizes
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Sure
-from axiscal.machine.plane_entry import PlaneEntry
+from axiscal.machine.plane_entry import PlaneEntry, side_name
 from axiscal.measurement.setup import Setup
 
 _LENGTH = 0.25
 """Of the travel: the length of an error of which none is stated."""
+_TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.5
+"""Knots, and length as a share of the travel, along each side of what two axes do together."""
 
 
-def usual_machine(machine: Machine) -> Machine:
-    """Return the machine with the usual length of each curve, and with its rough part."""
-    errors = tuple(_as_usual(entry, machine.axis(entry.axis)) for entry in machine.errors)
-    return replace(machine, errors=errors, planes=tuple(_rough_plane(entry) for entry in machine.planes))
+def usual_machine(machine: Machine, setups: Sequence[Setup]) -> Machine:
+    """Return the machine with what usually goes wrong in it.
+
+    Each curve has its usual length and its rough part, each stated period a wave, and two linear axes that move in one
+    set-up an error of both together.
+    """
+    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in machine.errors]
+    stated = {entry.name for entry in errors}
+    waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
+    planes = [_rough_plane(entry) for entry in machine.planes]
+    known = {frozenset((entry.component, *entry.axes)) for entry in planes}
+    together = [plane for plane in _together(machine, setups) if frozenset((plane.component, *plane.axes)) not in known]
+    return replace(machine, errors=(*errors, *waves), planes=(*planes, *together))
+
+
+def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
+    """Yield the wave of a screw, scale or rack whose period is stated with the curve."""
+    if entry.period is not None and entry.kind == "motion" and not entry.harmonics:
+        yield ErrorEntry(f"{entry.name}_pitch", PITCH.size * entry.std, period=entry.period, harmonics=1)
+
+
+def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]:
+    """Yield what pairs of linear axes do together that move in one set-up."""
+    pairs = dict.fromkeys(
+        pair for setup in setups for pair in combinations([k for k in setup.moves if not machine.axes[k].rotary], 2)
+    )
+    stds = {entry.name: entry.std for entry in machine.errors if entry.kind == "motion"}
+    for pair in pairs:
+        axes = [machine.axes[k] for k in pair]
+        for component in range(3):
+            names = [side_name(component, axis.name) for axis in axes]
+            std = max((stds[name] for name in names if name in stds), default=0.0)
+            if std:
+                sides = [
+                    ErrorEntry(name, 1.0, knots=_TOGETHER_KNOTS, length=_TOGETHER_LENGTH * axis.length)
+                    for name, axis in zip(names, axes, strict=True)
+                ]
+                name = f"{side_name(component, axes[0].name)}{axes[1].name}"
+                yield PlaneEntry(name, component, TOGETHER.size * std, (sides[0], sides[1]), usual=True)
 
 
 def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
@@ -68,26 +106,31 @@ def sizes_of(machine: Machine, setups: Sequence[Setup], may: Learnable) -> Sizes
 
 def _of_errors(machine: Machine, sure: Sure) -> Iterator[Size]:
     """Yield the factors on sizes and lengths of errors."""
-    for kind, most in (("std", SURE["roughly"]), ("length", LENGTH.factor), ("reversal", REVERSAL.factor)):
-        groups = dict[tuple[object, ...], list[str]]()
+    kinds: tuple[tuple[Kind, float], ...] = (
+        ("std", SURE["roughly"]), ("length", LENGTH.factor), ("reversal", REVERSAL.factor)
+    )  # fmt: skip
+    for kind, most in kinds:
+        groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
         for entry in machine.errors:
-            known = entry.sure or sure
-            if known != "exactly" and (key := _alike(entry, kind, machine)) is not None:
-                groups.setdefault((known, *key), []).append(entry.name)
-        for (known, *_), names in groups.items():
-            yield Size(kind, tuple(names), float(np.log(min(SURE[known], most))))  # type: ignore[arg-type,index]
+            key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or sure], most)
+            if key is not None and factor > 1:
+                groups.setdefault((factor, key), []).append(entry.name)
+        for (factor, _), names in groups.items():
+            yield Size(kind, tuple(names), float(np.log(factor)))
     if machine.planes and sure != "exactly":
         yield Size("together", tuple(entry.name for entry in machine.planes), TOGETHER.spread)
+        if stated := tuple(entry.name for entry in machine.planes if not entry.usual and entry.std):
+            yield Size("length", stated, LENGTH.spread)
 
 
-def _alike(entry: ErrorEntry, kind: str, machine: Machine) -> tuple[bool, ...] | None:
+def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] | None:
     """Return what errors have in common that share a size of a kind; None where an error has no such size."""
     rotary = machine.axis(entry.axis).rotary
     if entry.kind != ("reversal" if kind == "reversal" else "motion"):
         return None
     if kind == "length":
         return (rotary,) if entry.length is not None else None
-    return (rotary, entry.parts.angular)
+    return (rotary, entry.parts.angular, entry.harmonics > 0)
 
 
 def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
@@ -108,10 +151,15 @@ def rescaled_machine(machine: Machine, sizes: Mapping[tuple[Kind, str], float]) 
             entry,
             std=entry.std * sizes.get(("together", entry.name), 1.0),
             rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
+            stretch=_times(entry.stretch, sizes.get(("length", entry.name), 1.0)),
         )
         for entry in machine.planes
     )
     return replace(machine, errors=errors, planes=planes)
+
+
+def _times(stretch: tuple[float, float], factor: float) -> tuple[float, float]:
+    return stretch[0] * factor, stretch[1] * factor
 
 
 def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], float]) -> ErrorEntry:

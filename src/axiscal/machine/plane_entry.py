@@ -15,6 +15,7 @@ class PlaneEntry:
     name : "EZXY"; component : 0…5; std : m or rad, of a plane that held its axes' own curves as well; 0 for a rest only
     sides : knots and correlation lengths along each axis, as of an error of std 1
     rest : of cells of the plane, m or rad; rest_estimated : it is to be learnt from the readings
+    usual : nobody stated it, it is what two axes usually do together; then its lengths stay
     stretch : factor on the length along each axis that readings have taught; the splines stay those as stated
     """
 
@@ -26,6 +27,7 @@ class PlaneEntry:
     rest_estimated: bool = False
     line: int | None = None
     stretch: tuple[float, float] = (1.0, 1.0)
+    usual: bool = False
 
     @property
     def axes(self) -> tuple[str, str]:
